@@ -1,0 +1,1 @@
+//! Facts about the part before planning: channel width, twist, noisy data.

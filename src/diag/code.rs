@@ -1,0 +1,55 @@
+//! Stable diagnostic codes. The pages that `impellerc explain` prints stand beside the codes in [`super::codes`].
+
+use std::fmt;
+
+/// The manual entry of a diagnostic.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// `IMP` and four digits; the first two tell the stage.
+    pub id: &'static str,
+    /// Few words that name the fault.
+    pub title: &'static str,
+    /// What it means, why it matters at the machine, an example, the way out.
+    pub page: &'static str,
+}
+
+/// A stable code: a reference to its manual entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code(pub &'static Entry);
+
+impl Code {
+    /// The code's text, such as `IMP0203`.
+    pub fn id(self) -> &'static str {
+        self.0.id
+    }
+
+    /// The code with this text.
+    pub fn find(id: &str) -> Option<Self> {
+        Self::all().find(|c| c.id().eq_ignore_ascii_case(id))
+    }
+
+    /// All codes, by stage.
+    pub fn all() -> impl Iterator<Item = Self> {
+        super::codes::STAGES.iter().flat_map(|stage| stage.iter().copied())
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.id)
+    }
+}
+
+/// Declares the codes of one stage: `NAME = "IMP0101", "title", "page";`.
+#[macro_export]
+macro_rules! codes {
+    ($($name:ident = $id:literal, $title:literal, $page:expr;)*) => {
+        $(
+            #[doc = concat!($id, ": ", $title)]
+            pub const $name: $crate::diag::Code =
+                $crate::diag::Code(&$crate::diag::code::Entry { id: $id, title: $title, page: $page });
+        )*
+        /// All codes of this stage.
+        pub const ALL: &[$crate::diag::Code] = &[$($name),*];
+    };
+}

@@ -1,0 +1,3 @@
+//! Codes IMP09xx.
+
+crate::codes! {}

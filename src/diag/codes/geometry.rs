@@ -1,0 +1,3 @@
+//! Codes IMP03xx.
+
+crate::codes! {}

@@ -1,0 +1,3 @@
+//! Codes IMP02xx.
+
+crate::codes! {}

@@ -1,0 +1,3 @@
+//! Codes IMP06xx.
+
+crate::codes! {}

@@ -1,0 +1,27 @@
+//! The codes of each stage with their manual pages. The number tells the stage: `01` text, `02` job, `03` geometry,
+//! `04` planning, `05` orientation, `06` kinematics, `07` verification, `08` post, `09` files and our own faults.
+
+use super::Code;
+
+pub mod files;
+pub mod geometry;
+pub mod job;
+pub mod kinematics;
+pub mod orientation;
+pub mod planning;
+pub mod post;
+pub mod syntax;
+pub mod verification;
+
+/// The stages in the order of their numbers.
+pub const STAGES: &[&[Code]] = &[
+    syntax::ALL,
+    job::ALL,
+    geometry::ALL,
+    planning::ALL,
+    orientation::ALL,
+    kinematics::ALL,
+    verification::ALL,
+    post::ALL,
+    files::ALL,
+];

@@ -1,0 +1,3 @@
+//! Codes IMP05xx.
+
+crate::codes! {}

@@ -1,0 +1,3 @@
+//! Codes IMP04xx.
+
+crate::codes! {}

@@ -1,0 +1,3 @@
+//! Codes IMP08xx.
+
+crate::codes! {}

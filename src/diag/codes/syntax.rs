@@ -1,0 +1,3 @@
+//! Codes IMP01xx.
+
+crate::codes! {}

@@ -1,0 +1,3 @@
+//! Codes IMP07xx.
+
+crate::codes! {}

@@ -1,0 +1,74 @@
+//! B-spline basis functions on the stack (Wei 1; Piegl and Tiller, The NURBS Book, A2.1 and A2.2).
+
+/// Largest degree of the kernel; stack arrays have one more place.
+pub const MAX_DEGREE: usize = 3;
+
+/// Basis functions that do not vanish at a parameter, with first and second derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Basis {
+    /// Index of the first control point that they weight.
+    pub first: usize,
+    /// `values[k][j]`: derivative of order k of function `first + j`.
+    pub values: [[f64; MAX_DEGREE + 1]; 3],
+}
+
+/// Index i of the knot span with `knots[i] <= u < knots[i + 1]`, clamped to the domain.
+pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
+    let last = knots.len() - degree - 2;
+    if u >= knots[last + 1] {
+        return last;
+    }
+    let inner = &knots[degree..=last];
+    // The first knot above u, less one; at least the first span.
+    degree + inner.partition_point(|k| *k <= u).saturating_sub(1)
+}
+
+/// Functions of one degree at `u` in span `i`: entry j weights control point i - degree + j.
+fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [f64; MAX_DEGREE + 1] {
+    let mut n = [0.0; MAX_DEGREE + 1];
+    n[0] = 1.0;
+    for d in 1..=degree {
+        let mut saved = 0.0;
+        for j in 0..d {
+            let right = knots[i + 1 + j];
+            let left = knots[i + 1 + j - d];
+            let width = right - left;
+            let term = if width > 0.0 { n[j] / width } else { 0.0 };
+            n[j] = saved + (right - u) * term;
+            saved = (u - left) * term;
+        }
+        n[d] = saved;
+    }
+    n
+}
+
+/// One differentiation step: from functions of `degree - 1` to the derivative of those of `degree`.
+fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1]) -> [f64; MAX_DEGREE + 1] {
+    let mut d = [0.0; MAX_DEGREE + 1];
+    for j in 0..degree {
+        // Function j of the lower degree belongs to control index i - degree + 1 + j.
+        let k = i + 1 + j - degree;
+        let width = knots[k + degree] - knots[k];
+        if width > 0.0 {
+            let term = degree as f64 * lower[j] / width;
+            d[j] -= term;
+            d[j + 1] += term;
+        }
+    }
+    d
+}
+
+/// Basis functions at `u` with derivatives up to `order` (at most 2); higher ones stay zero.
+pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
+    let i = span(knots, degree, u);
+    let mut values = [[0.0; MAX_DEGREE + 1]; 3];
+    values[0] = functions(knots, degree, i, u);
+    if order >= 1 && degree >= 1 {
+        values[1] = derive(knots, degree, i, &functions(knots, degree - 1, i, u));
+    }
+    if order >= 2 && degree >= 2 {
+        let lower = derive(knots, degree - 1, i, &functions(knots, degree - 2, i, u));
+        values[2] = derive(knots, degree, i, &lower);
+    }
+    Basis { first: i - degree, values }
+}

@@ -1,0 +1,137 @@
+//! NURBS curves (Wei 1).
+
+use super::GeomError;
+use super::basis::{self, MAX_DEGREE};
+use nalgebra::{Point3, Vector3, Vector4};
+
+/// A NURBS curve of degree 1 to 3 on [0, 1] (clamped knots).
+#[derive(Clone, Debug, PartialEq)]
+pub struct NurbsCurve {
+    degree: usize,
+    knots: Vec<f64>,
+    /// Homogeneous control points (w x, w y, w z, w).
+    control: Vec<Vector4<f64>>,
+    rational: bool,
+}
+
+/// Point and derivatives by the parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveDerivatives {
+    /// C(u).
+    pub point: Point3<f64>,
+    /// C'(u).
+    pub first: Vector3<f64>,
+    /// C''(u).
+    pub second: Vector3<f64>,
+}
+
+impl NurbsCurve {
+    /// A curve from control points, weights and knots.
+    ///
+    /// # Errors
+    /// Anything that would make evaluation undefined, see [`GeomError`].
+    pub fn try_new(
+        degree: usize,
+        knots: Vec<f64>,
+        points: &[Point3<f64>],
+        weights: Option<&[f64]>,
+    ) -> Result<Self, GeomError> {
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(GeomError::Degree(degree));
+        }
+        if points.len() < degree + 1 {
+            return Err(GeomError::TooFewPoints { given: points.len(), needed: degree + 1 });
+        }
+        if let Some(i) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
+            return Err(GeomError::NotFinite(i));
+        }
+        let ascending = knots.windows(2).all(|k| k[0] <= k[1]);
+        let finite = knots.iter().all(|k| k.is_finite());
+        if knots.len() != points.len() + degree + 1 || !finite || !ascending || knots[degree] >= knots[points.len()] {
+            return Err(GeomError::Knots);
+        }
+        if let Some(weights) = weights {
+            if weights.len() != points.len() {
+                return Err(GeomError::TooFewPoints { given: weights.len(), needed: points.len() });
+            }
+            if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+                return Err(GeomError::Weight(i));
+            }
+        }
+        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+        let control =
+            points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect::<Vec<_>>();
+        let rational = control.iter().any(|c| c.w != 1.0);
+        Ok(Self { degree, knots, control, rational })
+    }
+
+    /// Degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Knots, clamped.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// Homogeneous control points (w x, w y, w z, w).
+    pub fn control(&self) -> &[Vector4<f64>] {
+        &self.control
+    }
+
+    /// Ends of the parameter.
+    pub fn domain(&self) -> [f64; 2] {
+        [self.knots[self.degree], self.knots[self.control.len()]]
+    }
+
+    /// Point at a parameter of the domain.
+    pub fn point(&self, u: f64) -> Point3<f64> {
+        let basis = basis::evaluate(&self.knots, self.degree, u, 0);
+        let mut sum = Vector4::zeros();
+        for (c, n) in self.control[basis.first..].iter().zip(&basis.values[0][..=self.degree]) {
+            sum += c * *n;
+        }
+        Point3::from(if self.rational { sum.xyz() / sum.w } else { sum.xyz() })
+    }
+
+    /// Point, first and second derivative at a parameter of the domain.
+    pub fn derivatives(&self, u: f64) -> CurveDerivatives {
+        let basis = basis::evaluate(&self.knots, self.degree, u, 2);
+        let mut sums = [Vector4::zeros(); 3];
+        for j in 0..=self.degree {
+            let c = &self.control[basis.first + j];
+            for (sum, n) in sums.iter_mut().zip(&basis.values) {
+                *sum += c * n[j];
+            }
+        }
+        let [a, b, c] = sums;
+        if !self.rational {
+            return CurveDerivatives { point: Point3::from(a.xyz()), first: b.xyz(), second: c.xyz() };
+        }
+        // Quotient rule on the homogeneous curve (The NURBS Book, 4.8).
+        let point = a.xyz() / a.w;
+        let first = (b.xyz() - point * b.w) / a.w;
+        let second = (c.xyz() - first * (2.0 * b.w) - point * c.w) / a.w;
+        CurveDerivatives { point: Point3::from(point), first, second }
+    }
+
+    /// The same, continued along the end tangents outside of the domain.
+    pub fn derivatives_extended(&self, u: f64) -> CurveDerivatives {
+        let [lo, hi] = self.domain();
+        let inside = u.clamp(lo, hi);
+        let mut d = self.derivatives(inside);
+        if u != inside {
+            d.point += d.first * (u - inside);
+            d.second = Vector3::zeros();
+        }
+        d
+    }
+
+    /// Curvature 1/mm at a parameter (Xu 1).
+    pub fn curvature(&self, u: f64) -> f64 {
+        let d = self.derivatives(u);
+        let speed = d.first.norm();
+        if speed > 0.0 { d.first.cross(&d.second).norm() / speed.powi(3) } else { 0.0 }
+    }
+}

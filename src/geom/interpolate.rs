@@ -1,0 +1,135 @@
+//! Curves through points: chord length parameters (Wei 14), averaged knots (16), banded solve (15).
+
+use super::basis::{self, MAX_DEGREE};
+use super::{GeomError, NurbsCurve};
+use nalgebra::{Point3, Vector3};
+
+/// Chord length parameters of data points on [0, 1] (Wei 14).
+///
+/// # Errors
+/// Fewer than two points, a coordinate that is not finite, or neighbours that coincide.
+pub fn chord_parameters(points: &[Point3<f64>]) -> Result<Vec<f64>, GeomError> {
+    if points.len() < 2 {
+        return Err(GeomError::TooFewPoints { given: points.len(), needed: 2 });
+    }
+    if let Some(i) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
+        return Err(GeomError::NotFinite(i));
+    }
+    let mut sum = 0.0;
+    let mut parameters = vec![0.0];
+    for (i, pair) in points.windows(2).enumerate() {
+        let chord = (pair[1] - pair[0]).norm();
+        if chord <= 0.0 {
+            return Err(GeomError::CoincidentPoints(i));
+        }
+        if !chord.is_finite() {
+            return Err(GeomError::NotFinite(i));
+        }
+        sum += chord;
+        parameters.push(sum);
+    }
+    for p in &mut parameters {
+        *p /= sum;
+    }
+    if let Some(i) = parameters.windows(2).position(|p| p[0] >= p[1]) {
+        return Err(GeomError::CoincidentPoints(i));
+    }
+    if let Some(last) = parameters.last_mut() {
+        *last = 1.0;
+    }
+    Ok(parameters)
+}
+
+/// Averaged knots for interpolation at parameters (Wei 16).
+pub fn averaged_knots(parameters: &[f64], degree: usize) -> Vec<f64> {
+    let n = parameters.len();
+    let mut knots = vec![0.0; degree + 1];
+    for j in 1..n - degree {
+        knots.push(parameters[j..j + degree].iter().sum::<f64>() / degree as f64);
+    }
+    knots.extend(std::iter::repeat_n(1.0, degree + 1));
+    knots
+}
+
+/// The curve of a degree through data points (Wei 14 to 16).
+///
+/// # Errors
+/// Too few points for the degree, coincident or non-finite points, or a singular system.
+pub fn interpolate(points: &[Point3<f64>], degree: usize) -> Result<NurbsCurve, GeomError> {
+    if !(1..=MAX_DEGREE).contains(&degree) {
+        return Err(GeomError::Degree(degree));
+    }
+    if points.len() < degree + 1 {
+        return Err(GeomError::TooFewPoints { given: points.len(), needed: degree + 1 });
+    }
+    let parameters = chord_parameters(points)?;
+    let knots = averaged_knots(&parameters, degree);
+    let control = solve_banded(&knots, degree, &parameters, points)?;
+    NurbsCurve::try_new(degree, knots, &control, None)
+}
+
+/// Solves N P = Q by elimination inside the band. The matrix of a B-spline interpolation with averaged knots is
+/// totally positive, so elimination without pivoting is stable (de Boor and Pinkus 1977).
+fn solve_banded(
+    knots: &[f64],
+    degree: usize,
+    parameters: &[f64],
+    points: &[Point3<f64>],
+) -> Result<Vec<Point3<f64>>, GeomError> {
+    let n = points.len();
+    let width = 2 * degree + 1;
+    // Row i holds columns i - degree ..= i + degree.
+    let mut band = vec![0.0; n * width];
+    let mut right: Vec<Vector3<f64>> = points.iter().map(|p| p.coords).collect();
+    for (i, u) in parameters.iter().enumerate() {
+        let basis = basis::evaluate(knots, degree, *u, 0);
+        for j in 0..=degree {
+            let column = basis.first + j;
+            if basis.values[0][j] != 0.0 {
+                let offset = (column + degree).checked_sub(i).filter(|o| *o < width).ok_or(GeomError::Singular)?;
+                band[i * width + offset] = basis.values[0][j];
+            }
+        }
+    }
+    for k in 0..n {
+        let pivot = band[k * width + degree];
+        if pivot.abs() < f64::EPSILON {
+            return Err(GeomError::Singular);
+        }
+        for i in k + 1..(k + degree + 1).min(n) {
+            let factor = band[i * width + k + degree - i] / pivot;
+            if factor != 0.0 {
+                for column in k..(k + degree + 1).min(n) {
+                    band[i * width + column + degree - i] -= factor * band[k * width + column + degree - k];
+                }
+                let above = right[k];
+                right[i] -= above * factor;
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let mut value = right[k];
+        for column in k + 1..(k + degree + 1).min(n) {
+            value -= right[column] * band[k * width + column + degree - k];
+        }
+        right[k] = value / band[k * width + degree];
+    }
+    Ok(right.into_iter().map(Point3::from).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_through_its_points() {
+        let points: Vec<_> =
+            (0..9).map(|i| f64::from(i) * 0.7).map(|t| Point3::new(t.cos() * 9.0, t * t, t.sin() * 5.0)).collect();
+        for degree in 1..=3 {
+            let curve = interpolate(&points, degree).expect("valid data");
+            for (u, p) in chord_parameters(&points).expect("valid data").iter().zip(&points) {
+                assert!((curve.point(*u) - p).norm() < 1e-12);
+            }
+        }
+    }
+}

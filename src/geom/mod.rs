@@ -1,0 +1,53 @@
+//! NURBS curves and surfaces and what the compiler builds from them. Pure geometry in mm and radians: knows nothing
+//! of jobs, tools or diagnostics.
+
+pub mod basis;
+pub mod curve;
+pub mod interpolate;
+pub mod revolution;
+pub mod ruled;
+
+pub use curve::{CurveDerivatives, NurbsCurve};
+pub use interpolate::interpolate;
+pub use revolution::Revolution;
+pub use ruled::RuledSurface;
+
+/// Why a geometric entity cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GeomError {
+    /// Fewer points than the degree needs.
+    TooFewPoints {
+        /// Points given.
+        given: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// Two neighbouring data points coincide (index of the first).
+    CoincidentPoints(usize),
+    /// A coordinate, weight or knot is not a finite number (index).
+    NotFinite(usize),
+    /// Knots decrease or have the wrong count.
+    Knots,
+    /// A weight is not positive (index).
+    Weight(usize),
+    /// Degree outside 1..=3.
+    Degree(usize),
+    /// The system of equations has no solution.
+    Singular,
+}
+
+impl std::fmt::Display for GeomError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TooFewPoints { given, needed } => write!(f, "{given} points where at least {needed} are needed"),
+            Self::CoincidentPoints(i) => write!(f, "points {} and {} coincide", i + 1, i + 2),
+            Self::NotFinite(i) => write!(f, "value {} is not a finite number", i + 1),
+            Self::Knots => write!(f, "the knots decrease or have the wrong count"),
+            Self::Weight(i) => write!(f, "weight {} is not positive", i + 1),
+            Self::Degree(p) => write!(f, "degree {p} is not one of 1, 2, 3"),
+            Self::Singular => write!(f, "the interpolation has no unique solution"),
+        }
+    }
+}
+
+impl std::error::Error for GeomError {}

@@ -1,0 +1,67 @@
+//! Cutter contact plan: where each pass runs on the part, before the tool has an axis.
+
+use crate::ir::part::Side;
+use crate::ir::program::OperationId;
+use nalgebra::{Point3, Vector3};
+
+/// Passes of all operations.
+#[derive(Clone, Debug, Default)]
+pub struct CcPlan {
+    /// Operations in machining order.
+    pub operations: Vec<CcOperation>,
+}
+
+/// Passes of one operation.
+#[derive(Clone, Debug)]
+pub struct CcOperation {
+    /// Which one.
+    pub operation: OperationId,
+    /// Passes in cutting order.
+    pub passes: Vec<CcPass>,
+    /// Decisions worth reading: counts, steps, the laws behind them.
+    pub notes: Vec<String>,
+}
+
+/// One pass: a curve on what drives the tool.
+#[derive(Clone, Debug)]
+pub struct CcPass {
+    /// Name within the operation, such as `sector 1 layer 3 line 2`.
+    pub label: String,
+    /// Sector that it lies in.
+    pub sector: u32,
+    /// What drives it.
+    pub drive: Drive,
+    /// Stations in cutting order.
+    pub points: Vec<CcPoint>,
+}
+
+/// What drives the tool of a pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// The channel: the tip runs through its inside.
+    Channel,
+    /// The band of a vane face with this number, from 0 at the root.
+    Face {
+        /// Side of the vane.
+        side: Side,
+        /// Band.
+        strip: u32,
+    },
+    /// The hub.
+    Hub,
+}
+
+/// One station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CcPoint {
+    /// Along the channel from inlet (0) to outlet (1); outside of that on the lead.
+    pub u: f64,
+    /// From hub (0) to shroud (1).
+    pub v: f64,
+    /// Across the channel from its first wall (0) to its second (1); for a face, the upper end of the band instead.
+    pub w: f64,
+    /// Contact or drive point in the part frame.
+    pub position: Point3<f64>,
+    /// Outward normal of the drive surface there.
+    pub normal: Vector3<f64>,
+}

@@ -1,0 +1,1 @@
+//! Text form of the stage values, for `--emit` and the goldens.

@@ -1,0 +1,203 @@
+//! What is to be made, with what, on which machine, and what must hold: the job as geometry.
+
+use crate::collide::ToolSolid;
+use crate::entity::PrimaryMap;
+use crate::entity_id;
+use crate::geom::Revolution;
+use crate::ir::part::{Part, Side};
+use crate::kin::Machine;
+use crate::source::Span;
+use crate::units::{Mm, MmPerMin, Rpm};
+
+entity_id!(
+    /// A tool of the job.
+    ToolId,
+    "tool"
+);
+entity_id!(
+    /// An operation of the job, in machining order.
+    OperationId,
+    "op"
+);
+
+/// The lowered job.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// Name of the part; also the program name in the NC text.
+    pub name: String,
+    /// Design geometry.
+    pub part: Part,
+    /// Blank before the first operation.
+    pub stock: Stock,
+    /// Tools.
+    pub tools: PrimaryMap<ToolId, Tool>,
+    /// Operations in machining order.
+    pub operations: PrimaryMap<OperationId, Operation>,
+    /// What must hold.
+    pub contracts: Vec<Contract>,
+    /// Machine with the part mounted on its table.
+    pub machine: Machine,
+    /// Dialect to write.
+    pub post: PostChoice,
+    /// Tolerances of path making.
+    pub tolerances: Tolerances,
+    /// Least distance of shank and holder to the part that planning keeps.
+    pub clearance: Mm,
+}
+
+/// Tolerances of path making.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Largest distance between the planned and the interpolated tool, anywhere on the engaged cutter, in finishing.
+    pub chord: Mm,
+    /// The same in roughing.
+    pub chord_rough: Mm,
+}
+
+/// Turned blank: what the lathe left. The space between its outside and the part is what milling removes.
+#[derive(Clone, Debug)]
+pub struct Stock {
+    /// Outside, a closed-off profile in the meridian plane as (r, z) points from the bore over front, inlet, shroud
+    /// and outlet to the back; corners are sharp between the points.
+    pub profile: Vec<[f64; 2]>,
+    /// Surface over the vane tips: the shroud offset outward by the stock left over it.
+    pub over_shroud: Mm,
+    /// Radius of the bore.
+    pub bore_radius: Mm,
+    /// Height of the back face.
+    pub back: Mm,
+}
+
+/// A tool with its holder.
+#[derive(Clone, Debug)]
+pub struct Tool {
+    /// Name in the job.
+    pub name: String,
+    /// Number in the magazine.
+    pub number: u32,
+    /// Teeth.
+    pub flutes: u32,
+    /// Swept solid of cutter, shank and holder about the tool axis; zero is the tip.
+    pub solid: ToolSolid,
+    /// Its declaration.
+    pub span: Span,
+}
+
+/// One operation.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// Name, unique in the job; the keyword, with a number where it occurs again.
+    pub name: String,
+    /// What it does.
+    pub kind: OperationKind,
+    /// Its tool.
+    pub tool: ToolId,
+    /// Spindle speed.
+    pub speed: Rpm,
+    /// Feed of the tool tip along the part while cutting.
+    pub feed: MmPerMin,
+    /// Feed along the tool axis into and out of the channel, and of lead moves in air.
+    pub link_feed: MmPerMin,
+    /// Sectors to machine, from 0: vane k and the channel that follows it counter-clockwise.
+    pub sectors: Vec<u32>,
+    /// Length added before the first contact, along the path.
+    pub lead_in: Mm,
+    /// Length added after the last contact.
+    pub lead_out: Mm,
+    /// Its declaration.
+    pub span: Span,
+}
+
+/// Kind of an operation with what only this kind has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OperationKind {
+    /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
+    Groove {
+        /// Largest step between layers.
+        depth: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: Mm,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+    },
+    /// Inverted V lines on both sides of the groove (Wei 3.1.2).
+    Expand {
+        /// Largest step between layers.
+        depth: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: Mm,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+        /// Height left between neighbouring lines (h of formula 9).
+        residual: Mm,
+    },
+    /// Vane faces with the side of the cutter (Wei 3.2, formulas 10 to 12: `two-point`).
+    Flank {
+        /// Faces to finish.
+        faces: Vec<Side>,
+        /// Bands along the ruling.
+        strips: u32,
+    },
+    /// Hub between the vanes by streamlines (Wei 3.3).
+    Channel {
+        /// Scallop height between neighbouring lines.
+        scallop: Mm,
+    },
+}
+
+impl OperationKind {
+    /// Keyword in the job language.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Groove { .. } => "groove",
+            Self::Expand { .. } => "expand",
+            Self::Flank { .. } => "flank",
+            Self::Channel { .. } => "channel",
+        }
+    }
+
+    /// True for the operations that bring a surface to its final shape.
+    pub fn finishes(&self) -> bool {
+        matches!(self, Self::Flank { .. } | Self::Channel { .. })
+    }
+}
+
+/// A condition that stops the compilation when it does not hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contract {
+    /// What is measured.
+    pub kind: ContractKind,
+    /// The bound.
+    pub bound: Mm,
+    /// Its line in the job.
+    pub span: Span,
+}
+
+/// Quantity of a contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContractKind {
+    /// Depth of the deepest cut into a design surface, at most the bound.
+    Gouge,
+    /// Most material left on a design surface, at most the bound.
+    Excess,
+    /// Distance of shank and holder to the design part, at least the bound.
+    Clearance,
+    /// Most material that roughing leaves for the finishing operations, at most the bound.
+    Rest,
+}
+
+/// The dialect that the job asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PostChoice {
+    /// Name in the table of posts.
+    pub name: String,
+    /// Where the job names it; `None` when the command line does.
+    pub span: Option<Span>,
+}
+
+impl Program {
+    /// The surface over the vane tips.
+    pub fn shroud(&self) -> &Revolution {
+        &self.part.shroud
+    }
+}

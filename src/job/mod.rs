@@ -1,0 +1,1 @@
+//! The job: units as types, names resolved, every default explicit, libraries merged.

@@ -1,0 +1,56 @@
+//! A machine as numbers: axes, their limits, where the part sits.
+
+use nalgebra::{Point3, Vector3};
+
+/// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearAxis {
+    /// Least position.
+    pub min: f64,
+    /// Largest position.
+    pub max: f64,
+    /// Largest speed.
+    pub speed: f64,
+    /// Largest acceleration.
+    pub acceleration: f64,
+}
+
+/// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotaryAxis {
+    /// Least position.
+    pub min: f64,
+    /// Largest position.
+    pub max: f64,
+    /// Largest speed.
+    pub speed: f64,
+    /// Largest acceleration.
+    pub acceleration: f64,
+    /// +1 when the machine's word has the ISO sense, -1 when it has the opposite.
+    pub word_sign: f64,
+}
+
+/// A table-table machine with axes X Y Z A C.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Name of its file.
+    pub name: String,
+    /// X, Y, Z.
+    pub linear: [LinearAxis; 3],
+    /// A, about machine X.
+    pub tilt: RotaryAxis,
+    /// C, about machine Z at A = 0, carried by A.
+    pub turn: RotaryAxis,
+    /// A point of the A axis, machine frame.
+    pub tilt_point: Point3<f64>,
+    /// A point of the C axis at A = 0, machine frame.
+    pub turn_point: Point3<f64>,
+    /// Origin of the part at A = C = 0, machine frame.
+    pub part_origin: Vector3<f64>,
+    /// Least and largest spindle speed, rpm.
+    pub spindle: [f64; 2],
+    /// Speed of rapid moves of the tip that the planner assumes for times, mm/s.
+    pub rapid: f64,
+    /// What its file marks as assumed.
+    pub assumed: Vec<String>,
+}

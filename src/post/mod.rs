@@ -1,0 +1,1 @@
+//! Dialects: from a verified motion to NC text.

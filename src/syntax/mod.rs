@@ -1,0 +1,1 @@
+//! Text to syntax tree; nothing else knows the parser.

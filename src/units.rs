@@ -1,0 +1,83 @@
+//! Physical quantities as types. Inside the compiler a length is in millimetres, an angle in radians, a time in
+//! seconds, a feed in millimetres a minute; other units exist only in job text and NC text.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+macro_rules! quantity {
+    ($(#[$doc:meta])* $name:ident, $unit:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
+        #[serde(transparent)]
+        pub struct $name(pub f64);
+
+        impl $name {
+            /// The bare number, in the unit of the type.
+            pub const fn get(self) -> f64 {
+                self.0
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{} {}", trim(self.0, 6), $unit)
+            }
+        }
+    };
+}
+
+quantity!(
+    /// A length in millimetres.
+    Mm,
+    "mm"
+);
+quantity!(
+    /// A feed in millimetres a minute.
+    MmPerMin,
+    "mm/min"
+);
+quantity!(
+    /// A spindle speed in revolutions a minute.
+    Rpm,
+    "rpm"
+);
+quantity!(
+    /// A time in seconds.
+    Sec,
+    "s"
+);
+
+/// An angle in radians; it prints in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Rad(pub f64);
+
+impl Rad {
+    /// The bare number of radians.
+    pub const fn get(self) -> f64 {
+        self.0
+    }
+
+    /// An angle given in degrees.
+    pub fn from_deg(deg: f64) -> Self {
+        Self(deg.to_radians())
+    }
+
+    /// The angle in degrees.
+    pub fn deg(self) -> f64 {
+        self.0.to_degrees()
+    }
+}
+
+impl fmt::Display for Rad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} deg", trim(self.deg(), 6))
+    }
+}
+
+/// `value` with at most `decimals` decimals, without trailing zeros and without a negative zero.
+pub fn trim(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}

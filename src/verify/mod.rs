@@ -1,0 +1,1 @@
+//! Independent checks of a motion; the only maker of [`Verified`].
