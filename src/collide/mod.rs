@@ -1,5 +1,7 @@
 //! Distances between tool solids and part surfaces. Knows nothing of jobs, IR or diagnostics.
 
+pub mod cloud;
 pub mod tool;
 
+pub use cloud::{Cloud, CloudPoint};
 pub use tool::{Cutter, Section, ToolSolid};

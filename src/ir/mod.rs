@@ -13,6 +13,7 @@
 
 pub mod cc;
 pub mod cl;
+pub mod design;
 pub mod motion;
 pub mod part;
 pub mod print;

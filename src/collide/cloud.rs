@@ -1,0 +1,162 @@
+//! Sampled surfaces with a hierarchy, for the least distance of a tool to them.
+//!
+//! The hierarchy is parry's; bound and leaf are ours, because a tool is bounded far better by its own signed distance
+//! at the middle of a box than by its bounding box. This is the only file that names parry.
+
+use super::tool::tool_coordinates;
+use nalgebra::{Point3, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+
+/// A sample of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudPoint {
+    /// Position, part frame.
+    pub position: Point3<f64>,
+    /// Unit normal out of the material.
+    pub normal: Vector3<f64>,
+    /// Whatever the maker wants to know of a found point.
+    pub tag: u32,
+}
+
+/// Points that one leaf of the hierarchy holds: about as long to test as one box.
+const LEAF: usize = 8;
+
+/// Samples of surfaces, ordered in space.
+pub struct Cloud {
+    points: Vec<CloudPoint>,
+    tree: Bvh,
+}
+
+impl Cloud {
+    /// Builds the hierarchy.
+    pub fn new(mut points: Vec<CloudPoint>) -> Self {
+        order(&mut points);
+        let boxes: Vec<Aabb> = points
+            .chunks(LEAF)
+            .map(|chunk| {
+                let (mut low, mut high) = (chunk[0].position, chunk[0].position);
+                for p in chunk {
+                    low = low.inf(&p.position);
+                    high = high.sup(&p.position);
+                }
+                Aabb::new(Vector::new(low.x, low.y, low.z), Vector::new(high.x, high.y, high.z))
+            })
+            .collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), points }
+    }
+
+    /// The samples, in the order of the indices that queries return.
+    pub fn points(&self) -> &[CloudPoint] {
+        &self.points
+    }
+
+    /// Least value below `cutoff` of a signed tool distance over all samples, and the sample. `distance` takes the
+    /// distance from the tool axis and the height over the tip; it must not change faster than the point moves.
+    pub fn nearest(
+        &self,
+        tip: &Point3<f64>,
+        axis: &Vector3<f64>,
+        distance: impl Fn(f64, f64) -> f64,
+        cutoff: f64,
+    ) -> Option<(f64, usize)> {
+        self.least(
+            |p| {
+                let (rho, s) = tool_coordinates(p, tip, axis);
+                distance(rho, s)
+            },
+            cutoff,
+        )
+    }
+
+    /// Least value below `cutoff` of a function of the position that changes no faster than the position.
+    pub fn least(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> Option<(f64, usize)> {
+        let bound = |node: &BvhNode, _: f64| {
+            let centre = (node.mins() + node.maxs()) * 0.5;
+            let half = (node.maxs() - node.mins()) * 0.5;
+            value(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
+        };
+        let leaf = |chunk: u32, _: f64| {
+            let start = chunk as usize * LEAF;
+            let end = (start + LEAF).min(self.points.len());
+            let mut best: Option<(f64, usize)> = None;
+            for (i, p) in self.points[start..end].iter().enumerate() {
+                let d = value(&p.position);
+                if best.is_none_or(|b| d < b.0) {
+                    best = Some((d, start + i));
+                }
+            }
+            best.map(|(cost, index)| Found { cost, index })
+        };
+        self.tree.find_best(cutoff, bound, leaf).map(|(_, found)| (found.cost, found.index))
+    }
+}
+
+struct Found {
+    cost: f64,
+    index: usize,
+}
+
+impl parry3d_f64::partitioning::BvhLeafCost for Found {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+}
+
+/// Orders points so that each run of [`LEAF`] lies close together: halves along the longest side, again and again.
+fn order(points: &mut [CloudPoint]) {
+    if points.len() <= LEAF {
+        return;
+    }
+    let (mut low, mut high) = (points[0].position, points[0].position);
+    for p in points.iter() {
+        low = low.inf(&p.position);
+        high = high.sup(&p.position);
+    }
+    let axis = (high - low).imax();
+    // Whole leaves on the left, so that leaves never straddle a cut.
+    let middle = (points.len() / 2).div_ceil(LEAF) * LEAF;
+    points.select_nth_unstable_by(middle.min(points.len() - 1), |a, b| {
+        a.position[axis].total_cmp(&b.position[axis]).then(a.tag.cmp(&b.tag))
+    });
+    let (left, right) = points.split_at_mut(middle.min(points.len()));
+    order(left);
+    order(right);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equals_brute_force() {
+        // Points of a twisted sheet, a slanted ball-ended cylinder in front of it.
+        let points: Vec<CloudPoint> = (0..60 * 45)
+            .map(|k| (f64::from(k % 60) * 0.5, f64::from(k / 60) * 0.5))
+            .map(|(x, y)| CloudPoint {
+                position: Point3::new(x, y, 0.02 * x * y - 0.01 * x * x),
+                normal: Vector3::z(),
+                tag: 0,
+            })
+            .collect();
+        let cloud = Cloud::new(points.clone());
+        let ball = |rho: f64, s: f64| if s < 3.0 { rho.hypot(s - 3.0) - 3.0 } else { rho - 3.0 };
+        for k in 0..50 {
+            let t = f64::from(k) * 0.1;
+            let tip = Point3::new(5.0 + 3.0 * t, 10.0 * t.sin().abs(), 4.0 - t);
+            let axis = Vector3::new(t.sin(), 0.3 * t.cos(), 1.0).normalize();
+            let brute = points
+                .iter()
+                .map(|p| {
+                    let (rho, s) = tool_coordinates(&p.position, &tip, &axis);
+                    ball(rho, s)
+                })
+                .fold(f64::INFINITY, f64::min);
+            let found = cloud.nearest(&tip, &axis, ball, f64::INFINITY).unwrap();
+            assert_eq!(found.0, brute);
+        }
+        let far = Point3::new(0.0, 0.0, 500.0);
+        assert!(cloud.nearest(&far, &Vector3::z(), ball, 1.0).is_none());
+    }
+}

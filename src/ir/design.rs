@@ -1,0 +1,371 @@
+//! Samples of everything that the finished part is bounded by, with what each surface asks of the tool.
+//!
+//! | surface | extent |
+//! |---|---|
+//! | face | from the fillet (or the hub) to the shroud, along the ruling |
+//! | hub | between the fillets (or the vanes) of neighbouring vanes |
+//! | fillet | envelope of the rolling ball between its contacts with face and hub |
+//! | tip, edge | turned surfaces of the vanes: obstacles, not milled |
+
+use crate::collide::CloudPoint;
+use crate::geom::Revolution;
+use crate::ir::part::{Part, Side};
+use nalgebra::{Point3, Vector2, Vector3};
+
+/// What a design surface is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SurfaceKind {
+    /// A vane face.
+    Face(Side),
+    /// The fillet between a face and the hub.
+    Fillet(Side),
+    /// The hub in a channel.
+    Hub,
+    /// The turned tip of a vane.
+    Tip,
+    /// The turned inlet edge of a vane.
+    InletEdge,
+    /// The turned outlet edge of a vane.
+    OutletEdge,
+}
+
+/// A surface of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SurfaceId {
+    /// What it is.
+    pub kind: SurfaceKind,
+    /// Sector, from 0.
+    pub sector: u32,
+}
+
+impl SurfaceId {
+    /// True for the surfaces that milling makes.
+    pub fn milled(self) -> bool {
+        matches!(self.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_) | SurfaceKind::Hub)
+    }
+
+    /// A number for [`CloudPoint::tag`].
+    pub fn tag(self) -> u32 {
+        let kind = match self.kind {
+            SurfaceKind::Face(Side::Pressure) => 0,
+            SurfaceKind::Face(Side::Suction) => 1,
+            SurfaceKind::Fillet(Side::Pressure) => 2,
+            SurfaceKind::Fillet(Side::Suction) => 3,
+            SurfaceKind::Hub => 4,
+            SurfaceKind::Tip => 5,
+            SurfaceKind::InletEdge => 6,
+            SurfaceKind::OutletEdge => 7,
+        };
+        self.sector * 8 + kind
+    }
+}
+
+impl std::fmt::Display for SurfaceId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let sector = self.sector + 1;
+        match self.kind {
+            SurfaceKind::Face(side) => write!(f, "vane {sector} {} face", side.name()),
+            SurfaceKind::Fillet(side) => write!(f, "vane {sector} {} fillet", side.name()),
+            SurfaceKind::Hub => write!(f, "hub of channel {sector}"),
+            SurfaceKind::Tip => write!(f, "vane {sector} tip"),
+            SurfaceKind::InletEdge => write!(f, "vane {sector} inlet edge"),
+            SurfaceKind::OutletEdge => write!(f, "vane {sector} outlet edge"),
+        }
+    }
+}
+
+/// A sample of a design surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Surface.
+    pub surface: SurfaceId,
+    /// Position, part frame.
+    pub position: Point3<f64>,
+    /// Unit normal out of the material.
+    pub normal: Vector3<f64>,
+    /// Parameters: (u, v) of a face, (u, share of the arc) of a fillet, (u, share across) of the hub.
+    pub parameters: [f64; 2],
+    /// Area that it stands for, mm2.
+    pub area: f64,
+}
+
+impl Sample {
+    /// For the distance engine.
+    pub fn cloud_point(&self) -> CloudPoint {
+        CloudPoint { position: self.position, normal: self.normal, tag: self.surface.tag() }
+    }
+}
+
+impl Part {
+    /// v at which a ball of a radius, touching the face at (u, v) from outside, touches the hub too: the upper edge of
+    /// the fillet. `None` when there is no such place on the ruling. Sector 0.
+    pub fn fillet_tangent(&self, side: Side, u: f64, radius: f64) -> Option<f64> {
+        let face = self.face(side);
+        let gap = |v: f64| {
+            let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
+            self.hub.distance(&centre) - radius
+        };
+        // The ball sinks into the hub at the root and is clear of it at some height; a face that leans over the hub
+        // may need a start below the root.
+        let (mut low, mut high) = (-0.5, 1.0);
+        if gap(low) > 0.0 || gap(high) < 0.0 {
+            return None;
+        }
+        // 50 halvings of a ruling of some 100 mm end below rounding.
+        for _ in 0..50 {
+            let v = 0.5 * (low + high);
+            if gap(v) < 0.0 { low = v } else { high = v }
+        }
+        Some(0.5 * (low + high))
+    }
+
+    /// v at which the ruling of a face meets a surface of revolution, near `guess`. Sector 0.
+    pub fn ruling_meets(&self, side: Side, u: f64, surface: &Revolution, guess: f64) -> f64 {
+        let face = self.face(side);
+        let gap = |v: f64| surface.distance(&face.surface.point(u, v));
+        // Secant steps: the distance along a ruling is nearly linear.
+        let (mut a, mut b) = (guess, guess + 1e-3);
+        let (mut fa, mut fb) = (gap(a), gap(b));
+        for _ in 0..12 {
+            if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-12 {
+                break;
+            }
+            // A ruling that never meets the surface must not run away.
+            let next = (b - fb * (b - a) / (fb - fa)).clamp(guess - 0.5, guess + 0.5);
+            (a, fa) = (b, fb);
+            (b, fb) = (next, gap(next));
+        }
+        b
+    }
+}
+
+/// Samples all design surfaces of all sectors so that neighbours lie at most `spacing` apart, in a fixed order.
+pub fn sample(part: &Part, spacing: f64) -> Vec<Sample> {
+    let mut sector0 = Vec::new();
+    for side in [Side::Pressure, Side::Suction] {
+        sample_face(part, side, spacing, &mut sector0);
+        if let Some(radius) = part.fillet {
+            sample_fillet(part, side, radius.get(), spacing, &mut sector0);
+        }
+    }
+    sample_hub(part, spacing, &mut sector0);
+    sample_turned(part, spacing, &mut sector0);
+    let mut all = Vec::with_capacity(sector0.len() * part.vane_count as usize);
+    for sector in 0..part.vane_count {
+        let turn = part.sector_rotation(sector);
+        all.extend(sector0.iter().map(|s| Sample {
+            surface: SurfaceId { sector, ..s.surface },
+            position: turn * s.position,
+            normal: turn * s.normal,
+            ..*s
+        }));
+    }
+    all
+}
+
+/// Number of steps that keep a length below the spacing.
+fn steps(length: f64, spacing: f64) -> usize {
+    (length / spacing).ceil().max(1.0) as usize
+}
+
+/// Longest of both guides of a face.
+fn guide_length(part: &Part, side: Side) -> f64 {
+    let surface = &part.face(side).surface;
+    [0.0, 1.0]
+        .map(|v| {
+            (0..200)
+                .map(|i| (surface.point(f64::from(i + 1) / 200.0, v) - surface.point(f64::from(i) / 200.0, v)).norm())
+                .sum::<f64>()
+        })
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// Longest step of a guide at equal steps of u: parameters by chord length keep it near the mean, but not at it.
+const UNEVEN: f64 = 1.25;
+
+fn sample_face(part: &Part, side: Side, spacing: f64, out: &mut Vec<Sample>) {
+    let face = part.face(side);
+    let nu = steps(guide_length(part, side) * UNEVEN, spacing);
+    for i in 0..=nu {
+        let u = i as f64 / nu as f64;
+        let low = match part.fillet {
+            Some(radius) => part.fillet_tangent(side, u, radius.get()),
+            None => Some(part.ruling_meets(side, u, &part.hub, 0.0)),
+        };
+        let Some(low) = low else { continue };
+        let high = part.ruling_meets(side, u, &part.shroud, 1.0);
+        let (_, _, ruling) = face.surface.tangents(u, 0.0);
+        let nv = steps(ruling.norm() * (high - low), spacing);
+        for j in 0..=nv {
+            let v = low + (high - low) * j as f64 / nv as f64;
+            let (position, su, sv) = face.surface.tangents(u, v);
+            let weight = end_weight(i, nu) * end_weight(j, nv) / nu as f64 * (high - low) / nv as f64;
+            out.push(Sample {
+                surface: SurfaceId { kind: SurfaceKind::Face(side), sector: 0 },
+                position,
+                normal: face.normal(u, v),
+                parameters: [u, v],
+                area: su.cross(&sv).norm() * weight,
+            });
+        }
+    }
+}
+
+/// Trapezoidal weight of the first and last sample of a row.
+fn end_weight(i: usize, n: usize) -> f64 {
+    if i == 0 || i == n { 0.5 } else { 1.0 }
+}
+
+fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut Vec<Sample>) {
+    let face = part.face(side);
+    let nu = steps(guide_length(part, side) * UNEVEN, spacing);
+    for i in 0..=nu {
+        let u = i as f64 / nu as f64;
+        let Some(v) = part.fillet_tangent(side, u, radius) else { continue };
+        let to_face = -face.normal(u, v);
+        let centre = face.surface.point(u, v) - to_face * radius;
+        let to_hub = -hub_normal(part, &centre);
+        let angle = to_face.dot(&to_hub).clamp(-1.0, 1.0).acos();
+        let n = steps(angle * radius, spacing);
+        let width = guide_length_at(part, side, nu);
+        for j in 0..=n {
+            let share = j as f64 / n as f64;
+            // Great arc from the face contact to the hub contact.
+            let direction = if angle > 1e-9 {
+                (to_face * ((1.0 - share) * angle).sin() + to_hub * (share * angle).sin()) / angle.sin()
+            } else {
+                to_face
+            };
+            out.push(Sample {
+                surface: SurfaceId { kind: SurfaceKind::Fillet(side), sector: 0 },
+                position: centre + direction * radius,
+                normal: -direction,
+                parameters: [u, share],
+                area: width * angle * radius / n as f64 * end_weight(j, n) * end_weight(i, nu),
+            });
+        }
+    }
+}
+
+/// Mean distance of fillet rows.
+fn guide_length_at(part: &Part, side: Side, nu: usize) -> f64 {
+    let surface = &part.face(side).surface;
+    let length: f64 = (0..100)
+        .map(|i| (surface.point(f64::from(i + 1) / 100.0, 0.0) - surface.point(f64::from(i) / 100.0, 0.0)).norm())
+        .sum();
+    length / nu as f64
+}
+
+/// Normal of the hub at the foot of a point.
+fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
+    let r = at.x.hypot(at.y);
+    let (u, _) = part.hub.closest(Vector2::new(r, at.z));
+    let n = part.hub.meridian_normal(u);
+    Vector3::new(n.x * at.x / r, n.x * at.y / r, n.y)
+}
+
+/// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
+fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
+    const ROWS: usize = 400;
+    let face = part.face(side);
+    let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
+    for i in 0..=ROWS {
+        let u = i as f64 / ROWS as f64;
+        let at = match part.fillet {
+            Some(radius) => match part.fillet_tangent(side, u, radius.get()) {
+                Some(v) => face.surface.point(u, v) + face.normal(u, v) * radius.get(),
+                None => continue,
+            },
+            None => face.surface.point(u, part.ruling_meets(side, u, &part.hub, 0.0)),
+        };
+        let (hub_u, _) = part.hub.closest(Vector2::new(at.x.hypot(at.y), at.z));
+        let mut azimuth = at.y.atan2(at.x);
+        if let Some(last) = border.last() {
+            azimuth -= std::f64::consts::TAU * ((azimuth - last[1]) / std::f64::consts::TAU).round();
+        }
+        border.push([hub_u, azimuth]);
+    }
+    border
+}
+
+/// Azimuth of a border at a hub parameter, its ends continued level.
+fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
+    let i = border.partition_point(|p| p[0] <= u);
+    let (first, last) = (border.first()?, border.last()?);
+    if i == 0 {
+        return Some(first[1]);
+    }
+    let Some(q) = border.get(i) else { return Some(last[1]) };
+    let p = border[i - 1];
+    Some(p[1] + (q[1] - p[1]) * (u - p[0]) / (q[0] - p[0]).max(f64::MIN_POSITIVE))
+}
+
+fn sample_hub(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
+    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
+    let (a, b) = (hub_border(part, part.first_wall), hub_border(part, second));
+    let length: f64 = (0..200)
+        .map(|i| {
+            (part.hub.meridian(f64::from(i + 1) / 200.0).point - part.hub.meridian(f64::from(i) / 200.0).point).norm()
+        })
+        .sum();
+    let nu = steps(length * UNEVEN, spacing);
+    for i in 0..=nu {
+        let u = i as f64 / nu as f64;
+        let (Some(from), Some(to)) = (border_azimuth(&a, u), border_azimuth(&b, u)) else { continue };
+        let ahead = to - from;
+        let angle = ahead - std::f64::consts::TAU * (ahead / std::f64::consts::TAU).round() + part.pitch();
+        if angle <= 0.0 {
+            continue;
+        }
+        let m = part.hub.meridian(u);
+        let n = steps(angle * m.point.x, spacing);
+        for j in 0..=n {
+            let share = j as f64 / n as f64;
+            let azimuth = from + angle * share;
+            let weight = end_weight(i, nu) * end_weight(j, n);
+            out.push(Sample {
+                surface: SurfaceId { kind: SurfaceKind::Hub, sector: 0 },
+                position: part.hub.point(u, azimuth),
+                normal: part.hub.normal(u, azimuth),
+                parameters: [u, share],
+                area: m.first.norm() / nu as f64 * angle * m.point.x / n as f64 * weight,
+            });
+        }
+    }
+}
+
+/// Turned surfaces of the vane of sector 0: tip, inlet edge, outlet edge, spanned between its two faces.
+fn sample_turned(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
+    let (p, s) = (&part.vane.pressure, &part.vane.suction);
+    let mut span =
+        |kind: SurfaceKind, a: Point3<f64>, b: Point3<f64>, normal: Vector3<f64>, parameter: f64, step: f64| {
+            let n = steps((b - a).norm(), spacing);
+            for j in 0..=n {
+                let share = j as f64 / n as f64;
+                out.push(Sample {
+                    surface: SurfaceId { kind, sector: 0 },
+                    position: a + (b - a) * share,
+                    normal,
+                    parameters: [parameter, share],
+                    area: step * (b - a).norm() / n as f64,
+                });
+            }
+        };
+    let length = guide_length(part, Side::Pressure);
+    let nu = steps(length * UNEVEN, spacing);
+    for i in 0..=nu {
+        let u = i as f64 / nu as f64;
+        let (a, b) = (p.surface.point(u, 1.0), s.surface.point(u, 1.0));
+        span(SurfaceKind::Tip, a, b, p.surface.ruling(u), u, length / nu as f64);
+    }
+    for (kind, u) in [(SurfaceKind::InletEdge, 0.0), (SurfaceKind::OutletEdge, 1.0)] {
+        let (_, su, ruling) = p.surface.tangents(u, 0.5);
+        let outward = su.normalize() * if u > 0.5 { 1.0 } else { -1.0 };
+        let nv = steps(ruling.norm(), spacing);
+        for i in 0..=nv {
+            let v = i as f64 / nv as f64;
+            span(kind, p.surface.point(u, v), s.surface.point(u, v), outward, v, ruling.norm() / nv as f64);
+        }
+    }
+}
