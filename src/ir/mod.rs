@@ -21,8 +21,8 @@ pub mod program;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
-pub use motion::{JointMove, Motion};
-pub use part::{Face, Part, Side, Vane};
+pub use motion::{JointMove, Motion, MotionOperation};
+pub use part::{Face, Guides, Part, Side, Vane};
 pub use program::{
     Contract, ContractKind, Operation, OperationId, OperationKind, PostChoice, Program, Stock, Tolerances, Tool, ToolId,
 };

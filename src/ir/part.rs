@@ -1,8 +1,8 @@
 //! The design part: vanes, hub, shroud, fillets.
 
-use crate::geom::{Revolution, RuledSurface};
+use crate::geom::{NurbsCurve, Revolution, RuledSurface};
 use crate::units::Mm;
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// Side of a vane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -66,7 +66,53 @@ pub struct Part {
     pub first_wall: Side,
 }
 
+/// Root and tip curve of a face.
+#[derive(Clone, Debug)]
+pub struct Guides {
+    /// Curve at the hub.
+    pub root: NurbsCurve,
+    /// Curve at the shroud.
+    pub tip: NurbsCurve,
+}
+
 impl Part {
+    /// The part of a vane's guide curves, with hub and shroud turned from curves of the vane. Orientation of the faces
+    /// and the order of the walls are found from the geometry.
+    pub fn new(
+        vane_count: u32,
+        pressure: Guides,
+        suction: Guides,
+        hub: NurbsCurve,
+        shroud: NurbsCurve,
+        fillet: Option<Mm>,
+    ) -> Self {
+        let pressure = RuledSurface { root: pressure.root, tip: pressure.tip };
+        let suction = RuledSurface { root: suction.root, tip: suction.tip };
+        // A face points away from the other face of its vane.
+        let across = pressure.point(0.5, 0.5) - suction.point(0.5, 0.5);
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let orientation = [sign(pressure.normal(0.5, 0.5).dot(&across)), sign(-suction.normal(0.5, 0.5).dot(&across))];
+        let middle = |s: &RuledSurface| s.point(0.5, 0.5);
+        let (p, s) = (middle(&pressure), middle(&suction));
+        // The suction face is ahead (counter-clockwise) when the turn from pressure to suction is positive.
+        let first_wall = if p.x * s.y - p.y * s.x > 0.0 { Side::Suction } else { Side::Pressure };
+        let meridian = |q: nalgebra::Point3<f64>| Vector2::new(q.x.hypot(q.y), q.z);
+        let outside = meridian(pressure.point(0.5, 1.0));
+        // Beyond the tips by the height of the vane.
+        let beyond = meridian(pressure.point(0.5, 2.0));
+        Self {
+            vane_count,
+            hub: Revolution::new(hub, outside),
+            shroud: Revolution::new(shroud, beyond),
+            vane: Vane {
+                pressure: Face { surface: pressure, orientation: orientation[0] },
+                suction: Face { surface: suction, orientation: orientation[1] },
+            },
+            fillet,
+            first_wall,
+        }
+    }
+
     /// Angle between neighbouring vanes.
     pub fn pitch(&self) -> f64 {
         std::f64::consts::TAU / f64::from(self.vane_count)

@@ -68,6 +68,27 @@ pub struct Stock {
     pub back: Mm,
 }
 
+/// Pieces of the turned profile along the shroud: their chords stay within a micrometre of a vane's meridian.
+const SHROUD_PIECES: usize = 200;
+
+impl Stock {
+    /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud, to the outlet
+    /// radius, with a flat front face at the inlet of the hub.
+    pub fn turned(part: &Part, over: Mm, bore_radius: Mm, back: Mm) -> Self {
+        let hub = part.hub.meridian(0.0).point;
+        let mut profile = vec![[bore_radius.get(), back.get()], [bore_radius.get(), hub.y], [hub.x, hub.y]];
+        for i in 0..=SHROUD_PIECES {
+            let u = i as f64 / SHROUD_PIECES as f64;
+            let p = part.shroud.meridian(u).point + part.shroud.meridian_normal(u) * over.get();
+            profile.push([p.x, p.y]);
+        }
+        let outlet = part.hub.meridian(1.0).point.x.max(profile.last().map_or(0.0, |p| p[0]));
+        profile.push([outlet, part.hub.meridian(1.0).point.y]);
+        profile.push([outlet, back.get()]);
+        Self { profile, over_shroud: over, bore_radius, back }
+    }
+}
+
 /// A tool with its holder.
 #[derive(Clone, Debug)]
 pub struct Tool {

@@ -1,1 +1,25 @@
-//! From the program to the motion, one file a pass; the order stands in `pipeline`.
+//! From the program to the motion: one file a pass. The order, with a reason a line, stands in [`pipeline`].
+//!
+//! A pass never reads what a later one makes. Steps between types (`plan-*`, `orient-tool`, `solve-kinematics`) make
+//! a new value; the others improve the one that they are given.
+
+mod chart;
+mod layers;
+mod obstacles;
+
+pub mod assign_feeds;
+pub mod avoid_collision;
+pub mod link_moves;
+pub mod orient_tool;
+pub mod pipeline;
+pub mod plan_channel;
+pub mod plan_expand;
+pub mod plan_flank;
+pub mod plan_groove;
+pub mod sample_to_tolerance;
+pub mod scallop;
+pub mod solve_kinematics;
+pub mod step;
+pub mod time_feeds;
+
+pub use obstacles::Obstacles;

@@ -1,3 +1,16 @@
-//! Codes IMP04xx.
+//! Codes IMP04xx: planning of passes.
 
-crate::codes! {}
+crate::codes! {
+    NO_ROOM = "IMP0401", "the tool has no room in the first layer",
+        "A roughing operation begins at the shroud, or where earlier roughing ended. With its allowances, its shank and \
+its holder the tool does not fit into the channel even there, so the operation would do nothing.\n\n\
+Way out: a thinner tool, a longer reach, a slimmer holder, or smaller allowances.";
+    BALL_TOO_BIG = "IMP0402", "the ball is bigger than the fillet",
+        "The ball that finishes the root of a vane leaves a fillet of its own radius. A ball bigger than the declared \
+fillet leaves material where the design has none.\n\nExample: `fillet 2 mm` with a ball of 6 mm diameter.\n\n\
+Way out: a ball of at most twice the fillet radius in diameter, or a bigger fillet.";
+    NO_FILLET = "IMP0403", "the ball touches vane and hub nowhere",
+        "Along some ruling there is no place where a ball of this radius touches the face and the hub together: the \
+ruling is too short for the ball, or the face leans over the hub.\n\n\
+Way out: a smaller ball, or a smaller fillet.";
+}

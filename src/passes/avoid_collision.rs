@@ -1,0 +1,111 @@
+//! `avoid-collision`: tool, shank and holder clear of the part.
+//!
+//! Before: cutter locations with the axes that the geometry suggests. After: the same contacts; axes of channel
+//! finishing lean away from the nearer wall just as far as needed. Roughing lines were laid clear by their layers.
+//! An axis that no lean clears is an error with the place.
+
+use super::obstacles::{Keep, Obstacles};
+use super::orient_tool::hub_points;
+use super::pipeline::PassContext;
+use crate::collide::ToolSolid;
+use crate::diag::{Aborted, Diag, codes::orientation};
+use crate::ir::{CcPass, CcPlan, ClPlan, ClPoint, Drive, Operation, Program};
+use rayon::prelude::*;
+
+/// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
+const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
+
+/// Distance that the side of the cutter keeps from walls that its ball alone touches, mm.
+const SIDE_CLEARANCE: f64 = 0.1;
+
+/// Repairs axes, or says where it cannot.
+///
+/// # Errors
+/// A pass whose shank or holder comes nearer to the part than the clearance of the job.
+pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
+    let mut failed = false;
+    for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        let operation = &cx.program.operations[planned.operation];
+        let (program, obstacles) = (cx.program, cx.obstacles);
+        let repaired: Vec<Result<(Vec<ClPoint>, f64), (usize, f64)>> = planned
+            .passes
+            .par_iter()
+            .zip(&oriented.passes)
+            .map(|(cc, cl)| repair(program, obstacles, operation, cc, &cl.points))
+            .collect();
+        let mut steepest = 0.0_f64;
+        for (result, pass) in repaired.into_iter().zip(&mut oriented.passes) {
+            match result {
+                Ok((points, lean)) => {
+                    steepest = steepest.max(lean);
+                    pass.points = points;
+                }
+                Err((index, distance)) => {
+                    failed = true;
+                    let tool = &cx.program.tools[operation.tool];
+                    let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
+                    cx.sink.push(
+                        Diag::error(
+                            orientation::COLLISION,
+                            format!(
+                                "`{}`: {} comes within {distance:.2} mm of the part; {:.2} mm are asked for",
+                                operation.name,
+                                tool.name,
+                                cx.program.clearance.get()
+                            ),
+                        )
+                        .label(operation.span, "in this operation")
+                        .label(tool.span, "with this tool")
+                        .place(pass.label.clone(), at)
+                        .help("take a longer reach, a slimmer holder, or a thinner shank"),
+                    );
+                }
+            }
+        }
+        if steepest > 0.0 {
+            oriented.notes.push(format!("axes lean away from the nearer wall by up to {steepest} deg at the wall"));
+        }
+    }
+    if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Clear points of a pass with the lean they took, or the worst place and distance.
+fn repair(
+    program: &Program,
+    obstacles: &Obstacles,
+    operation: &Operation,
+    cc: &CcPass,
+    points: &[ClPoint],
+) -> Result<(Vec<ClPoint>, f64), (usize, f64)> {
+    let solid = &program.tools[operation.tool].solid;
+    let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
+    let side_free = cc.drive == Drive::Hub;
+    let worst = |points: &[ClPoint]| {
+        points
+            .iter()
+            .enumerate()
+            .filter_map(|(i, p)| blocked(obstacles, solid, p, &keep, side_free).map(|d| (i, d)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    if cc.drive != Drive::Hub {
+        return match worst(points) {
+            None => Ok((points.to_vec(), 0.0)),
+            Some((i, lack)) => Err((i, lack + keep.clearance)),
+        };
+    }
+    let mut last = (0, 0.0);
+    for lean in LEANS {
+        let candidate = hub_points(program, operation, cc, lean.to_radians());
+        match worst(&candidate) {
+            None => return Ok((candidate, lean)),
+            Some((i, lack)) => last = (i, lack + keep.clearance),
+        }
+    }
+    Err(last)
+}
+
+/// How much a tool lacks of its clearance, `None` when it lacks nothing. With `side_free` the cutter above its ball
+/// must be clear too.
+fn blocked(obstacles: &Obstacles, solid: &ToolSolid, p: &ClPoint, keep: &Keep, side_free: bool) -> Option<f64> {
+    obstacles.body_lack(solid, &p.tip, &p.axis, keep, side_free)
+}

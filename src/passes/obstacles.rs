@@ -1,0 +1,90 @@
+//! What the planner keeps the tool away from: sampled surfaces of the design part.
+
+use crate::collide::{Cloud, ToolSolid};
+use crate::ir::Part;
+use crate::ir::design::{self, SurfaceKind};
+use nalgebra::{Point3, Vector3};
+
+/// Spacing of the samples, mm.
+const SPACING: f64 = 0.4;
+
+/// Samples of a surface see the true distance of a tool a little too large: a sample lies at most d = 0.71 spacings
+/// beside the closest point, so that the distance g is overestimated by at most sqrt(g^2 + d^2) - g for a sharp edge
+/// and d^2 / 2R for a round one. The planner keeps this much more than it is asked for.
+const MARGIN: f64 = 0.05;
+
+/// Distances to keep, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct Keep {
+    /// Cutter to vanes and fillets.
+    pub vane: f64,
+    /// Cutter to the hub.
+    pub hub: f64,
+    /// Shank and holder to everything.
+    pub clearance: f64,
+}
+
+/// Sampled design surfaces.
+pub struct Obstacles {
+    walls: Cloud,
+    hub: Cloud,
+}
+
+impl Obstacles {
+    /// Samples all surfaces of the part.
+    pub fn new(part: &Part) -> Self {
+        let (mut walls, mut hub) = (Vec::new(), Vec::new());
+        for sample in design::sample(part, SPACING) {
+            match sample.surface.kind {
+                SurfaceKind::Hub => hub.push(sample.cloud_point()),
+                _ => walls.push(sample.cloud_point()),
+            }
+        }
+        Self { walls: Cloud::new(walls), hub: Cloud::new(hub) }
+    }
+
+    /// True when the tool keeps its distances to the hub.
+    pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let lack = |rho: f64, s: f64| {
+            (solid.cutter_distance(rho, s) - keep.hub).min(solid.body_distance(rho, s) - keep.clearance)
+        };
+        self.hub.nearest(tip, axis, lack, MARGIN).is_none()
+    }
+
+    /// True when the tool keeps its distances to vanes and fillets.
+    pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let lack = |rho: f64, s: f64| {
+            (solid.cutter_distance(rho, s) - keep.vane).min(solid.body_distance(rho, s) - keep.clearance)
+        };
+        self.walls.nearest(tip, axis, lack, MARGIN).is_none()
+    }
+
+    /// How far shank and holder are from their clearance to the part, where that is lacking; with `side_free` also the
+    /// side of the cutter, from a radius above the middle of its ball, from its own.
+    pub fn body_lack(
+        &self,
+        solid: &ToolSolid,
+        tip: &Point3<f64>,
+        axis: &Vector3<f64>,
+        keep: &Keep,
+        side_free: bool,
+    ) -> Option<f64> {
+        // Above this height the side of the cutter has left the ball behind.
+        let from = 2.0 * solid.cutter.tip_radius();
+        let lack = |rho: f64, s: f64| {
+            let body = solid.body_distance(rho, s) - keep.clearance;
+            if !side_free {
+                return body;
+            }
+            let side = solid.cutter_distance(rho, s.max(from)).max(0.0).hypot((from - s).max(0.0));
+            let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
+            body.min(side - keep.vane)
+        };
+        let walls = self.walls.nearest(tip, axis, lack, MARGIN);
+        let hub = self.hub.nearest(tip, axis, lack, MARGIN);
+        match (walls, hub) {
+            (Some(a), Some(b)) => Some(a.0.min(b.0)),
+            (a, b) => a.or(b).map(|x| x.0),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The order of the passes, with a reason a line.
+
+use super::layers::Roughing;
+use super::{
+    Obstacles, assign_feeds, avoid_collision, link_moves, orient_tool, plan_channel, plan_expand, plan_flank,
+    plan_groove, sample_to_tolerance, solve_kinematics, time_feeds,
+};
+use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
+
+/// What a pass may look at, and where it reports.
+pub(super) struct PassContext<'a> {
+    pub(super) program: &'a Program,
+    pub(super) obstacles: &'a Obstacles,
+    pub(super) sink: &'a mut Sink,
+}
+
+impl<'a> PassContext<'a> {
+    /// Room finder of a roughing operation.
+    pub(super) fn roughing(&mut self, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
+        Roughing::new(self.program, operation, self.obstacles).ok_or_else(|| {
+            self.sink.push(Diag::error(
+                planning::NO_ROOM,
+                format!("`{}` has no layers: it is no roughing operation", operation.name),
+            ));
+            Aborted
+        })
+    }
+}
+
+/// Values of the planning stages.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Contact or drive points.
+    pub cc: CcPlan,
+    /// Cutter locations with links and feeds.
+    pub cl: ClPlan,
+    /// Joint motion.
+    pub motion: Motion,
+}
+
+/// Name, meaning and reason of the place of each pass, in order.
+pub const PASSES: &[(&str, &str, &str)] = &[
+    ("plan-groove", "one line in the middle of each channel, layer by layer", "opens the channel for all others"),
+    ("plan-expand", "inverted V lines on both sides of the groove", "needs the level that the groove reached"),
+    ("plan-flank", "bands along the rulings of the vane faces", "drive surfaces only, no axis yet"),
+    ("plan-channel", "streamlines on the hub between the fillets", "drive surfaces only, no axis yet"),
+    ("orient-tool", "tip and axis of every station", "first value with an axis"),
+    ("avoid-collision", "axes turned until tool, shank and holder are clear", "needs axes; before anything is thinned"),
+    (
+        "sample-to-tolerance",
+        "stations that the machine's interpolation makes needless go",
+        "after the last change of an axis",
+    ),
+    ("link-moves", "ways between passes over a clearance sphere", "needs the final ends of all passes"),
+    ("assign-feeds", "process feeds", "needs the kinds of all moves"),
+    ("solve-kinematics", "joint positions, branch and winding", "first value with a machine"),
+    ("time-feeds", "feeds that the axes can follow, and times", "needs the joints of both ends of a move"),
+];
+
+/// Runs all passes.
+///
+/// # Errors
+/// Any pass that cannot do its work; all operations are tried before giving up, and the reasons are in the sink.
+pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
+    let obstacles = Obstacles::new(&program.part);
+    let mut cx = PassContext { program, obstacles: &obstacles, sink };
+    let cc = plan(&mut cx)?;
+    let mut cl = orient_tool::run(&mut cx, &cc)?;
+    avoid_collision::run(&mut cx, &cc, &mut cl)?;
+    sample_to_tolerance::run(program, &mut cl);
+    link_moves::run(&mut cx, &mut cl)?;
+    assign_feeds::run(program, &mut cl);
+    let mut motion = solve_kinematics::run(&mut cx, &cl)?;
+    time_feeds::run(program, &mut motion);
+    Ok(Plan { cc, cl, motion })
+}
+
+/// The `plan-*` passes, in the order of the operations. Roughing goes on from the level that earlier roughing of the
+/// same kind reached.
+fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
+    let (mut groove_level, mut expand_level) = (1.0, 1.0);
+    let mut cc = CcPlan::default();
+    let mut failed = false;
+    for (id, operation) in cx.program.operations.iter() {
+        let planned = match operation.kind {
+            OperationKind::Groove { .. } => plan_groove::plan(cx, id, operation, groove_level).map(|(plan, level)| {
+                groove_level = level;
+                plan
+            }),
+            OperationKind::Expand { .. } => plan_expand::plan(cx, id, operation, expand_level).map(|(plan, level)| {
+                expand_level = level;
+                plan
+            }),
+            OperationKind::Flank { .. } => plan_flank::plan(cx, id, operation),
+            OperationKind::Channel { .. } => plan_channel::plan(cx, id, operation),
+        };
+        match planned {
+            Ok(plan) => cc.operations.push(plan),
+            Err(Aborted) => failed = true,
+        }
+    }
+    if failed { Err(Aborted) } else { Ok(cc) }
+}

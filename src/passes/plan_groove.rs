@@ -1,0 +1,141 @@
+//! `plan-groove`: one line in the middle of each channel, layer by layer (Wei 3.1.1).
+//!
+//! Before: an operation. After: passes from inlet to outlet, one a layer, from the shroud down to the hub allowance or
+//! to the lowest layer that the tool can complete.
+
+use super::layers::{End, Layer, Roughing};
+use super::pipeline::PassContext;
+use super::step;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::interpolate;
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId};
+use nalgebra::Point3;
+
+/// Longest step of a roughing line, mm: the axis of the tool turns along the line too, and the law of the curvature
+/// does not see that.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Plans a groove operation from the level that earlier roughing reached (`top`); returns the level that it reaches.
+///
+/// # Errors
+/// The tool has no room in the first layer; the diagnostic is in the sink.
+pub(super) fn plan(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    top: f64,
+) -> Result<(CcOperation, f64), Aborted> {
+    let roughing = cx.roughing(operation)?;
+    let (layers, end) = roughing.layers(top);
+    let reached = check_room(cx, operation, &layers, &end, top)?;
+    let mut notes = vec![describe(&layers, &end, top)];
+    let mut line_lengths = 0;
+    let mut lines = Vec::new();
+    for layer in &layers {
+        let points: Vec<CcPoint> =
+            layer.stations.iter().map(|s| roughing.cc_point(s.u, layer.level, s.middle())).collect();
+        let points = restep(&roughing, layer.level, &points, cx.program.tolerances.chord_rough.get());
+        line_lengths += points.len();
+        lines.push((format!("layer {}", layer.number), points));
+    }
+    notes.push(format!("{line_lengths} stations a channel by the step law (6), {} lines", lines.len()));
+    let passes = per_sector(cx, operation, &lines);
+    Ok((CcOperation { operation: id, passes, notes }, reached))
+}
+
+/// The level that the layers reach; an error when there is none.
+pub(super) fn check_room(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    layers: &[Layer],
+    end: &End,
+    top: f64,
+) -> Result<f64, Aborted> {
+    let Some(last) = layers.last() else {
+        if let End::Narrow { level, u } = end {
+            let tool = &cx.program.tools[operation.tool];
+            let place = cx.program.part.face(cx.program.part.first_wall).surface.point(*u, *level);
+            cx.sink.push(
+                Diag::error(
+                    planning::NO_ROOM,
+                    format!(
+                        "tool {} has no room in the first layer of `{}`, {:.1} % over the hub",
+                        tool.name,
+                        operation.name,
+                        level * 100.0
+                    ),
+                )
+                .label(operation.span, "this operation starts there")
+                .label(tool.span, "this tool is too big for it")
+                .place(format!("channel at u = {u:.3}, from level {top:.3}"), place)
+                .help("take a thinner tool, a longer reach, or smaller allowances"),
+            );
+        }
+        return Err(Aborted);
+    };
+    Ok(last.level)
+}
+
+/// One line about the layers.
+pub(super) fn describe(layers: &[Layer], end: &End, top: f64) -> String {
+    let reached = layers.last().map_or(top, |l| l.level);
+    let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", layers.len(), top, reached);
+    match end {
+        End::Floor => format!("{range}: the hub allowance is reached"),
+        End::Narrow { level, u } => {
+            format!("{range}: at level {level:.3} the tool does not fit at u = {u:.3} with its allowances")
+        }
+    }
+}
+
+/// Puts stations of a line at steps from its curvature (Wei 4 to 7): a NURBS curve through the stations gives the
+/// curvature; the stations keep to the chart.
+pub(super) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], epsilon: f64) -> Vec<CcPoint> {
+    let positions: Vec<Point3<f64>> = points.iter().map(|p| p.position).collect();
+    // Data points a few millimetres apart carry the shape; all stations would carry the noise of the lifts.
+    let stride = (positions.len() / 16).max(1);
+    let mut data: Vec<Point3<f64>> = positions.iter().step_by(stride).copied().collect();
+    if (positions.len() - 1) % stride != 0 {
+        data.extend(positions.last());
+    }
+    let Ok(curve) = interpolate(&data, 3.min(data.len().saturating_sub(1))) else { return points.to_vec() };
+    let length: Vec<f64> = std::iter::once(0.0)
+        .chain(positions.windows(2).scan(0.0, |sum, p| {
+            *sum += (p[1] - p[0]).norm();
+            Some(*sum)
+        }))
+        .collect();
+    let total = length.last().copied().unwrap_or(0.0);
+    step::stations(&curve, epsilon, LONGEST_STEP)
+        .into_iter()
+        .map(|t| {
+            // Chord length parameter, so that it is the share of the length.
+            let at = t * total;
+            let i = length.partition_point(|l| *l < at).clamp(1, length.len() - 1);
+            let share = ((at - length[i - 1]) / (length[i] - length[i - 1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let mix = |a: f64, b: f64| a + (b - a) * share;
+            let (p, q) = (&points[i - 1], &points[i]);
+            roughing.cc_point(mix(p.u, q.u), level, mix(p.w, q.w))
+        })
+        .collect()
+}
+
+/// Turns the lines of sector 0 into the passes of all sectors of the operation, sector by sector.
+pub(super) fn per_sector(cx: &PassContext<'_>, operation: &Operation, lines: &[(String, Vec<CcPoint>)]) -> Vec<CcPass> {
+    let mut passes = Vec::new();
+    for sector in &operation.sectors {
+        let turn = cx.program.part.sector_rotation(*sector);
+        for (label, points) in lines {
+            passes.push(CcPass {
+                label: format!("sector {} {label}", sector + 1),
+                sector: *sector,
+                drive: Drive::Channel,
+                points: points
+                    .iter()
+                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
+                    .collect(),
+            });
+        }
+    }
+    passes
+}

@@ -1,0 +1,82 @@
+//! `sample-to-tolerance`: stations that the machine's own interpolation makes needless go.
+//!
+//! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, A and C
+//! linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
+
+use crate::ir::{ClPlan, ClPoint, OperationKind, Program};
+use crate::kin::{inverse, transform::axis_at};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Longest run of stations that one block may replace: bounds the work of the greedy search.
+const LONGEST_RUN: usize = 200;
+
+/// A station with its rotary angles.
+#[derive(Clone, Copy)]
+struct Station {
+    point: ClPoint,
+    a: f64,
+    c: f64,
+}
+
+/// Thins all passes.
+pub(super) fn run(program: &Program, cl: &mut ClPlan) {
+    for planned in &mut cl.operations {
+        let operation = &program.operations[planned.operation];
+        let solid = &program.tools[operation.tool].solid;
+        let (fine, coarse) = (program.tolerances.chord.get(), program.tolerances.chord_rough.get());
+        // Heights over the tip at which the tool is compared, with the tolerance there.
+        let heights: Vec<(f64, f64)> = match operation.kind {
+            OperationKind::Flank { .. } => {
+                vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
+            }
+            OperationKind::Channel { .. } => vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)],
+            OperationKind::Groove { .. } | OperationKind::Expand { .. } => {
+                vec![(0.0, coarse), (solid.flute_length, coarse)]
+            }
+        };
+        planned.passes.par_iter_mut().for_each(|pass| pass.points = thin(&pass.points, &heights));
+    }
+}
+
+fn thin(points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
+    let mut stations: Vec<Station> = Vec::with_capacity(points.len());
+    for point in points {
+        let before = stations.last().map_or(0.0, |s| s.c);
+        let [(a, c), _] = inverse(&point.axis, before);
+        stations.push(Station { point: *point, a, c: c - TAU * ((c - before) / TAU).round() });
+    }
+    let mut kept: Vec<ClPoint> = points.first().copied().into_iter().collect();
+    let mut from = 0;
+    while from + 1 < stations.len() {
+        let mut to = from + 1;
+        while to + 1 < stations.len() && to - from < LONGEST_RUN && replaces(&stations[from..=to + 1], heights) {
+            to += 1;
+        }
+        kept.push(stations[to].point);
+        from = to;
+    }
+    kept
+}
+
+/// True when the interpolation between the ends passes all stations in between within tolerance.
+fn replaces(run: &[Station], heights: &[(f64, f64)]) -> bool {
+    let [from, middle @ .., to] = run else { return true };
+    let chord = to.point.tip - from.point.tip;
+    let length = chord.norm_squared();
+    if length <= 0.0 {
+        return false;
+    }
+    middle.iter().all(|s| {
+        let t = (s.point.tip - from.point.tip).dot(&chord) / length;
+        if !(0.0..=1.0).contains(&t) {
+            return false;
+        }
+        let tip = from.point.tip + chord * t;
+        let axis = axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+        heights.iter().all(|(height, tolerance)| {
+            let gap = (tip - s.point.tip) + (axis - s.point.axis) * *height;
+            gap.norm_squared() <= tolerance * tolerance
+        })
+    })
+}

@@ -1,0 +1,45 @@
+//! Spacing of passes from the scallop height.
+
+/// Distance between passes of a ball on a flat surface that leaves ridges of height `h`: 2 sqrt(2 R h - h^2).
+pub fn flat_step(radius: f64, h: f64) -> f64 {
+    2.0 * (2.0 * radius * h - h * h).max(0.0).sqrt()
+}
+
+/// Step of Wei's formula (9), sqrt(2 R h): about half of the exact law for a ball.
+pub fn formula_9_step(radius: f64, h: f64) -> f64 {
+    (2.0 * radius * h).sqrt()
+}
+
+/// Exact distance, along the surface, between passes of a ball of this radius on a cylinder with this curvature across
+/// the feed (positive bulges out of the material), that leaves ridges of height `h`. Two balls that touch the circle
+/// of radius 1/curvature meet at the height h over it.
+pub fn curved_step(radius: f64, h: f64, curvature: f64) -> f64 {
+    // Below this the circle differs from a line by less than rounding over the width of a pass.
+    if curvature.abs() * radius < 1e-9 {
+        return flat_step(radius, h);
+    }
+    let rho = 1.0 / curvature;
+    // For a hollow surface rho is negative, and so are all lengths from its centre.
+    let (centre, ridge) = (rho + radius, rho + h);
+    let cos = (centre * centre + ridge * ridge - radius * radius) / (2.0 * centre * ridge);
+    2.0 * rho.abs() * cos.clamp(-1.0, 1.0).acos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curved_law_meets_the_flat_one_and_a_measured_ridge() {
+        assert!((curved_step(3.0, 0.012, 1e-6) - flat_step(3.0, 0.012)).abs() < 1e-5);
+        for rho in [20.0_f64, -20.0] {
+            let (radius, h) = (3.0, 0.01);
+            let half = curved_step(radius, h, 1.0 / rho) / (2.0 * rho.abs());
+            // Ball centre turned by half a step; where it cuts the middle line.
+            let c = rho + radius;
+            let (x, y) = (c * half.sin(), c * half.cos());
+            let ridge = y - (radius * radius - x * x).sqrt();
+            assert!((ridge - rho - h).abs() < 1e-9, "rho {rho}: {}", ridge - rho);
+        }
+    }
+}

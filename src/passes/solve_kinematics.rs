@@ -1,0 +1,184 @@
+//! `solve-kinematics`: joint positions, branch and winding of the rotary axes.
+//!
+//! Before: tip and axis of every move. After: joints. A pass with its approach and retract keeps one branch and runs
+//! without unwinding; branch and winding change only on the way over the clearance sphere, where the rotary axes turn
+//! evenly with the way.
+
+use super::pipeline::PassContext;
+use crate::diag::{Aborted, Diag, codes::kinematics};
+use crate::ir::motion::MotionOperation;
+use crate::ir::{ClMove, ClOperation, ClPlan, JointMove, Motion, MoveKind};
+use crate::kin::{Joints, Machine, RotaryAxis, inverse};
+use nalgebra::Point3;
+use std::f64::consts::TAU;
+
+/// Makes the motion.
+///
+/// # Errors
+/// A pass that no branch and winding keep within the travel of the axes.
+pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
+    let mut motion = Motion::default();
+    let mut failed = false;
+    let mut at = (0.0, 0.0);
+    for operation in &cl.operations {
+        let mut solved = MotionOperation {
+            operation: operation.operation,
+            labels: operation.passes.iter().map(|p| p.label.clone()).collect(),
+            moves: Vec::with_capacity(operation.moves.len()),
+        };
+        for run in contiguous(&operation.moves) {
+            match solve_run(&cx.program.machine, run, at) {
+                Ok(rotary) => {
+                    way_there(&cx.program.machine, run, at, &rotary, &mut solved.moves);
+                    at = rotary.last().copied().unwrap_or(at);
+                }
+                Err(reason) => {
+                    failed = true;
+                    report(cx, operation, run, &reason);
+                }
+            }
+        }
+        motion.operations.push(solved);
+    }
+    if failed { Err(Aborted) } else { Ok(motion) }
+}
+
+/// Splits the moves into runs: rapids of the way to a pass, then everything up to the next rapid.
+fn contiguous(moves: &[ClMove]) -> Vec<&[ClMove]> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for i in 1..=moves.len() {
+        let begins = i < moves.len() && moves[i].kind == MoveKind::Rapid && moves[i - 1].kind != MoveKind::Rapid;
+        if begins || i == moves.len() {
+            runs.push(&moves[start..i]);
+            start = i;
+        }
+    }
+    runs
+}
+
+/// Why no joints were found.
+struct OutOfTravel {
+    index: usize,
+    axis: &'static str,
+    value: f64,
+    range: [f64; 2],
+    unit: &'static str,
+}
+
+/// Rotary angles from the last rapid of a run to its end.
+fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
+    let first = run.iter().take_while(|m| m.kind == MoveKind::Rapid).count().saturating_sub(1);
+    let mut best: Option<(f64, Vec<(f64, f64)>)> = None;
+    let mut nearest_miss: Option<OutOfTravel> = None;
+    for branch in 0..2 {
+        let mut angles: Vec<(f64, f64)> = Vec::with_capacity(run.len() - first);
+        for m in &run[first..] {
+            let before = angles.last().map_or(at.1, |x| x.1);
+            let (a, c) = inverse(&m.to.axis, before)[branch];
+            angles.push((a, c - TAU * ((c - before) / TAU).round()));
+        }
+        let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x.1), h.max(x.1)));
+        // Whole turns that bring the run into the travel, those near the middle of the travel included.
+        let middle = 0.5 * (machine.turn.min.max(-1e3) + machine.turn.max.min(1e3));
+        let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
+        for turns in [0.0, shift, shift - TAU, shift + TAU] {
+            let moved: Vec<(f64, f64)> = angles.iter().map(|(a, c)| (*a, c + turns)).collect();
+            if let Some(miss) = out_of_travel(machine, &run[first..], &moved) {
+                if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
+                    nearest_miss = Some(OutOfTravel { index: miss.index + first, ..miss });
+                }
+                continue;
+            }
+            let cost = (moved[0].1 - at.1).abs() / machine.turn.speed + (moved[0].0 - at.0).abs() / machine.tilt.speed;
+            if best.as_ref().is_none_or(|b| cost < b.0) {
+                best = Some((cost, moved));
+            }
+        }
+    }
+    match (best, nearest_miss) {
+        (Some((_, angles)), _) => Ok(angles),
+        (None, Some(miss)) => Err(miss),
+        (None, None) => Ok(Vec::new()),
+    }
+}
+
+/// The first place where an axis leaves its travel.
+fn out_of_travel(machine: &Machine, run: &[ClMove], angles: &[(f64, f64)]) -> Option<OutOfTravel> {
+    let rotary = |index: usize, axis: &'static str, value: f64, limits: &RotaryAxis| {
+        (value < limits.min || value > limits.max).then(|| OutOfTravel {
+            index,
+            axis,
+            value: value.to_degrees(),
+            range: [limits.min.to_degrees(), limits.max.to_degrees()],
+            unit: "deg",
+        })
+    };
+    run.iter().zip(angles).enumerate().find_map(|(i, (m, (a, c)))| {
+        let linear = machine.joints(&m.to.tip, *a, *c).xyz;
+        rotary(i, "A", *a, &machine.tilt).or_else(|| rotary(i, "C", *c, &machine.turn)).or_else(|| {
+            ["X", "Y", "Z"].into_iter().enumerate().find_map(|(k, axis)| {
+                let limits = &machine.linear[k];
+                (linear[k] < limits.min || linear[k] > limits.max).then(|| OutOfTravel {
+                    index: i,
+                    axis,
+                    value: linear[k],
+                    range: [limits.min, limits.max],
+                    unit: "mm",
+                })
+            })
+        })
+    })
+}
+
+/// Appends the moves of a run: on the way over the sphere the rotary axes turn evenly with the length.
+fn way_there(machine: &Machine, run: &[ClMove], at: (f64, f64), rotary: &[(f64, f64)], out: &mut Vec<JointMove>) {
+    let Some(start) = rotary.first().copied() else { return };
+    let way = run.len() - rotary.len();
+    let length: Vec<f64> = std::iter::once(0.0)
+        .chain(run[..=way].windows(2).scan(0.0, |sum, w| {
+            *sum += (w[1].to.tip - w[0].to.tip).norm();
+            Some(*sum)
+        }))
+        .collect();
+    // The way begins at the end of the run before, whose tip is not in this run: count its first step as one more.
+    let step = if way > 0 { length[way] / way as f64 } else { 0.0 };
+    let total = length[way] + step;
+    let mut push = |m: &ClMove, (a, c): (f64, f64)| {
+        let joints: Joints = machine.joints(&m.to.tip, a, c);
+        out.push(JointMove { kind: m.kind, joints, feed: m.feed, time: 0.0, pass: m.pass });
+    };
+    for (i, m) in run[..way].iter().enumerate() {
+        let share = if total > 0.0 { (length[i] + step) / total } else { 1.0 };
+        push(m, (at.0 + (start.0 - at.0) * share, at.1 + (start.1 - at.1) * share));
+    }
+    for (m, angles) in run[way..].iter().zip(rotary) {
+        push(m, *angles);
+    }
+}
+
+fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[ClMove], miss: &OutOfTravel) {
+    let declared = &cx.program.operations[operation.operation];
+    let (label, tip) = run.get(miss.index).map_or((String::new(), Point3::origin()), |m| {
+        (operation.passes.get(m.pass as usize).map_or(String::new(), |p| p.label.clone()), m.to.tip)
+    });
+    cx.sink.push(
+        Diag::error(
+            kinematics::OUT_OF_TRAVEL,
+            format!(
+                "`{}` needs {} = {:.3} {unit}; the axis of {} goes from {:.3} to {:.3} {unit}",
+                declared.name,
+                miss.axis,
+                miss.value,
+                cx.program.machine.name,
+                miss.range[0],
+                miss.range[1],
+                unit = miss.unit
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .place(label, tip)
+        .note("both branches of A and all windings of C were tried")
+        .help("take a machine with more travel, or mount the part elsewhere on the table"),
+    );
+}

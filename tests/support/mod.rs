@@ -1,0 +1,169 @@
+//! Programs for tests, made without the job language.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(dead_code, unreachable_pub, reason = "each test uses its part")]
+
+use impellerc::collide::{Cutter, Section, ToolSolid};
+use impellerc::entity::PrimaryMap;
+use impellerc::geom::{NurbsCurve, interpolate};
+use impellerc::ir::{
+    Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, Side, Stock, Tolerances, Tool, ToolId,
+};
+use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
+use impellerc::source::Span;
+use impellerc::units::{Mm, MmPerMin, Rpm};
+use nalgebra::{Point3, Vector3};
+
+/// Wei et al. 2021, tables 1 and 2, mm.
+pub const TIP_PRESSURE: [[f64; 3]; 7] = [
+    [15.0578, -38.5221, 0.0],
+    [9.7506, -40.4552, -3.9523],
+    [4.9017, -41.9681, -8.5921],
+    [0.0, -43.9576, -13.7361],
+    [-2.3747, -47.3994, -18.7416],
+    [-4.8445, -52.5897, -22.4812],
+    [-7.3561, -58.6341, -24.5],
+];
+/// As above.
+pub const TIP_SUCTION: [[f64; 3]; 7] = [
+    [17.0533, -37.6813, 0.0],
+    [11.8545, -39.8895, -3.9523],
+    [7.0914, -41.6541, -8.5921],
+    [3.1003, -43.8554, -13.7361],
+    [0.1093, -47.4587, -18.7416],
+    [-2.0856, -52.7712, -22.4812],
+    [-4.2774, -58.9387, -24.5],
+];
+/// As above.
+pub const ROOT_PRESSURE: [[f64; 3]; 7] = [
+    [5.8562, -15.8937, -10.0],
+    [2.0282, -20.1342, -17.111],
+    [-0.6451, -25.5343, -23.7352],
+    [-2.3108, -32.8384, -28.6366],
+    [-3.5795, -41.2836, -31.355],
+    [-5.1602, -50.0458, -32.4837],
+    [-8.0303, -58.5456, -32.5],
+];
+/// As above.
+pub const ROOT_SUCTION: [[f64; 3]; 7] = [
+    [8.5272, -14.6354, -10.0],
+    [5.238, -19.5435, -17.0893],
+    [2.7895, -25.3057, -23.6533],
+    [1.1626, -32.7485, -28.5652],
+    [-0.2986, -41.2614, -31.3441],
+    [-1.6591, -50.1741, -32.478],
+    [-3.9268, -58.9631, -32.5],
+];
+
+/// Cubic curve through the points of a table.
+pub fn curve(points: &[[f64; 3]]) -> NurbsCurve {
+    let points: Vec<Point3<f64>> = points.iter().map(|p| Point3::new(p[0], p[1], p[2])).collect();
+    interpolate(&points, 3).unwrap()
+}
+
+/// The paper's part.
+pub fn wei_part(fillet: Option<f64>) -> Part {
+    Part::new(
+        8,
+        Guides { root: curve(&ROOT_PRESSURE), tip: curve(&TIP_PRESSURE) },
+        Guides { root: curve(&ROOT_SUCTION), tip: curve(&TIP_SUCTION) },
+        curve(&ROOT_PRESSURE),
+        curve(&TIP_PRESSURE),
+        fillet.map(Mm),
+    )
+}
+
+/// A/C double turntable in the class of the paper's machine.
+pub fn machine() -> Machine {
+    let linear = |half: f64| LinearAxis { min: -half, max: half, speed: 500.0, acceleration: 5000.0 };
+    let rotary = |min: f64, max: f64, rpm: f64| RotaryAxis {
+        min: min.to_radians(),
+        max: max.to_radians(),
+        speed: rpm * std::f64::consts::TAU / 60.0,
+        acceleration: 20.0,
+        word_sign: 1.0,
+    };
+    Machine {
+        name: "5mc850-c".to_owned(),
+        linear: [linear(400.0), linear(250.0), linear(350.0)],
+        tilt: rotary(-100.0, 100.0, 16.0),
+        turn: rotary(-180.0, 180.0, 30.0),
+        tilt_point: Point3::origin(),
+        turn_point: Point3::origin(),
+        part_origin: Vector3::new(0.0, 0.0, 80.0),
+        spindle: [100.0, 18000.0],
+        rapid: 500.0,
+        assumed: Vec::new(),
+    }
+}
+
+/// A tool with a cylindrical shank and a slim collet holder.
+pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> Tool {
+    let radius = cutter.radius_at(flute);
+    let section = |from: f64, to: f64, a: f64, b: f64| Section { from, to, radius_from: a, radius_to: b };
+    Tool {
+        name: name.to_owned(),
+        number,
+        flutes: 4,
+        solid: ToolSolid {
+            cutter,
+            flute_length: flute,
+            shank: vec![section(flute, reach, radius, radius)],
+            holder: vec![section(reach, reach + 20.0, 8.0, 11.0), section(reach + 20.0, reach + 60.0, 16.0, 20.0)],
+        },
+        span: Span::default(),
+    }
+}
+
+/// An operation with the settings of the paper's table 3 where they matter.
+pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32>, lead: f64) -> Operation {
+    Operation {
+        name: name.to_owned(),
+        kind,
+        tool,
+        speed: Rpm(8000.0),
+        feed: MmPerMin(250.0),
+        link_feed: MmPerMin(2000.0),
+        sectors,
+        lead_in: Mm(lead),
+        lead_out: Mm(lead),
+        span: Span::default(),
+    }
+}
+
+/// The paper's part with roughing and finishing on the given sectors.
+pub fn wei_program(sectors: &[u32]) -> Program {
+    let part = wei_part(Some(3.0));
+    let mut tools = PrimaryMap::new();
+    let t1: ToolId = tools.push(tool("t1", 1, Cutter::Flat { radius: 4.0 }, 30.0, 45.0));
+    let t2: ToolId = tools.push(tool("t2", 2, Cutter::Ball { radius: 3.0 }, 30.0, 42.0));
+    let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
+    let (vane, hub) = (Mm(0.2), Mm(0.5));
+    let groove = |depth: f64| OperationKind::Groove { depth: Mm(depth), allowance_vane: vane, allowance_hub: hub };
+    let expand = |depth: f64, residual: f64| OperationKind::Expand {
+        depth: Mm(depth),
+        allowance_vane: vane,
+        allowance_hub: hub,
+        residual: Mm(residual),
+    };
+    let sectors = sectors.to_vec();
+    operations.push(operation("groove", groove(3.0), t1, sectors.clone(), 12.0));
+    operations.push(operation("expand", expand(3.0, 1.4), t1, sectors.clone(), 12.0));
+    operations.push(operation("groove2", groove(1.5), t2, sectors.clone(), 12.0));
+    operations.push(operation("expand2", expand(1.5, 0.4), t2, sectors.clone(), 12.0));
+    let faces = vec![Side::Pressure, Side::Suction];
+    operations.push(operation("flank", OperationKind::Flank { faces, strips: 6 }, t2, sectors.clone(), 15.0));
+    operations.push(operation("channel", OperationKind::Channel { scallop: Mm(0.01) }, t2, sectors, 8.0));
+    Program {
+        name: "wei2021".to_owned(),
+        stock: Stock::turned(&part, Mm(0.0), Mm(5.0), Mm(-40.0)),
+        part,
+        tools,
+        operations,
+        contracts: Vec::new(),
+        machine: machine(),
+        post: PostChoice { name: "siemens-840d".to_owned(), span: None },
+        tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },
+        clearance: Mm(0.5),
+    }
+}
