@@ -72,3 +72,16 @@ pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     }
     Basis { first: i - degree, values }
 }
+
+/// True for ascending knots of the right count for `count` control points, clamped to [0, 1], no inner knot more
+/// than `degree` times (the curve would fall apart there).
+pub fn valid_knots(knots: &[f64], degree: usize, count: usize) -> bool {
+    knots.len() == count + degree + 1
+        && count > degree
+        && knots.iter().all(|k| k.is_finite())
+        && knots.windows(2).all(|k| k[0] <= k[1])
+        && knots[..=degree].iter().all(|k| *k == 0.0)
+        && knots[count..].iter().all(|k| *k == 1.0)
+        && knots[degree + 1..count].windows(degree + 1).all(|k| k[0] < k[degree])
+        && knots[degree + 1..count].iter().all(|k| 0.0 < *k && *k < 1.0)
+}

@@ -2,7 +2,15 @@
 
 use super::GeomError;
 use super::basis::{self, MAX_DEGREE};
-use nalgebra::{Point3, Vector3, Vector4};
+use nalgebra::{Point3, Rotation3, Vector3, Vector4};
+
+/// Positive nodes and weights of the rule of Gauss and Legendre with eight nodes on [-1, 1].
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
 
 /// A NURBS curve of degree 1 to 3 on [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +53,7 @@ impl NurbsCurve {
         if let Some(i) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
             return Err(GeomError::NotFinite(i));
         }
-        let ascending = knots.windows(2).all(|k| k[0] <= k[1]);
-        let finite = knots.iter().all(|k| k.is_finite());
-        if knots.len() != points.len() + degree + 1 || !finite || !ascending || knots[degree] >= knots[points.len()] {
+        if !basis::valid_knots(&knots, degree, points.len()) {
             return Err(GeomError::Knots);
         }
         if let Some(weights) = weights {
@@ -61,8 +67,44 @@ impl NurbsCurve {
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let control =
             points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect::<Vec<_>>();
+        if let Some(i) = control.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
+            return Err(GeomError::NotFinite(i));
+        }
+        Ok(Self::from_homogeneous(degree, knots, control))
+    }
+
+    /// A curve from parts that are known to fit: valid knots, finite control points, positive weights.
+    pub(super) fn from_homogeneous(degree: usize, knots: Vec<f64>, control: Vec<Vector4<f64>>) -> Self {
         let rational = control.iter().any(|c| c.w != 1.0);
-        Ok(Self { degree, knots, control, rational })
+        Self { degree, knots, control, rational }
+    }
+
+    /// True when a weight differs from one.
+    pub fn is_rational(&self) -> bool {
+        self.rational
+    }
+
+    /// The curve turned about Z (Wei 18).
+    #[must_use]
+    pub fn rotated(&self, angle: f64) -> Self {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+        let control = self.control.iter().map(|c| (turn * c.xyz()).push(c.w)).collect();
+        Self { degree: self.degree, knots: self.knots.clone(), control, rational: self.rational }
+    }
+
+    /// Length in mm between two parameters, by Gauss and Legendre with eight nodes on each knot span.
+    pub fn length(&self, from: f64, to: f64) -> f64 {
+        let (lo, hi, sign) = if from <= to { (from, to, 1.0) } else { (to, from, -1.0) };
+        let mut stops = vec![lo];
+        stops.extend(self.knots.iter().copied().filter(|k| lo < *k && *k < hi));
+        stops.push(hi);
+        stops.dedup();
+        let span = |a: f64, b: f64| {
+            let (mid, half) = (0.5 * (a + b), 0.5 * (b - a));
+            let speed = |u: f64| self.derivatives(u).first.norm();
+            half * GAUSS.iter().map(|(x, w)| w * (speed(mid - half * x) + speed(mid + half * x))).sum::<f64>()
+        };
+        sign * stops.windows(2).map(|s| span(s[0], s[1])).sum::<f64>()
     }
 
     /// Degree.
@@ -128,7 +170,7 @@ impl NurbsCurve {
         d
     }
 
-    /// Curvature 1/mm at a parameter (Xu 1).
+    /// Curvature 1/mm at a parameter (Wei 5 for a curve).
     pub fn curvature(&self, u: f64) -> f64 {
         let d = self.derivatives(u);
         let speed = d.first.norm();

@@ -44,7 +44,7 @@ pub fn chord_parameters(points: &[Point3<f64>]) -> Result<Vec<f64>, GeomError> {
 pub fn averaged_knots(parameters: &[f64], degree: usize) -> Vec<f64> {
     let n = parameters.len();
     let mut knots = vec![0.0; degree + 1];
-    for j in 1..n - degree {
+    for j in 1..n.saturating_sub(degree) {
         knots.push(parameters[j..j + degree].iter().sum::<f64>() / degree as f64);
     }
     knots.extend(std::iter::repeat_n(1.0, degree + 1));

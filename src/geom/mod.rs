@@ -2,15 +2,21 @@
 //! of jobs, tools or diagnostics.
 
 pub mod basis;
+pub mod curvature;
 pub mod curve;
 pub mod interpolate;
+pub mod knots;
+pub mod proximity;
 pub mod revolution;
 pub mod ruled;
+pub mod surface;
 
+pub use curvature::SurfaceCurvature;
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use interpolate::interpolate;
 pub use revolution::Revolution;
 pub use ruled::RuledSurface;
+pub use surface::{NurbsSurface, SurfaceDerivatives};
 
 /// Why a geometric entity cannot be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +32,7 @@ pub enum GeomError {
     CoincidentPoints(usize),
     /// A coordinate, weight or knot is not a finite number (index).
     NotFinite(usize),
-    /// Knots decrease or have the wrong count.
+    /// Knots decrease, have the wrong count, are not clamped to [0, 1] or leave a gap in the curve.
     Knots,
     /// A weight is not positive (index).
     Weight(usize),
@@ -34,6 +40,8 @@ pub enum GeomError {
     Degree(usize),
     /// The system of equations has no solution.
     Singular,
+    /// Two guide curves with different weight functions: the ruled surface between them has a higher degree.
+    GuideWeights,
 }
 
 impl std::fmt::Display for GeomError {
@@ -42,10 +50,11 @@ impl std::fmt::Display for GeomError {
             Self::TooFewPoints { given, needed } => write!(f, "{given} points where at least {needed} are needed"),
             Self::CoincidentPoints(i) => write!(f, "points {} and {} coincide", i + 1, i + 2),
             Self::NotFinite(i) => write!(f, "value {} is not a finite number", i + 1),
-            Self::Knots => write!(f, "the knots decrease or have the wrong count"),
+            Self::Knots => write!(f, "the knots are not an ascending clamped sequence on [0, 1] of the right count"),
             Self::Weight(i) => write!(f, "weight {} is not positive", i + 1),
             Self::Degree(p) => write!(f, "degree {p} is not one of 1, 2, 3"),
             Self::Singular => write!(f, "the interpolation has no unique solution"),
+            Self::GuideWeights => write!(f, "the guide curves have different weights"),
         }
     }
 }

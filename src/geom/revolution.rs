@@ -1,7 +1,7 @@
 //! Surfaces of revolution about Z, as the meridian of a generating curve.
 
-use super::NurbsCurve;
-use nalgebra::{Point3, Vector2, Vector3};
+use super::{NurbsCurve, NurbsSurface};
+use nalgebra::{Point3, Vector2, Vector3, Vector4};
 
 /// A curve turned about Z. The parameter u runs along the curve; in the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
@@ -25,7 +25,7 @@ pub struct Meridian {
 }
 
 /// Seeds of the closest point search: the meridian of a blade turns by about a right angle, so that each of 64 pieces
-/// turns by one or two degrees and Newton starts inside its basin.
+/// turns by one or two degrees and hides no second minimum.
 const SEEDS: usize = 64;
 
 impl Revolution {
@@ -52,9 +52,14 @@ impl Revolution {
         let inside = u.clamp(lo, hi);
         let d = self.generator.derivatives(inside);
         let r = d.point.x.hypot(d.point.y);
-        let dr = (d.point.x * d.first.x + d.point.y * d.first.y) / r;
-        let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
-        let ddr = (along - dr * dr) / r;
+        let (dr, ddr) = if r > 0.0 {
+            let dr = (d.point.x * d.first.x + d.point.y * d.first.y) / r;
+            let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
+            (dr, (along - dr * dr) / r)
+        } else {
+            // On the axis the radius grows with the speed across it.
+            (d.first.x.hypot(d.first.y), 0.0)
+        };
         let mut m = Meridian {
             point: Vector2::new(r, d.point.z),
             first: Vector2::new(dr, d.first.z),
@@ -104,36 +109,87 @@ impl Revolution {
     /// Parameter of the meridian point that is closest to (r, z), ends continued along their tangents, and the signed
     /// distance, positive out of the material.
     pub fn closest(&self, at: Vector2<f64>) -> (f64, f64) {
-        let mut best = (0, f64::INFINITY);
-        for (i, seed) in self.seeds.iter().enumerate() {
-            let d = (at - seed).norm_squared();
+        let square = |i: usize| (at - self.seeds[i]).norm_squared();
+        let mut best = (0.0, f64::INFINITY);
+        let mut take = |u: f64| {
+            let d = (at - self.meridian(u).point).norm_squared();
             if d < best.1 {
-                best = (i, d);
+                best = (u, d);
+            }
+        };
+        // Each seed that is nearer than its neighbours starts a search between them.
+        let mut before = f64::INFINITY;
+        let mut here = square(0);
+        for i in 0..=SEEDS {
+            let after = if i < SEEDS { square(i + 1) } else { f64::INFINITY };
+            if here <= before && here <= after {
+                take(self.stationary_near(at, i));
+            }
+            (before, here) = (here, after);
+        }
+        // The feet on both tangents that continue the ends.
+        for end in [0.0, 1.0] {
+            let m = self.meridian(end);
+            let foot = end + (at - m.point).dot(&m.first) / m.first.norm_squared();
+            if (end == 0.0 && foot < 0.0) || (end == 1.0 && foot > 1.0) {
+                take(foot);
             }
         }
+        let m = self.meridian(best.0);
+        let gap = at - m.point;
+        let side = gap.dot(&self.normal_2d(&m));
+        (best.0, gap.norm() * if side < 0.0 { -1.0 } else { 1.0 })
+    }
+
+    /// Parameter near a seed where the gap to a point is perpendicular to the meridian, or the end of the curve:
+    /// Newton inside the bracket of the neighbouring seeds, halving where it leaves it.
+    fn stationary_near(&self, at: Vector2<f64>, seed: usize) -> f64 {
         let step = 1.0 / SEEDS as f64;
-        let mut u = best.0 as f64 * step;
-        // Newton on (m - at) . m' = 0, steps bounded by the seed spacing inside; it converges in 3 to 5.
-        for _ in 0..20 {
+        let mut u = seed as f64 * step;
+        let (mut lo, mut hi) = ((u - step).max(0.0), (u + step).min(1.0));
+        for _ in 0..60 {
             let m = self.meridian(u);
             let gap = m.point - at;
-            let slope = m.first.norm_squared() + gap.dot(&m.second);
-            let newton = gap.dot(&m.first) / if slope > 0.0 { slope } else { m.first.norm_squared() };
-            let outside = !(0.0..=1.0).contains(&u) || !(0.0..=1.0).contains(&(u - newton));
-            let change = if outside { newton } else { newton.clamp(-step, step) };
-            u -= change;
-            if change.abs() < 1e-14 {
+            let slope = gap.dot(&m.first);
+            if slope > 0.0 {
+                hi = u;
+            } else {
+                lo = u;
+            }
+            let bend = m.first.norm_squared() + gap.dot(&m.second);
+            let newton = u - slope / bend;
+            let next = if bend > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
+            let change = (next - u).abs();
+            u = next;
+            if change < 1e-15 {
                 break;
             }
         }
-        let m = self.meridian(u);
-        let gap = at - m.point;
-        let side = gap.dot(&self.normal_2d(&m));
-        (u, gap.norm() * if side < 0.0 { -1.0 } else { 1.0 })
+        u
     }
 
     /// Signed distance of a point to the surface, positive out of the material.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
         self.closest(Vector2::new(p.x.hypot(p.y), p.z)).1
+    }
+
+    /// The whole surface as a NURBS surface: u along the generator, v once around, counter-clockwise from the
+    /// generator itself. The circle is the quadratic one with nine control points and weights 1, sqrt(1/2), ...
+    /// (Xu 15), turned about Z through each control point of the generator, which may be a space curve.
+    pub fn to_surface(&self) -> NurbsSurface {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let mut control = Vec::with_capacity(self.generator.control().len() * 9);
+        for c in self.generator.control() {
+            let (mut x, mut y) = (c.x, c.y);
+            for _ in 0..4 {
+                control.push(Vector4::new(x, y, c.z, c.w));
+                // The corner of the square around the circle, half way to the next quarter.
+                control.push(Vector4::new(x - y, x + y, c.z, c.w) * half);
+                (x, y) = (-y, x);
+            }
+            control.push(*c);
+        }
+        let circle = vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0];
+        NurbsSurface::from_homogeneous([self.generator.degree(), 2], [self.generator.knots().to_vec(), circle], control)
     }
 }

@@ -8,6 +8,7 @@ use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
+use nalgebra::Point3;
 
 entity_id!(
     /// A tool of the job.
@@ -43,6 +44,47 @@ pub struct Program {
     pub tolerances: Tolerances,
     /// Least distance of shank and holder to the part that planning keeps.
     pub clearance: Mm,
+    /// Points that the guide curves of the faces go through, for the check of the data.
+    pub data: Vec<DataCurve>,
+}
+
+/// The points of one guide curve as the job gives them, from inlet to outlet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataCurve {
+    /// Face that the curve bounds.
+    pub side: Side,
+    /// End of the rulings that it guides.
+    pub end: RulingEnd,
+    /// The points, each with its place in the text.
+    pub points: Vec<DataPoint>,
+}
+
+/// One data point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DataPoint {
+    /// Position in the part frame.
+    pub point: Point3<f64>,
+    /// Its place in the text, where there is one.
+    pub span: Option<Span>,
+}
+
+/// End of a ruling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RulingEnd {
+    /// At the hub.
+    Root,
+    /// At the shroud.
+    Tip,
+}
+
+impl RulingEnd {
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Root => "root",
+            Self::Tip => "tip",
+        }
+    }
 }
 
 /// Tolerances of path making.
