@@ -1,1 +1,235 @@
 //! Independent checks of a motion; the only maker of [`Verified`].
+//!
+//! The verifier shares the engines with the planner and nothing else. It knows joints, tools and the design; it asks
+//! what the tools do over continuous time, with forward kinematics only.
+//!
+//! | layer | question | where |
+//! |---|---|---|
+//! | V1 | is the motion well formed? | [`structure`] |
+//! | V2 | what do the swept cutters leave on every design surface? | [`surface`], [`sweep`] |
+//! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
+//! | | what does roughing leave? | [`rest`] |
+//! | V4 | are the axes within travel and speed? | [`machine`] |
+//!
+//! Not checked yet: stock removal block by block, acceleration.
+
+pub mod certificate;
+pub mod clearance;
+mod contracts;
+pub mod machine;
+pub mod rest;
+pub mod structure;
+pub mod surface;
+pub mod sweep;
+
+pub use certificate::Certificate;
+
+use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::diag::{Aborted, Diag, Sink, codes::verification};
+use crate::ir::design::{self, Sample};
+use crate::ir::{ContractKind, Motion, MoveKind, Program};
+use certificate::{OperationReport, describe};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use sweep::Sweep;
+
+/// Spacing of the samples of the design surfaces, mm.
+pub const SPACING: f64 = 0.25;
+
+/// Spacing of the samples of the turned stock, mm.
+const STOCK_SPACING: f64 = 0.5;
+
+/// Distance within which shank, holder and rapids are looked for, mm; farther is "far".
+const BODY_SEARCH: f64 = 5.0;
+
+/// A value that the verifier accepted.
+#[derive(Clone, Debug)]
+pub struct Verified<T>(T);
+
+impl<T> Verified<T> {
+    /// The accepted value.
+    pub fn get(&self) -> &T {
+        &self.0
+    }
+}
+
+/// Verifies a motion against its program.
+///
+/// # Errors
+/// Anything that breaks a rule of the machine or a contract of the job; all of it is in the sink.
+pub fn verify(program: &Program, motion: Motion, sink: &mut Sink) -> Result<(Verified<Motion>, Certificate), Aborted> {
+    let certificate = certify(program, &motion, sink)?;
+    if sink.has_errors() { Err(Aborted) } else { Ok((Verified(motion), certificate)) }
+}
+
+/// Measures a motion; faults and failed contracts go to the sink.
+///
+/// # Errors
+/// The motion is malformed.
+pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Certificate, Aborted> {
+    if !structure::check(program, motion, sink) {
+        return Err(Aborted);
+    }
+    let samples = design::sample(&program.part, SPACING);
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
+    let deviations = surface::deviations(&milled, &sweeps);
+    let surfaces = surface::reports(&milled, &deviations);
+    let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
+    let stock_cloud = Cloud::new(stock_points(program));
+    let operations =
+        (0..motion.operations.len()).map(|o| operation_report(program, motion, o, &design_cloud)).collect();
+    let roughing: Vec<usize> = motion
+        .operations
+        .iter()
+        .enumerate()
+        .filter(|(_, o)| !program.operations[o.operation].kind.finishes())
+        .map(|(i, _)| i)
+        .collect();
+    let mut certificate = Certificate {
+        name: program.name.clone(),
+        machine_name: program.machine.name.clone(),
+        spacing: SPACING,
+        surfaces,
+        operations,
+        labels: Vec::new(),
+        rapid: rapid_clearance(program, motion, &stock_cloud),
+        machine: machine::check(program, motion),
+        rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
+        contracts: Vec::new(),
+    };
+    report_faults(program, motion, &certificate, sink);
+    certificate.contracts = contracts::judge(program, motion, &certificate, sink);
+    Ok(certificate)
+}
+
+/// Points of the turned outside of the stock.
+fn stock_points(program: &Program) -> Vec<CloudPoint> {
+    let profile = &program.stock.profile;
+    let mut points = Vec::new();
+    for pair in profile.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let n = (length / STOCK_SPACING).ceil().max(1.0) as usize;
+        for i in 0..=n {
+            let t = i as f64 / n as f64;
+            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
+            let around = (std::f64::consts::TAU * r / STOCK_SPACING).ceil().max(8.0) as usize;
+            for k in 0..around {
+                let angle = std::f64::consts::TAU * k as f64 / around as f64;
+                points.push(CloudPoint {
+                    position: Point3::new(r * angle.cos(), r * angle.sin(), z),
+                    normal: Vector3::z(),
+                    tag: 0,
+                });
+            }
+        }
+    }
+    points
+}
+
+/// Least distance over pieces, in parallel over runs of pieces; ties go to the earlier run.
+fn least_over(
+    pieces: &[sweep::Piece],
+    solid: &ToolSolid,
+    distance: fn(&ToolSolid, f64, f64) -> f64,
+    cloud: &Cloud,
+    half_spacing: f64,
+) -> Option<clearance::Clearance> {
+    /// Pieces of a run: enough that the bound found early in a run prunes the rest.
+    const RUN: usize = 4096;
+    let found: Vec<Option<clearance::Clearance>> = pieces
+        .par_chunks(RUN)
+        .map(|run| clearance::least(run, solid, distance, cloud, half_spacing, BODY_SEARCH))
+        .collect();
+    found.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+fn rapid_clearance(program: &Program, motion: &Motion, stock: &Cloud) -> Option<clearance::Clearance> {
+    let half = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;
+    (0..motion.operations.len())
+        .filter_map(|o| {
+            let solid = &program.tools[program.operations[motion.operations[o].operation].tool].solid;
+            let mut pieces = sweep::pieces(&program.machine, motion, o);
+            pieces.retain(|p| p.kind == MoveKind::Rapid);
+            least_over(&pieces, solid, ToolSolid::distance, stock, half)
+        })
+        .min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+fn operation_report(program: &Program, motion: &Motion, o: usize, design: &Cloud) -> OperationReport {
+    let operation = &motion.operations[o];
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let pieces = sweep::pieces(&program.machine, motion, o);
+    let half = SPACING * std::f64::consts::FRAC_1_SQRT_2;
+    let shank =
+        |s: &ToolSolid, rho: f64, h: f64| s.shank.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min);
+    let holder =
+        |s: &ToolSolid, rho: f64, h: f64| s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min);
+    let (mut length, mut time) = ([0.0; 3], [0.0; 3]);
+    let mut before: Option<Point3<f64>> = None;
+    for m in &operation.moves {
+        let tip = program.machine.forward(&m.joints).tip;
+        let kind = match m.kind {
+            MoveKind::Cut => 0,
+            MoveKind::Link => 1,
+            MoveKind::Rapid => 2,
+        };
+        length[kind] += before.map_or(0.0, |b| (tip - b).norm());
+        time[kind] += m.time;
+        before = Some(tip);
+    }
+    OperationReport {
+        name: declared.name.clone(),
+        tool: tool.name.clone(),
+        passes: operation.labels.len(),
+        moves: operation.moves.len(),
+        length,
+        time,
+        shank: least_over(&pieces, &tool.solid, shank, design, half),
+        holder: least_over(&pieces, &tool.solid, holder, design, half),
+    }
+}
+
+/// Faults that no contract needs to ask for: axes, rapids through stock; and what is worth a remark.
+fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
+    for f in &certificate.machine.faults {
+        let what = describe(program, motion, Some(f.at));
+        let tip = motion.operations.get(f.at.operation as usize).and_then(|o| o.moves.get(f.at.index as usize));
+        let point = tip.map_or_else(Point3::origin, |m| program.machine.forward(&m.joints).tip);
+        let (code, text) = if f.speed {
+            (verification::AXIS_SPEED, format!("axis {} would need {:.1} % of its speed", f.axis, f.value * 100.0))
+        } else {
+            (
+                verification::AXIS_TRAVEL,
+                format!("axis {} goes to {:.3}, beyond its travel to {:.3}", f.axis, f.value, f.bound),
+            )
+        };
+        let mut diag = Diag::error(code, text).place(what, point).help("see `impellerc explain` for this code");
+        if let Some(o) = motion.operations.get(f.at.operation as usize) {
+            diag = diag.label(program.operations[o.operation].span, "in this operation");
+        }
+        sink.push(diag);
+    }
+    if let Some(c) = certificate.rapid.as_ref().filter(|c| c.distance <= 0.0) {
+        sink.push(
+            Diag::error(
+                verification::RAPID_IN_STOCK,
+                format!("at rapid the tool is {:.3} mm inside the stock", -c.distance),
+            )
+            .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
+            .help("a longer lead-in or lead-out, so that passes begin and end outside of the stock"),
+        );
+    }
+    let missed: f64 = certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area).sum();
+    let asked = program.contracts.iter().any(|c| c.kind == ContractKind::Excess);
+    if missed > 0.0 && !asked {
+        sink.push(Diag::remark(
+            verification::NOT_REACHED,
+            format!(
+                "surfaces of {missed:.0} mm2 have places that no cutter reaches; no `require excess` asks for them"
+            ),
+        ));
+    }
+}

@@ -1,3 +1,36 @@
-//! Codes IMP07xx.
+//! Codes IMP07xx: verification.
 
-crate::codes! {}
+crate::codes! {
+    MALFORMED_MOTION = "IMP0701", "the motion is malformed",
+        "Before anything else the verifier looks whether the planned motion is a motion at all: all operations in order, \
+finite numbers, feeds where there must be feeds. This error is a fault of the compiler.\n\n\
+Way out: report the job file; nothing was written.";
+    GOUGE = "IMP0702", "a cutter goes deeper than the job allows",
+        "At some time of the program a cutter reaches farther into the design than `require gouge` allows. The figure is \
+that of the swept tool against the design surface, not of one position against one ruling.\n\nExample: one flank pass \
+on a vane whose normal turns by 33 deg along its rulings gouges by 126 um.\n\n\
+Way out: more strips for flank milling, a thinner tool, a finer chord tolerance, or a wider contract.";
+    EXCESS = "IMP0703", "more material stays than the job allows",
+        "After the whole program more material than `require excess` stays somewhere on a milled surface.\n\n\
+Way out: a smaller scallop height, more strips, a tool that reaches the place, or `sectors` that cover all vanes.";
+    CLEARANCE = "IMP0704", "shank or holder too near to the part",
+        "At some time of the program the shank or the holder comes nearer to the design part than `require clearance` \
+allows. At the machine this bends the tool or breaks the spindle.\n\n\
+Way out: a longer reach, a slimmer holder, or a thinner shank.";
+    RAPID_IN_STOCK = "IMP0705", "a rapid move touches the stock",
+        "At rapid the whole tool must stay outside of the turned stock, whatever was milled before. Here it does not.\n\n\
+Way out: a longer lead-in or lead-out, so that passes begin and end outside of the stock.";
+    AXIS_TRAVEL = "IMP0706", "an axis leaves its travel",
+        "Between or at the ends of moves a joint lies outside of the travel that the machine file gives.\n\n\
+Way out: a machine with more travel, or another place of the part on the table.";
+    AXIS_SPEED = "IMP0707", "an axis would have to be faster than it can",
+        "With the feed and time of a move an axis would exceed its speed. The control would slow down on its own, or stop \
+with a following error.\n\nWay out: a lower feed; if the feed was chosen by the compiler, report the job.";
+    REST = "IMP0708", "roughing leaves too much for finishing",
+        "After the last roughing operation more material than `require rest` stands on a surface that finishing will \
+meet, or inside a channel.\n\nWay out: a smaller step between layers or lines (`depth`, `residual`), smaller \
+allowances, or one more roughing operation with a tool that reaches the place.";
+    NOT_REACHED = "IMP0709", "part of a surface is not reached",
+        "A remark: samples of a milled surface to which no cutter comes. Without `require excess` this is no error.\n\n\
+Way out: operations for all faces and sectors, or a tool that reaches the place.";
+}

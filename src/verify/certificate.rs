@@ -1,0 +1,259 @@
+//! What was proved, as figures: for people as text, for tools as JSON.
+
+use super::clearance::Clearance;
+use super::machine::MachineReport;
+use super::rest::RestReport;
+use super::surface::SurfaceReport;
+use super::sweep::At;
+use crate::ir::{ContractKind, Motion, Program};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Moves, lengths and time of one operation.
+#[derive(Clone, Debug, Serialize)]
+pub struct OperationReport {
+    /// Name.
+    pub name: String,
+    /// Tool.
+    pub tool: String,
+    /// Passes.
+    pub passes: usize,
+    /// Moves.
+    pub moves: usize,
+    /// Length of the tip's way while cutting, linking, at rapid, mm.
+    pub length: [f64; 3],
+    /// Time of the same, s.
+    pub time: [f64; 3],
+    /// Least distance of the shank to the design part; `None` when it stays far away.
+    pub shank: Option<Clearance>,
+    /// Least distance of the holder.
+    pub holder: Option<Clearance>,
+}
+
+/// A contract with what was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContractReport {
+    /// Quantity.
+    pub kind: &'static str,
+    /// Bound, mm.
+    pub bound: f64,
+    /// Found, mm.
+    pub found: f64,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// The whole proof.
+#[derive(Clone, Debug, Serialize)]
+pub struct Certificate {
+    /// Program name.
+    pub name: String,
+    /// Machine.
+    pub machine_name: String,
+    /// Spacing of the samples of the design surfaces, mm.
+    pub spacing: f64,
+    /// Milled surfaces.
+    pub surfaces: Vec<SurfaceReport>,
+    /// Operations in order.
+    pub operations: Vec<OperationReport>,
+    /// Names of the passes of each operation, for places.
+    #[serde(skip)]
+    pub labels: Vec<Vec<(u32, String)>>,
+    /// Least distance of the whole tool to the turned stock at rapid.
+    pub rapid: Option<Clearance>,
+    /// Axes.
+    pub machine: MachineReport,
+    /// Stock after each roughing operation.
+    pub rest: Vec<RestReport>,
+    /// Contracts.
+    pub contracts: Vec<ContractReport>,
+}
+
+/// Name of a contract in the job language.
+pub fn contract_name(kind: ContractKind) -> &'static str {
+    match kind {
+        ContractKind::Gouge => "gouge",
+        ContractKind::Excess => "excess",
+        ContractKind::Clearance => "clearance",
+        ContractKind::Rest => "rest",
+    }
+}
+
+/// A place of the program in words.
+pub fn describe(program: &Program, motion: &Motion, at: Option<At>) -> String {
+    let Some(at) = at else { return "no cutter comes near".to_owned() };
+    let Some(operation) = motion.operations.get(at.operation as usize) else { return String::new() };
+    let name = &program.operations[operation.operation].name;
+    let label = operation
+        .moves
+        .get(at.index as usize)
+        .and_then(|m| operation.labels.get(m.pass as usize))
+        .map_or("", String::as_str);
+    format!("{name}, {label}, move {}", at.index)
+}
+
+/// Hours, minutes and seconds.
+pub fn clock(seconds: f64) -> String {
+    let s = seconds.round().max(0.0) as u64;
+    format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+}
+
+fn um(mm: f64) -> String {
+    if mm >= super::surface::FAR { "not reached".to_owned() } else { format!("{:.2}", mm * 1e3) }
+}
+
+impl Certificate {
+    /// The text form. `places` names the moves.
+    pub fn text(&self, program: &Program, motion: &Motion) -> String {
+        let mut t = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write(program, motion, &mut t);
+        t
+    }
+
+    fn write(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
+        writeln!(t, "certificate of {} on {}", self.name, self.machine_name)?;
+        writeln!(t)?;
+        writeln!(
+            t,
+            "surfaces: swept cutters of the whole program against the design, samples {} mm apart, um",
+            self.spacing
+        )?;
+        writeln!(
+            t,
+            "  {:<26} {:>8} {:>9}  {:<30} {:>11}  {:<30}",
+            "surface", "samples", "gouge", "at (mm)", "excess", "at (mm)"
+        )?;
+        for s in &self.surfaces {
+            let at = |p: [f64; 3]| format!("({:.3}, {:.3}, {:.3})", p[0], p[1], p[2]);
+            writeln!(
+                t,
+                "  {:<26} {:>8} {:>9}  {:<30} {:>11}  {:<30}",
+                s.surface,
+                s.samples,
+                um(-s.gouge.value.min(0.0) + 0.0),
+                at(s.gouge.point),
+                um(s.excess.value),
+                at(s.excess.point)
+            )?;
+        }
+        let worst = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
+        if let Some(s) = worst(&|s| -s.gouge.value) {
+            let place = describe(program, motion, s.gouge.at);
+            writeln!(t, "  deepest cut {} um on {}: {place}", um(-s.gouge.value.min(0.0) + 0.0), s.surface)?;
+        }
+        if let Some(s) = worst(&|s| s.excess.value) {
+            let place = describe(program, motion, s.excess.at);
+            writeln!(t, "  most left {} um on {}: {place}", um(s.excess.value), s.surface)?;
+        }
+        writeln!(t)?;
+        self.write_operations(t)?;
+        writeln!(t)?;
+        writeln!(t, "stock after roughing, mm")?;
+        for r in &self.rest {
+            let name = self.operations.get(r.operation as usize).map_or("", |o| o.name.as_str());
+            writeln!(
+                t,
+                "  {name:<12} least {:>6.3}  median {:>6.3}  most {:>6.3} {} ({:.2}, {:.2}, {:.2}), {:.1} % of the room cleared",
+                r.least,
+                r.median,
+                r.most,
+                if r.island { "inside the channel at" } else { "on the surface at" },
+                r.point[0],
+                r.point[1],
+                r.point[2],
+                r.cleared * 100.0
+            )?;
+        }
+        writeln!(t)?;
+        writeln!(t, "axes: used, travel, largest speed as a share of the limit")?;
+        for a in &self.machine.axes {
+            let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
+            writeln!(
+                t,
+                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %",
+                a.axis,
+                a.used[0],
+                a.used[1],
+                a.travel[0],
+                a.travel[1],
+                a.speed_share * 100.0
+            )?;
+        }
+        writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
+        match &self.rapid {
+            Some(c) => writeln!(t, "  at rapid the tool stays {:.3} mm outside of the stock", c.distance)?,
+            None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
+        }
+        if !self.contracts.is_empty() {
+            writeln!(t)?;
+            writeln!(t, "contracts")?;
+        }
+        for c in &self.contracts {
+            let sign = if c.kind == "clearance" { ">=" } else { "<=" };
+            let verdict = if c.holds { "holds" } else { "FAILS" };
+            writeln!(t, "  {:<9} {sign} {:.4} mm: {:.4} mm, {verdict}", c.kind, c.bound, c.found)?;
+        }
+        Ok(())
+    }
+
+    fn write_operations(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(t, "operations: lengths in mm, times in h:mm:ss, distances of shank and holder to the part in mm")?;
+        writeln!(
+            t,
+            "  {:<12} {:<8} {:>6} {:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            "operation",
+            "tool",
+            "passes",
+            "moves",
+            "cut",
+            "link",
+            "rapid",
+            "t cut",
+            "t link",
+            "t rapid",
+            "shank",
+            "holder"
+        )?;
+        let mut totals = (0, [0.0; 3], [0.0; 3]);
+        for o in &self.operations {
+            let gap = |c: &Option<Clearance>| c.as_ref().map_or("far".to_owned(), |c| format!("{:.3}", c.distance));
+            writeln!(
+                t,
+                "  {:<12} {:<8} {:>6} {:>7} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>8} {:>8} {:>8} {:>8}",
+                o.name,
+                o.tool,
+                o.passes,
+                o.moves,
+                o.length[0],
+                o.length[1],
+                o.length[2],
+                clock(o.time[0]),
+                clock(o.time[1]),
+                clock(o.time[2]),
+                gap(&o.shank),
+                gap(&o.holder)
+            )?;
+            totals.0 += o.moves;
+            for k in 0..3 {
+                totals.1[k] += o.length[k];
+                totals.2[k] += o.time[k];
+            }
+        }
+        let (moves, length, time) = totals;
+        writeln!(
+            t,
+            "  {:<12} {:<8} {:>6} {:>7} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>8} {:>8}",
+            "total",
+            "",
+            "",
+            moves,
+            length[0],
+            length[1],
+            length[2],
+            clock(time[0]),
+            clock(time[1]),
+            clock(time[2])
+        )
+    }
+}

@@ -1,0 +1,132 @@
+//! How much stock roughing leaves for the finishing operations.
+//!
+//! Two kinds of points are asked whether the cutters of the operations so far have passed over them: points of the
+//! design surfaces, where the distance to the cleared room is what is left on the surface, and points of a grid in the
+//! room between part and stock, where an island may stand: what is left there is the distance to the part.
+
+use super::sweep::{At, Sweep};
+use crate::collide::Cloud;
+use crate::ir::Program;
+use crate::ir::design::Sample;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Spacing of the grid, mm: an island that stays unseen is thinner than this.
+pub const GRID: f64 = 0.8;
+
+/// What an operation and those before it leave.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestReport {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Least left on a milled surface, mm; below zero the operation cuts into the design.
+    pub least: f64,
+    /// Half of the samples have less, mm.
+    pub median: f64,
+    /// Most left, surface or grid, mm.
+    pub most: f64,
+    /// Where the most is left, part frame, mm.
+    pub point: [f64; 3],
+    /// True when the most is left inside a channel, not on a surface.
+    pub island: bool,
+    /// Share of the grid points that were cleared.
+    pub cleared: f64,
+}
+
+/// Points of the grid that are stock and not part, with their distance to the part.
+fn room(program: &Program, design: &Cloud) -> Vec<(Point3<f64>, f64)> {
+    let profile = &program.stock.profile;
+    let part = &program.part;
+    let (mut r_max, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+    for p in profile {
+        (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
+    }
+    let steps = |length: f64| (length / GRID).floor() as i64;
+    let n = steps(r_max);
+    (0..=steps(high - low))
+        .into_par_iter()
+        .flat_map_iter(|k| {
+            let z = low + k as f64 * GRID;
+            (-n..=n).flat_map(move |i| (-n..=n).map(move |j| Point3::new(i as f64 * GRID, j as f64 * GRID, z)))
+        })
+        .filter_map(|p| {
+            let r = p.x.hypot(p.y);
+            if r > r_max || !inside(profile, r, p.z) || part.hub.distance(&p) <= 0.0 {
+                return None;
+            }
+            let (distance, index) = design.least(|q| (q - p).norm(), f64::INFINITY)?;
+            let nearest = &design.points()[index];
+            ((p - nearest.position).dot(&nearest.normal) > 0.0).then_some((p, distance))
+        })
+        .collect()
+}
+
+/// True when (r, z) lies inside the closed profile.
+pub(super) fn inside(profile: &[[f64; 2]], r: f64, z: f64) -> bool {
+    let mut within = false;
+    for (i, a) in profile.iter().enumerate() {
+        let b = &profile[(i + 1) % profile.len()];
+        if (a[1] > z) != (b[1] > z) && r < a[0] + (b[0] - a[0]) * (z - a[1]) / (b[1] - a[1]) {
+            within = !within;
+        }
+    }
+    within
+}
+
+/// Reports after each roughing operation, in order. `sectors` lists those that any operation machines: other channels
+/// stay full and are not asked about.
+pub fn reports(
+    program: &Program,
+    samples: &[Sample],
+    design: &Cloud,
+    sweeps: &[Sweep<'_>],
+    roughing: &[usize],
+) -> Vec<RestReport> {
+    let Some(last) = roughing.last() else { return Vec::new() };
+    let room = room(program, design);
+    let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).collect();
+    let mut left: Vec<f64> = vec![super::surface::FAR; at_surface.len()];
+    let mut cleared: Vec<bool> = vec![false; room.len()];
+    let mut reports = Vec::new();
+    for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
+        left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
+            if let Some(n) = sweep.nearest(&s.position, *least) {
+                *least = n.distance;
+            }
+        });
+        cleared.par_iter_mut().zip(&room).filter(|(done, _)| !**done).for_each(|(done, (p, _))| {
+            *done = sweep.nearest(p, 0.0).is_some();
+        });
+        if !roughing.contains(&index) {
+            continue;
+        }
+        let island = room
+            .iter()
+            .zip(&cleared)
+            .filter(|(_, done)| !**done)
+            .map(|((p, d), _)| (*d, *p))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let surface = left.iter().zip(&at_surface).map(|(d, s)| (*d, s.position)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some(surface), island) = (surface, island.unwrap_or((0.0, Point3::origin()))) else { continue };
+        let is_island = island.0 > surface.0;
+        let worst = if is_island { island } else { surface };
+        let mut sorted = left.clone();
+        sorted.sort_by(f64::total_cmp);
+        reports.push(RestReport {
+            operation: u32::try_from(index).unwrap_or(u32::MAX),
+            least: sorted.first().copied().unwrap_or(0.0),
+            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0),
+            most: worst.0,
+            point: [worst.1.x, worst.1.y, worst.1.z],
+            island: is_island,
+            cleared: cleared.iter().filter(|c| **c).count() as f64 / room.len().max(1) as f64,
+        });
+    }
+    reports
+}
+
+/// Place of a report in the program, for diagnostics: the end of its operation.
+pub fn place(report: &RestReport) -> At {
+    At { operation: report.operation, index: 0 }
+}
