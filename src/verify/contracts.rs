@@ -17,7 +17,12 @@ struct Found {
 }
 
 /// Judges all contracts; failing ones become errors.
-pub(super) fn judge(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) -> Vec<ContractReport> {
+pub(super) fn judge(
+    program: &Program,
+    motion: &Motion,
+    certificate: &Certificate,
+    sink: &mut Sink,
+) -> Vec<ContractReport> {
     program
         .contracts
         .iter()

@@ -7,7 +7,8 @@ use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::{NurbsCurve, interpolate};
 use impellerc::ir::{
-    Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, Side, Stock, Tolerances, Tool, ToolId,
+    DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
+    Stock, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
 use impellerc::source::Span;
@@ -71,6 +72,21 @@ pub fn wei_part(fillet: Option<f64>) -> Part {
         curve(&TIP_PRESSURE),
         fillet.map(Mm),
     )
+}
+
+/// The points of the paper's tables.
+pub fn wei_data() -> Vec<DataCurve> {
+    let curve = |side, end, points: &[[f64; 3]]| DataCurve {
+        side,
+        end,
+        points: points.iter().map(|p| DataPoint { point: Point3::from(*p), span: None }).collect(),
+    };
+    vec![
+        curve(Side::Pressure, RulingEnd::Root, &ROOT_PRESSURE),
+        curve(Side::Pressure, RulingEnd::Tip, &TIP_PRESSURE),
+        curve(Side::Suction, RulingEnd::Root, &ROOT_SUCTION),
+        curve(Side::Suction, RulingEnd::Tip, &TIP_SUCTION),
+    ]
 }
 
 /// A/C double turntable in the class of the paper's machine.
@@ -165,5 +181,6 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         post: PostChoice { name: "siemens-840d".to_owned(), span: None },
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },
         clearance: Mm(0.5),
+        data: wei_data(),
     }
 }
