@@ -140,6 +140,8 @@ impl Part {
 }
 
 /// Samples all design surfaces of all sectors so that neighbours lie at most `spacing` apart, in a fixed order.
+///
+/// What lies outside of the turned blank is not there: fillets end at the inlet cone and the outlet cylinder.
 pub fn sample(part: &Part, spacing: f64) -> Vec<Sample> {
     let mut sector0 = Vec::new();
     for side in [Side::Pressure, Side::Suction] {
@@ -217,10 +219,29 @@ fn end_weight(i: usize, n: usize) -> f64 {
     if i == 0 || i == n { 0.5 } else { 1.0 }
 }
 
+impl Part {
+    /// Change of u that moves along the root of a face by a length at u = 0 or u = 1.
+    pub fn root_step(&self, side: Side, u: f64, length: f64) -> f64 {
+        length / self.face(side).surface.root.derivatives_extended(u).first.norm()
+    }
+
+    /// True for a point of the room between inlet cone and outlet cylinder, where milled surfaces are.
+    fn between_inlet_and_outlet(&self, p: &Point3<f64>) -> bool {
+        let (r, z) = (p.x.hypot(p.y), p.z);
+        let (hub, shroud) = (self.hub.meridian(0.0).point, self.shroud.meridian(0.0).point);
+        // Side of the inlet line on which the channel lies.
+        let side = |r: f64, z: f64| (shroud.x - hub.x) * (z - hub.y) - (shroud.y - hub.y) * (r - hub.x);
+        let outlet = self.hub.meridian(1.0).point;
+        side(r, z) * side(outlet.x, outlet.y) >= 0.0 && r <= outlet.x.max(self.shroud.meridian(1.0).point.x)
+    }
+}
+
 fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut Vec<Sample>) {
     let face = part.face(side);
     let nu = steps(guide_length(part, side) * UNEVEN, spacing);
-    for i in 0..=nu {
+    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
+    let beyond = [0.0, 1.0].map(|u| (part.root_step(side, u, radius) * nu as f64).ceil() as i64);
+    for i in -beyond[0]..=nu as i64 + beyond[1] {
         let u = i as f64 / nu as f64;
         let Some(v) = part.fillet_tangent(side, u, radius) else { continue };
         let to_face = -face.normal(u, v);
@@ -237,13 +258,16 @@ fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut V
             } else {
                 to_face
             };
-            out.push(Sample {
-                surface: SurfaceId { kind: SurfaceKind::Fillet(side), sector: 0 },
-                position: centre + direction * radius,
-                normal: -direction,
-                parameters: [u, share],
-                area: width * angle * radius / n as f64 * end_weight(j, n) * end_weight(i, nu),
-            });
+            let position = centre + direction * radius;
+            if part.between_inlet_and_outlet(&position) {
+                out.push(Sample {
+                    surface: SurfaceId { kind: SurfaceKind::Fillet(side), sector: 0 },
+                    position,
+                    normal: -direction,
+                    parameters: [u, share],
+                    area: width * angle * radius / n as f64 * end_weight(j, n),
+                });
+            }
         }
     }
 }
@@ -270,8 +294,11 @@ fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
     const ROWS: usize = 400;
     let face = part.face(side);
     let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
+    // As for the fillets: on beyond both ends.
+    let beyond = part.fillet.map_or(0.0, |r| r.get());
+    let (from, to) = (-part.root_step(side, 0.0, beyond), 1.0 + part.root_step(side, 1.0, beyond));
     for i in 0..=ROWS {
-        let u = i as f64 / ROWS as f64;
+        let u = from + (to - from) * i as f64 / ROWS as f64;
         let at = match part.fillet {
             Some(radius) => match part.fillet_tangent(side, u, radius.get()) {
                 Some(v) => face.surface.point(u, v) + face.normal(u, v) * radius.get(),

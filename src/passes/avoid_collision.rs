@@ -7,7 +7,6 @@
 use super::obstacles::{Keep, Obstacles};
 use super::orient_tool::hub_points;
 use super::pipeline::PassContext;
-use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcPass, CcPlan, ClPlan, ClPoint, Drive, Operation, Program};
 use rayon::prelude::*;
@@ -27,11 +26,30 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
         let operation = &cx.program.operations[planned.operation];
         let (program, obstacles) = (cx.program, cx.obstacles);
+        // The part looks the same from every sector: what clears a pass in the first one clears it in all.
+        let sectors = operation.sectors.len().max(1);
+        let per_sector = planned.passes.len() / sectors;
+        let first: Vec<Result<f64, (usize, f64)>> = planned
+            .passes
+            .par_iter()
+            .zip(&oriented.passes)
+            .take(per_sector)
+            .map(|(cc, cl)| clearing_lean(program, obstacles, operation, cc, &cl.points))
+            .collect();
         let repaired: Vec<Result<(Vec<ClPoint>, f64), (usize, f64)>> = planned
             .passes
             .par_iter()
             .zip(&oriented.passes)
-            .map(|(cc, cl)| repair(program, obstacles, operation, cc, &cl.points))
+            .enumerate()
+            .map(|(i, (cc, cl))| {
+                let lean = first[i % per_sector.max(1)]?;
+                let points = if cc.drive == Drive::Hub {
+                    hub_points(program, operation, cc, lean.to_radians())
+                } else {
+                    cl.points.clone()
+                };
+                Ok((points, lean))
+            })
             .collect();
         let mut steepest = 0.0_f64;
         for (result, pass) in repaired.into_iter().zip(&mut oriented.passes) {
@@ -69,43 +87,34 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
-/// Clear points of a pass with the lean they took, or the worst place and distance.
-fn repair(
+/// The least lean, degrees, that clears a pass, or the worst place and distance.
+fn clearing_lean(
     program: &Program,
     obstacles: &Obstacles,
     operation: &Operation,
     cc: &CcPass,
     points: &[ClPoint],
-) -> Result<(Vec<ClPoint>, f64), (usize, f64)> {
+) -> Result<f64, (usize, f64)> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
-    let side_free = cc.drive == Drive::Hub;
+    let on_hub = cc.drive == Drive::Hub;
     let worst = |points: &[ClPoint]| {
         points
             .iter()
             .enumerate()
-            .filter_map(|(i, p)| blocked(obstacles, solid, p, &keep, side_free).map(|d| (i, d)))
+            .filter_map(|(i, p)| obstacles.body_lack(solid, &p.tip, &p.axis, &keep, on_hub).map(|d| (i, d)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(i, lack)| (i, lack + keep.clearance))
     };
-    if cc.drive != Drive::Hub {
-        return match worst(points) {
-            None => Ok((points.to_vec(), 0.0)),
-            Some((i, lack)) => Err((i, lack + keep.clearance)),
-        };
+    if !on_hub {
+        return worst(points).map_or(Ok(0.0), Err);
     }
     let mut last = (0, 0.0);
     for lean in LEANS {
-        let candidate = hub_points(program, operation, cc, lean.to_radians());
-        match worst(&candidate) {
-            None => return Ok((candidate, lean)),
-            Some((i, lack)) => last = (i, lack + keep.clearance),
+        match worst(&hub_points(program, operation, cc, lean.to_radians())) {
+            None => return Ok(lean),
+            Some(miss) => last = miss,
         }
     }
     Err(last)
-}
-
-/// How much a tool lacks of its clearance, `None` when it lacks nothing. With `side_free` the cutter above its ball
-/// must be clear too.
-fn blocked(obstacles: &Obstacles, solid: &ToolSolid, p: &ClPoint, keep: &Keep, side_free: bool) -> Option<f64> {
-    obstacles.body_lack(solid, &p.tip, &p.axis, keep, side_free)
 }

@@ -7,12 +7,12 @@ use crate::ir::{CcPoint, Operation, OperationKind, Program};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over half a millimetre they leave
+/// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this they leave
 /// their chord by a few micrometres, well inside the roughing allowance.
-const STATION_SPACING: f64 = 0.5;
+const STATION_SPACING: f64 = 0.7;
 
-/// Bisection steps for wall distances and lifts: half a channel over 2^12 is below 0.01 mm.
-const BISECTIONS: u32 = 12;
+/// Bisection steps for wall distances and lifts: half a channel over 2^10 is about 0.02 mm.
+const BISECTIONS: u32 = 10;
 
 /// What a roughing operation may do.
 pub(super) struct Roughing<'a> {
@@ -128,7 +128,8 @@ impl<'a> Roughing<'a> {
             })
             .collect::<Vec<_>>();
         // The first station without room, whatever thread found it.
-        let stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
+        let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
+        keep_room_at_edges(&mut stations)?;
         Ok(Layer { number, level, stations })
     }
 
@@ -179,4 +180,20 @@ impl<'a> Roughing<'a> {
         };
         Some([boundary(0.0), boundary(1.0)])
     }
+}
+
+/// In front of the inlet and behind the outlet there are no walls, but a line that widened there would cut across the
+/// edges of the vanes: the room outside is at most that of the nearest station inside.
+fn keep_room_at_edges(stations: &mut [Station]) -> Result<(), f64> {
+    let inside = |s: &&Station| (0.0..=1.0).contains(&s.u);
+    let (first, last) = (stations.iter().find(inside).copied(), stations.iter().rfind(inside).copied());
+    let (Some(first), Some(last)) = (first, last) else { return Ok(()) };
+    for s in stations.iter_mut().filter(|s| !(0.0..=1.0).contains(&s.u)) {
+        let edge = if s.u < 0.0 { first } else { last };
+        s.room = [s.room[0].max(edge.room[0]), s.room[1].min(edge.room[1])];
+        if s.room[0] > s.room[1] {
+            return Err(s.u);
+        }
+    }
+    Ok(())
 }

@@ -11,7 +11,7 @@ const SPACING: f64 = 0.4;
 /// Samples of a surface see the true distance of a tool a little too large: a sample lies at most d = 0.71 spacings
 /// beside the closest point, so that the distance g is overestimated by at most sqrt(g^2 + d^2) - g for a sharp edge
 /// and d^2 / 2R for a round one. The planner keeps this much more than it is asked for.
-const MARGIN: f64 = 0.05;
+const MARGIN: f64 = 0.08;
 
 /// Distances to keep, mm.
 #[derive(Clone, Copy, Debug)]

@@ -51,66 +51,39 @@ fn channel_points(program: &Program, roughing: &Roughing<'_>, pass: &CcPass) -> 
         .collect()
 }
 
-/// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12). Beyond inlet and outlet both
-/// offset curves go on along their tangents up to the next station; from there the tool shifts without turning, since
-/// the tangents of the two curves part.
+/// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12). The first and the last station
+/// lie on the lead, where the tool shifts along its path without turning.
 fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: Side) -> Vec<ClPoint> {
     let part = &program.part;
     let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
     let face = part.face(side);
     let offset = |u: f64, v: f64| face.surface.point(u, v) + face.normal(u, v) * radius;
-    let inside: Vec<(f64, [Point3<f64>; 2])> = pass
-        .points
+    let [first, on_face @ .., last] = pass.points.as_slice() else { return Vec::new() };
+    let mut points: Vec<ClPoint> = on_face
         .iter()
-        .filter(|p| (0.0..=1.0).contains(&p.u))
-        .map(|p| (p.u, [offset(p.u, p.v), offset(p.u, p.w)]))
-        .collect();
-    let [Some(start), Some(end)] = [tangent(&inside, 0, 1), tangent(&inside, inside.len() - 1, inside.len() - 2)]
-    else {
-        return Vec::new();
-    };
-    let outside = |before: bool| {
-        let mut us = pass.points.iter().map(|p| p.u).filter(|u| if before { *u < 0.0 } else { *u > 1.0 });
-        if before { us.next_back() } else { us.next() }
-    };
-    let (enters, leaves) = (outside(true).unwrap_or(0.0), outside(false).unwrap_or(1.0));
-    let mut guides = inside.iter();
-    pass.points
-        .iter()
-        .filter_map(|p| {
-            let [low, high] = if p.u < 0.0 {
-                along(&start, p.u, enters)
-            } else if p.u > 1.0 {
-                along(&end, p.u, leaves)
-            } else {
-                guides.next()?.1
-            };
+        .map(|p| {
+            let (low, high) = (offset(p.u, p.v), offset(p.u, p.w));
             let axis = (high - low).normalize();
-            Some(ClPoint {
+            ClPoint {
                 tip: turn * (low - axis * radius),
                 axis: turn * axis,
                 contact: (0.0..=1.0).contains(&p.u).then_some(p.position),
-            })
+            }
         })
-        .collect()
-}
-
-/// End of both guides with their derivatives by u.
-type GuideEnd = (f64, [(Point3<f64>, Vector3<f64>); 2]);
-
-/// Tangents at an end from its neighbour, which lies a few hundredths of the curve's radius away.
-fn tangent(guides: &[(f64, [Point3<f64>; 2])], end: usize, next: usize) -> Option<GuideEnd> {
-    let (e, n) = (guides.get(end)?, guides.get(next)?);
-    let slope = |k: usize| (e.1[k], (n.1[k] - e.1[k]) / (n.0 - e.0));
-    Some((e.0, [slope(0), slope(1)]))
-}
-
-/// Both guides at u, turning up to `turns_until` and shifting along the lower one from there.
-fn along(end: &GuideEnd, u: f64, turns_until: f64) -> [Point3<f64>; 2] {
-    let turned = if u < end.0 { u.max(turns_until) } else { u.min(turns_until) };
-    let shift = end.1[0].1 * (u - turned);
-    end.1.map(|(p, d)| p + d * (turned - end.0) + shift)
+        .collect();
+    let [a, b, .., y, z] = points.as_slice() else { return points };
+    let [ua, ub, uy, uz] = [0, 1, on_face.len() - 2, on_face.len() - 1].map(|i| on_face[i].u);
+    let shifted = |from: &ClPoint, to: &ClPoint, share: f64| ClPoint {
+        tip: to.tip + (to.tip - from.tip) * share,
+        axis: to.axis,
+        contact: None,
+    };
+    let enters = shifted(b, a, (ua - first.u) / (ub - ua));
+    let leaves = shifted(y, z, (last.u - uz) / (uz - uy));
+    points.insert(0, enters);
+    points.push(leaves);
+    points
 }
 
 /// Channel finishing: the ball stands on the hub; the axis blends the rulings of both walls, and leans away from the
@@ -123,11 +96,20 @@ pub(super) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass
     pass.points
         .iter()
         .map(|p| {
-            let axis = hub_axis(&chart, &turn, p.u, p.w, &p.position, lean);
+            // On the leads the axis stays, so that the ball shifts straight along the tangent of the hub.
+            let u = p.u.clamp(0.0, 1.0);
+            let at = if u == p.u { p.position } else { edge(program, pass, u) };
+            let axis = hub_axis(&chart, &turn, u, p.w, &at, lean);
             let centre = p.position + p.normal * radius;
             ClPoint { tip: centre - axis * radius, axis, contact: Some(p.position) }
         })
         .collect()
+}
+
+/// Contact of a pass at inlet or outlet.
+fn edge(program: &Program, pass: &CcPass, u: f64) -> Point3<f64> {
+    let found = pass.points.iter().find(|p| p.u == u);
+    found.map_or_else(|| program.part.hub.point(u, 0.0), |p| p.position)
 }
 
 fn hub_axis(chart: &Chart<'_>, turn: &Rotation3<f64>, u: f64, w: f64, at: &Point3<f64>, lean: f64) -> Vector3<f64> {

@@ -39,10 +39,17 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     };
     // Hub parameters from before the inlet to behind the outlet.
     let speed = |u: f64| part.hub.meridian(u).first.norm();
+    // Dense until the ball has left hub and edges behind, as it does beyond both ends of the contact lines; then the
+    // leads.
+    let beyond = [radius / speed(0.0), radius / speed(1.0)];
     let (from, to) = (-operation.lead_in.get() / speed(0.0), 1.0 + operation.lead_out.get() / speed(1.0));
-    let mut grid: Vec<f64> = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64).collect();
-    grid.insert(0, from);
-    grid.push(to);
+    let whole = 1.0 + beyond[0] + beyond[1];
+    let mut grid: Vec<f64> =
+        (0..=STATIONS).map(|i| i as f64 / STATIONS as f64 * whole - beyond[0]).chain([0.0, 1.0]).collect();
+    grid.retain(|u| *u > from && *u < to);
+    grid.extend([from, to]);
+    grid.sort_by(f64::total_cmp);
+    grid.dedup();
     let walls = |u: f64| {
         let a = azimuth(&first, u);
         let ahead = azimuth(&second, u) - a;
@@ -121,8 +128,10 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
 fn contact(part: &Part, side: Side, radius: f64) -> Option<Contact> {
     let face = part.face(side);
     let mut line: Contact = Vec::with_capacity(STATIONS + 1);
+    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
+    let (from, to) = (-part.root_step(side, 0.0, radius), 1.0 + part.root_step(side, 1.0, radius));
     for i in 0..=STATIONS {
-        let u = i as f64 / STATIONS as f64;
+        let u = from + (to - from) * i as f64 / STATIONS as f64;
         let v = part.fillet_tangent(side, u, radius)?;
         let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
         let (hub_u, _) = part.hub.closest(Vector2::new(centre.x.hypot(centre.y), centre.z));

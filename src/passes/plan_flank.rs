@@ -11,9 +11,9 @@ use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, Ope
 /// next, so that the chord between two is below 0.1 um for the radii of a vane.
 pub(super) const STATIONS: usize = 400;
 
-/// Cutter radii beyond an edge until which the guides run on. From there a shift that parts from the tangent by less
-/// than atan(0.5) = 27 deg only takes the tool away from the edge.
-const LEAVE: f64 = 0.5;
+/// Cutter radii beyond inlet and outlet for which the pass follows the continued face. From there a shift that parts
+/// from the tangents by less than 45 deg only takes the tool away from the edge.
+const LEAVE: f64 = 1.0;
 
 /// Plans a flank operation.
 ///
@@ -40,8 +40,11 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let mut bands = Vec::new();
     for side in faces {
         let face = part.face(*side);
+        // On the face and, on its continuation, until the ball has left hub and edge behind.
+        let (from, to) =
+            (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
         let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
-            .map(|i| i as f64 / STATIONS as f64)
+            .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
             .map(|u| part.fillet_tangent(*side, u, rolling).map(|v| (u, v)))
             .collect();
         let Some(lowest) = lowest else {
@@ -58,10 +61,10 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             );
             return Err(Aborted);
         };
-        let lead = |u: f64, length: f64| length / face.surface.tangents(u, 0.5).1.norm();
-        let (before, after) = (lead(0.0, operation.lead_in.get()), lead(1.0, operation.lead_out.get()));
-        // Until the cutter has left the edge both guides go on along their tangents; then the tool only shifts.
-        let leave = |u: f64, whole: f64| lead(u, LEAVE * radius).min(whole);
+        // What is left of the lead: there the tool only shifts.
+        let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
+        let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
+        let after = part.root_step(*side, 1.0, rest(operation.lead_out.get()));
         for strip in (0..strips).rev() {
             let band = |v: f64, k: u32| v + (1.0 - v) * f64::from(k) / f64::from(strips);
             let point = |u: f64, v: f64| CcPoint {
@@ -73,10 +76,9 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             };
             let ends = (lowest.first().map(|x| x.1), lowest.last().map(|x| x.1));
             let (Some(first), Some(last)) = ends else { return Err(Aborted) };
-            let mut points = vec![point(-before, first), point(-leave(0.0, before), first)];
+            let mut points = vec![point(from - before, first)];
             points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
-            points.push(point(1.0 + leave(1.0, after), last));
-            points.push(point(1.0 + after, last));
+            points.push(point(to + after, last));
             bands.push((*side, strip, points));
         }
     }

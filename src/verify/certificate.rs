@@ -158,7 +158,7 @@ impl Certificate {
                 r.least,
                 r.median,
                 r.most,
-                if r.island { "inside the channel at" } else { "on the surface at" },
+                r.surface.as_ref().map_or_else(|| "inside a channel at".to_owned(), |s| format!("on {s} at")),
                 r.point[0],
                 r.point[1],
                 r.point[2],

@@ -69,7 +69,7 @@ fn measure(kind: ContractKind, certificate: &Certificate) -> Option<Found> {
         }
         ContractKind::Rest => certificate.rest.last().map(|r| Found {
             value: r.most,
-            what: if r.island { "island in a channel" } else { "stock on a surface" }.to_owned(),
+            what: r.surface.as_ref().map_or_else(|| "an island in a channel".to_owned(), |s| format!("on {s}")),
             point: r.point,
             at: Some(super::rest::place(r)),
         }),

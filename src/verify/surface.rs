@@ -46,20 +46,45 @@ pub struct SurfaceReport {
     pub id: SurfaceId,
 }
 
+/// Samples that one thread takes at a time; within them each starts from what its neighbour found.
+const RUN: usize = 256;
+
 /// g of every sample, with the move that makes it.
 pub fn deviations(samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<(f64, Option<At>)> {
     samples
-        .par_iter()
-        .map(|s| {
-            let mut best = (FAR, None);
-            for sweep in sweeps {
-                if let Some(n) = sweep.nearest(&s.position, best.0) {
-                    best = (n.distance, Some(n.at));
-                }
-            }
-            best
+        .par_chunks(RUN)
+        .flat_map_iter(|run| {
+            let mut guess: Option<(usize, u32)> = None;
+            run.iter()
+                .map(|s| {
+                    let (g, at, found) = deviation(&s.position, sweeps, guess);
+                    guess = found.or(guess);
+                    (g, at)
+                })
+                .collect::<Vec<_>>()
         })
         .collect()
+}
+
+/// g of a point; `guess` is a sweep and a piece that came near to a neighbour.
+fn deviation(
+    p: &Point3<f64>,
+    sweeps: &[Sweep<'_>],
+    guess: Option<(usize, u32)>,
+) -> (f64, Option<At>, Option<(usize, u32)>) {
+    let mut best = (FAR, None, None);
+    if let Some((sweep, piece)) = guess {
+        if let Some(n) = sweeps.get(sweep).and_then(|s| s.distance_to_piece(piece, p)).filter(|n| n.distance < FAR) {
+            best = (n.distance, Some(n.at), guess);
+        }
+    }
+    // The last operations come nearest: with them first the others are soon out of the question.
+    for (index, sweep) in sweeps.iter().enumerate().rev() {
+        if let Some(n) = sweep.nearest(p, best.0) {
+            best = (n.distance, Some(n.at), Some((index, n.piece)));
+        }
+    }
+    best
 }
 
 /// Figures per surface, in the order of the surfaces.

@@ -13,6 +13,9 @@ use nalgebra::{Point3, Vector3};
 /// Largest turn of a piece.
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
+/// Longest way of the tip in a piece, mm: long links would lie in one node with everything that they pass.
+const PIECE_LENGTH: f64 = 3.0;
+
 /// Golden section steps: a piece of some millimetres shrinks to a tenth of a micrometre, where a round minimum is flat
 /// far below a nanometre.
 const GOLDEN_STEPS: u32 = 24;
@@ -43,6 +46,8 @@ pub struct Piece {
     rotary: [(f64, f64); 2],
     /// Middle pose.
     middle: (Point3<f64>, Vector3<f64>),
+    /// Axis at both ends.
+    axes: [Vector3<f64>; 2],
     /// Half of the tip's way, and half of the turn, radians.
     reach: (f64, f64),
 }
@@ -55,10 +60,19 @@ impl Piece {
     }
 
     fn new(at: At, kind: MoveKind, tips: [Point3<f64>; 2], rotary: [(f64, f64); 2]) -> Self {
-        let mut piece = Self { at, kind, tips, rotary, middle: (tips[0], Vector3::z()), reach: (0.0, 0.0) };
+        let axes = rotary.map(|(a, c)| axis_at(a, c));
+        let mut piece = Self { at, kind, tips, rotary, axes, middle: (tips[0], Vector3::z()), reach: (0.0, 0.0) };
         piece.middle = piece.pose(0.5);
         piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * turn(rotary));
         piece
+    }
+
+    /// The same for pieces of at most [`PIECE_TURN`]: the axis as the parabola through its ends and its middle, which
+    /// leaves the true curve by less than 2e-7 there, 0.01 um at 50 mm over the tip.
+    fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
+        let (w0, w1, w2) = ((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
+        let axis = self.axes[0] * w0 + self.middle.1 * w1 + self.axes[1] * w2;
+        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis)
     }
 
     /// The two halves.
@@ -99,7 +113,8 @@ pub fn pieces(machine: &Machine, motion: &Motion, operation: usize) -> Vec<Piece
         };
         let (from, to) = (&pair[0].joints, &pair[1].joints);
         let tips = [machine.forward(from).tip, machine.forward(to).tip];
-        let count = (turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN).ceil().max(1.0);
+        let turns = turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN;
+        let count = turns.max((tips[1] - tips[0]).norm() / PIECE_LENGTH).ceil().max(1.0);
         let tip = |t: f64| tips[0] + (tips[1] - tips[0]) * t;
         let rotary = |t: f64| (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
         for k in 0..count as usize {
@@ -137,6 +152,8 @@ pub struct Nearest {
     pub distance: f64,
     /// Where in the program.
     pub at: At,
+    /// Index of the piece, a good first guess for a neighbouring point.
+    pub piece: u32,
 }
 
 impl<'a> Sweep<'a> {
@@ -171,8 +188,8 @@ impl<'a> Sweep<'a> {
             }
             let node = &self.nodes[index as usize];
             if node.child == 0 {
-                for piece in &self.pieces[node.range.0 as usize..node.range.1 as usize] {
-                    self.visit(piece, p, &mut least, &mut best);
+                for index in node.range.0..node.range.1 {
+                    self.visit(index, p, &mut least, &mut best);
                 }
                 continue;
             }
@@ -196,13 +213,23 @@ impl<'a> Sweep<'a> {
     }
 
     fn value(&self, piece: &Piece, t: f64, p: &Point3<f64>) -> f64 {
-        let (tip, axis) = piece.pose(t);
+        let (tip, axis) = piece.quick_pose(t);
         let (rho, s) = tool_coordinates(p, &tip, &axis);
         self.solid.cutter_distance(rho, s)
     }
 
+    /// Distance of a point to the cutter swept over one piece, given by [`Nearest::piece`] of this sweep.
+    pub fn distance_to_piece(&self, piece: u32, p: &Point3<f64>) -> Option<Nearest> {
+        let (mut least, mut best) = (f64::INFINITY, None);
+        if (piece as usize) < self.pieces.len() {
+            self.visit(piece, p, &mut least, &mut best);
+        }
+        best
+    }
+
     /// Improves `least` and `best` by a piece.
-    fn visit(&self, piece: &Piece, p: &Point3<f64>, least: &mut f64, best: &mut Option<Nearest>) {
+    fn visit(&self, index: u32, p: &Point3<f64>, least: &mut f64, best: &mut Option<Nearest>) {
+        let piece = &self.pieces[index as usize];
         let (tip, axis) = piece.middle;
         let (rho, s) = tool_coordinates(p, &tip, &axis);
         if self.solid.cutter_distance(rho, s) - piece.displacement(rho.hypot(s)) >= *least {
@@ -213,7 +240,12 @@ impl<'a> Sweep<'a> {
         let (mut a, mut b) = (1.0 - golden, golden);
         let (mut fa, mut fb) = (self.value(piece, a, p), self.value(piece, b, p));
         let mut found = fa.min(fb).min(self.value(piece, 0.0, p)).min(self.value(piece, 1.0, p));
+        // The distance changes at most this much over the whole piece.
+        let slope = 2.0 * piece.displacement(rho.hypot(s) + piece.reach.0);
         for _ in 0..GOLDEN_STEPS {
+            if found - slope * (high - low) >= *least {
+                return;
+            }
             if fa < fb {
                 (high, b, fb) = (b, a, fa);
                 a = high - golden * (high - low);
@@ -227,7 +259,7 @@ impl<'a> Sweep<'a> {
         }
         if found < *least {
             *least = found;
-            *best = Some(Nearest { distance: found, at: piece.at });
+            *best = Some(Nearest { distance: found, at: piece.at, piece: index });
         }
     }
 }
