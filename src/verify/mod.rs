@@ -70,19 +70,15 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     if !structure::check(program, motion, sink) {
         return Err(Aborted);
     }
-    let t0 = std::time::Instant::now();
     let samples = design::sample(&program.part, SPACING);
-    eprintln!("TMP sample {:?}", t0.elapsed());
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
     let deviations = surface::deviations(&milled, &sweeps);
-    eprintln!("TMP deviations {:?}", t0.elapsed());
     let surfaces = surface::reports(&milled, &deviations);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let stock_cloud = Cloud::new(stock_points(program));
     let operations =
         (0..motion.operations.len()).map(|o| operation_report(program, motion, o, &design_cloud)).collect();
-    eprintln!("TMP operations {:?}", t0.elapsed());
     let roughing: Vec<usize> = motion
         .operations
         .iter()
@@ -102,7 +98,6 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
         contracts: Vec::new(),
     };
-    eprintln!("TMP rest {:?}", t0.elapsed());
     report_faults(program, motion, &certificate, sink);
     certificate.contracts = contracts::judge(program, motion, &certificate, sink);
     Ok(certificate)

@@ -209,7 +209,7 @@ impl<'a> Sweep<'a> {
 
     fn bound(&self, node: &Node, p: &Point3<f64>) -> f64 {
         let (rho, s) = tool_coordinates(p, &node.tip, &node.axis);
-        self.solid.cutter_distance(rho, s) - node.spread.0 - node.spread.1 * rho.hypot(s)
+        self.solid.cutter_distance(rho, s) - node.spread.0 - node.spread.1 * (rho * rho + s * s).sqrt()
     }
 
     fn value(&self, piece: &Piece, t: f64, p: &Point3<f64>) -> f64 {
@@ -232,7 +232,7 @@ impl<'a> Sweep<'a> {
         let piece = &self.pieces[index as usize];
         let (tip, axis) = piece.middle;
         let (rho, s) = tool_coordinates(p, &tip, &axis);
-        if self.solid.cutter_distance(rho, s) - piece.displacement(rho.hypot(s)) >= *least {
+        if self.solid.cutter_distance(rho, s) - piece.displacement((rho * rho + s * s).sqrt()) >= *least {
             return;
         }
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -241,7 +241,7 @@ impl<'a> Sweep<'a> {
         let (mut fa, mut fb) = (self.value(piece, a, p), self.value(piece, b, p));
         let mut found = fa.min(fb).min(self.value(piece, 0.0, p)).min(self.value(piece, 1.0, p));
         // The distance changes at most this much over the whole piece.
-        let slope = 2.0 * piece.displacement(rho.hypot(s) + piece.reach.0);
+        let slope = 2.0 * piece.displacement((rho * rho + s * s).sqrt() + piece.reach.0);
         for _ in 0..GOLDEN_STEPS {
             if found - slope * (high - low) >= *least {
                 return;
