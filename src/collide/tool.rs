@@ -42,7 +42,7 @@ impl Cutter {
             Self::Bull { radius, corner } => rounded_box(rho, s, radius, corner),
             Self::Ball { radius } => {
                 if s < radius {
-                    length(rho, s - radius) - radius
+                    norm(rho, s - radius) - radius
                 } else {
                     rho - radius
                 }
@@ -51,11 +51,7 @@ impl Cutter {
                 // Side line through the tangent point of the ball; its region begins at the normal of the ball there.
                 let (sin, cos) = half_angle.sin_cos();
                 let height = s - ball;
-                if height * cos + rho * sin > 0.0 {
-                    rho * cos - height * sin - ball
-                } else {
-                    length(rho, height) - ball
-                }
+                if height * cos + rho * sin > 0.0 { rho * cos - height * sin - ball } else { norm(rho, height) - ball }
             }
         }
     }
@@ -98,7 +94,7 @@ impl Cutter {
 }
 
 /// Length of a vector of moderate size: several times as fast as `hypot`, which guards against overflow.
-fn length(x: f64, y: f64) -> f64 {
+fn norm(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
@@ -111,7 +107,7 @@ fn cap(radius: f64, s: f64) -> f64 {
 fn rounded_box(rho: f64, s: f64, radius: f64, corner: f64) -> f64 {
     let out = rho - (radius - corner);
     let below = corner - s;
-    length(out.max(0.0), below.max(0.0)) + out.max(below).min(0.0) - corner
+    norm(out.max(0.0), below.max(0.0)) + out.max(below).min(0.0) - corner
 }
 
 /// A frustum of the non-cutting part.
@@ -136,7 +132,7 @@ impl Section {
             let (er, es) = (r1 - r0, s1 - s0);
             let length = er * er + es * es;
             let t = if length > 0.0 { (((rho - r0) * er + (s - s0) * es) / length).clamp(0.0, 1.0) } else { 0.0 };
-            length(rho - r0 - t * er, s - s0 - t * es)
+            norm(rho - r0 - t * er, s - s0 - t * es)
         };
         let gap = to_segment(0.0, self.from, self.radius_from, self.from)
             .min(to_segment(0.0, self.to, self.radius_to, self.to))
@@ -172,7 +168,7 @@ impl ToolSolid {
             return side;
         }
         // Above the plane: distance to the disc at the end of the flutes.
-        length((rho - self.radius()).max(0.0), s - self.flute_length)
+        norm((rho - self.radius()).max(0.0), s - self.flute_length)
     }
 
     /// Signed distance to shank and holder.
