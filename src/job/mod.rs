@@ -1,1 +1,18 @@
 //! The job: units as types, names resolved, every default explicit, libraries merged.
+
+pub mod curve_file;
+mod eval;
+pub mod files;
+mod library;
+pub mod model;
+mod operations;
+mod part;
+pub mod print;
+mod properties;
+pub mod quantity;
+mod resolve;
+mod tools;
+
+pub use files::{Files, Found, Missing};
+pub use model::Job;
+pub use resolve::resolve;

@@ -1,3 +1,16 @@
 //! Codes IMP03xx.
 
-crate::codes! {}
+crate::codes! {
+    VANE_COUNT = "IMP0301", "impossible number of vanes", include_str!("pages/IMP0301.md");
+    VANES_OVERLAP = "IMP0302", "vanes overlap", include_str!("pages/IMP0302.md");
+    POINTS = "IMP0303", "points that make no curve", include_str!("pages/IMP0303.md");
+    COORDINATE = "IMP0304", "coordinate beyond all measure", include_str!("pages/IMP0304.md");
+    CURVE_CROSSES = "IMP0305", "curve crosses itself", include_str!("pages/IMP0305.md");
+    ROOT_AND_TIP = "IMP0306", "root curve not below the tip curve", include_str!("pages/IMP0306.md");
+    FACES_CROSS = "IMP0307", "pressure and suction side cross", include_str!("pages/IMP0307.md");
+    RULINGS_FOLD = "IMP0308", "rulings of a face fold over", include_str!("pages/IMP0308.md");
+    STOCK = "IMP0309", "stock does not hold the part", include_str!("pages/IMP0309.md");
+    DIRECTION = "IMP0310", "curve runs the wrong way", include_str!("pages/IMP0310.md");
+    AXIS = "IMP0311", "curve too near to the axis of rotation", include_str!("pages/IMP0311.md");
+    OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
+}

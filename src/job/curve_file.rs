@@ -1,0 +1,70 @@
+//! Points of curves from a file of comma separated values: `curve,number,x,y,z`, `#` begins a comment.
+
+use super::eval::unknown;
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::{SourceId, SourceMap, Span};
+use crate::syntax::ast::{Name, Text};
+
+/// Points of a curve with the places of their lines; numbers count from 1 without a gap.
+pub(super) fn read(
+    source: SourceId,
+    sources: &SourceMap,
+    file: &Text,
+    curve: &Name,
+    sink: &mut Sink,
+) -> Option<(Vec<[f64; 3]>, Vec<Span>)> {
+    let text = &sources.get(source)?.text;
+    let mut points = Vec::new();
+    let mut spans = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    let mut good = true;
+    let mut start = 0;
+    for raw in text.split_inclusive('\n') {
+        let range = start..start + raw.trim_end().len();
+        start += raw.len();
+        let line = raw.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let span = Span::new(source, range);
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let name = fields.first().copied().unwrap_or_default();
+        if fields.len() != 5 {
+            sink.push(fault(span, file, format!("the line has {} fields, not 5", fields.len())));
+            return None;
+        }
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        if name != curve.text {
+            continue;
+        }
+        let number: Option<usize> = fields.get(1).and_then(|f| f.parse().ok());
+        if number != Some(points.len() + 1) {
+            sink.push(fault(span, file, format!("number {} is due here", points.len() + 1)));
+            good = false;
+        }
+        let coordinate = |at: usize| -> Option<f64> {
+            fields.get(at).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite())
+        };
+        let (Some(x), Some(y), Some(z)) = (coordinate(2), coordinate(3), coordinate(4)) else {
+            sink.push(fault(span, file, "the coordinates are not three finite numbers".to_owned()));
+            return None;
+        };
+        points.push([x, y, z]);
+        spans.push(span);
+    }
+    if points.is_empty() {
+        sink.push(unknown(&curve.text, curve.span, "curve", names.into_iter()));
+        return None;
+    }
+    good.then_some((points, spans))
+}
+
+fn fault(span: Span, file: &Text, what: String) -> Diag {
+    Diag::error(codes::CURVE_FILE, format!("the curve file `{}` cannot be understood", file.text))
+        .label(span, what)
+        .label(file.span, "read here")
+        .help("a line is `curve,number,x,y,z`; comments begin with #")
+}

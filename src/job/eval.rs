@@ -1,0 +1,242 @@
+//! Values of expressions: names, units, dimensions.
+
+use super::quantity::{Dimension, Quantity, unit_names};
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::Span;
+use crate::syntax::ast::{Expr, ExprKind, Name, Operator, Path};
+use std::collections::BTreeMap;
+
+/// Values of `let`.
+#[derive(Debug, Default)]
+pub(super) struct Scope {
+    names: BTreeMap<String, Binding>,
+    /// True when items are missing from the tree, so that an unknown name may have been declared there.
+    pub(super) damaged: bool,
+}
+
+#[derive(Debug)]
+struct Binding {
+    /// `None` when its own expression is faulty; that was reported.
+    value: Option<Quantity>,
+    span: Span,
+    used: bool,
+}
+
+impl Scope {
+    /// No names yet.
+    pub(super) fn new(damaged: bool) -> Self {
+        Self { names: BTreeMap::new(), damaged }
+    }
+
+    /// Binds a name.
+    pub(super) fn bind(&mut self, name: &Name, value: Option<Quantity>, sink: &mut Sink) {
+        if let Some(first) = self.names.get(&name.text) {
+            sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("`{}` is declared twice", name.text))
+                    .label(name.span, "declared again")
+                    .label(first.span, "first declared here")
+                    .help("give the second one another name"),
+            );
+            return;
+        }
+        self.names.insert(name.text.clone(), Binding { value, span: name.span, used: false });
+    }
+
+    /// Warns of names that nothing uses.
+    pub(super) fn warn_unused(&self, sink: &mut Sink) {
+        for (name, binding) in self.names.iter().filter(|(_, b)| !b.used) {
+            sink.push(
+                Diag::warning(codes::UNUSED, format!("`{name}` is not used"))
+                    .label(binding.span, "declared here")
+                    .help("remove it, or use it where its value is meant"),
+            );
+        }
+    }
+
+    fn look_up(&mut self, path: &Path, sink: &mut Sink) -> Option<Quantity> {
+        let text = path.text();
+        if let Some(binding) = self.names.get_mut(&text) {
+            binding.used = true;
+            return binding.value;
+        }
+        if self.damaged {
+            return None;
+        }
+        if ["nan", "inf", "infinity"].contains(&text.to_ascii_lowercase().as_str()) {
+            sink.push(
+                Diag::error(codes::WRONG_FORM, format!("`{text}` is not a number"))
+                    .label(path.span, "a finite number is due")
+                    .help("write the coordinate or size itself; every number of a job is finite"),
+            );
+            return None;
+        }
+        sink.push(unknown(&text, path.span, "name", self.names.keys().map(String::as_str)));
+        None
+    }
+
+    /// Value of an expression; faults go to the sink.
+    pub(super) fn value(&mut self, expr: &Expr, sink: &mut Sink) -> Option<Quantity> {
+        let value = match &expr.kind {
+            ExprKind::Number(number, None) => Quantity { value: *number, dimension: Dimension::NONE },
+            ExprKind::Number(number, Some(unit)) => {
+                let Some(quantity) = Quantity::new(*number, &unit.text) else {
+                    sink.push(unknown_unit(unit));
+                    return None;
+                };
+                quantity
+            }
+            ExprKind::Path(path) => self.look_up(path, sink)?,
+            ExprKind::Negative(inner) => {
+                let inner = self.value(inner, sink)?;
+                Quantity { value: -inner.value, ..inner }
+            }
+            ExprKind::Chain(first, rest) => {
+                let mut sum = self.value(first, sink);
+                for (operator, operand) in rest {
+                    let right = self.value(operand, sink);
+                    sum = match (sum, right) {
+                        (Some(left), Some(right)) => apply(*operator, left, right, expr.span, operand.span, sink),
+                        _ => None,
+                    };
+                }
+                sum?
+            }
+        };
+        if !value.value.is_finite() {
+            sink.push(
+                Diag::error(codes::ARITHMETIC, "the value is not a finite number")
+                    .label(expr.span, "too large to compute with")
+                    .help("write the size that is meant; lengths are in the unit that stands behind them"),
+            );
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Value of an expression in base units, which must have a dimension.
+    pub(super) fn expect(&mut self, expr: &Expr, due: Dimension, what: &str, sink: &mut Sink) -> Option<f64> {
+        let value = self.value(expr, sink)?;
+        if value.dimension == due {
+            return Some(value.value);
+        }
+        sink.push(mismatch(expr, value, &[due], what));
+        None
+    }
+}
+
+/// The diagnostic for a value of the wrong dimension, with a fix where only the unit is missing.
+pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &str) -> Diag {
+    let wanted = due.iter().map(|d| d.name()).collect::<Vec<_>>().join(" or ");
+    let usual = due.first().map_or("", |d| d.usual_unit());
+    if value.dimension == Dimension::NONE && !usual.is_empty() {
+        let units = due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", ");
+        let diag = Diag::error(codes::NO_UNIT, format!("{what} needs a unit"))
+            .label(expr.span, format!("a bare number where {wanted} is due"));
+        // A bare name or a sum cannot take a unit; zero is zero in every unit but is asked for one all the same.
+        return match expr.kind {
+            ExprKind::Number(number, None) => {
+                let at = Span { start: expr.span.end, ..expr.span };
+                diag.help(format!("write `{number} {usual}`, or another of {units}")).fix(at, format!(" {usual}"))
+            }
+            _ => diag.help(format!("give its numbers a unit: {units}")),
+        };
+    }
+    Diag::error(codes::WRONG_DIMENSION, format!("{what} is {wanted}, not {}", value.dimension))
+        .label(expr.span, format!("this is {}", value.dimension))
+        .help(if usual.is_empty() {
+            "write the number without a unit".to_owned()
+        } else {
+            format!("units for it are {}", due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", "))
+        })
+}
+
+fn apply(
+    operator: Operator,
+    left: Quantity,
+    right: Quantity,
+    whole: Span,
+    operand: Span,
+    sink: &mut Sink,
+) -> Option<Quantity> {
+    match operator {
+        Operator::Add | Operator::Subtract => {
+            if left.dimension != right.dimension {
+                let before = Span { end: operand.start, ..whole };
+                sink.push(
+                    Diag::error(
+                        codes::WRONG_DIMENSION,
+                        format!("{} and {} cannot be added", left.dimension, right.dimension),
+                    )
+                    .label(operand, format!("{} is due, this is {}", left.dimension, right.dimension))
+                    .label(before, left.dimension.name())
+                    .help("both sides of a sum need the same dimension"),
+                );
+                return None;
+            }
+            let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
+            Some(Quantity { value: left.value + sign * right.value, dimension: left.dimension })
+        }
+        Operator::Multiply | Operator::Divide => {
+            let sign = if operator == Operator::Multiply { 1 } else { -1 };
+            if sign < 0 && right.value == 0.0 {
+                sink.push(
+                    Diag::error(codes::ARITHMETIC, "division by zero")
+                        .label(operand, "this is zero")
+                        .help("divide by something else"),
+                );
+                return None;
+            }
+            let Some(dimension) = left.dimension.combine(right.dimension, sign) else {
+                sink.push(
+                    Diag::error(codes::ARITHMETIC, "the product has no meaning as a quantity")
+                        .label(whole, "too many factors with units")
+                        .help("no property of a job has such a dimension"),
+                );
+                return None;
+            };
+            let value = if sign > 0 { left.value * right.value } else { left.value / right.value };
+            Some(Quantity { value, dimension })
+        }
+    }
+}
+
+/// The diagnostic for an unknown unit.
+pub(super) fn unknown_unit(unit: &Name) -> Diag {
+    let units = unit_names();
+    let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text));
+    match nearest(&unit.text, units.iter().copied()) {
+        Some(near) => {
+            diag.label(unit.span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(unit.span, near)
+        }
+        None => diag.label(unit.span, "not known").help(format!("units are {}", units.join(", "))),
+    }
+}
+
+/// The diagnostic for an unknown word, with a suggestion where one is near.
+pub(super) fn unknown<'a>(text: &str, span: Span, kind: &str, known: impl Iterator<Item = &'a str>) -> Diag {
+    let known: Vec<_> = known.collect();
+    let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {kind} is called `{text}`"));
+    suggest(diag, text, span, kind, &known)
+}
+
+/// Adds label, help and fix to a diagnostic about an unknown word.
+pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&str]) -> Diag {
+    match nearest(text, known.iter().copied()) {
+        Some(near) => {
+            diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(span, near)
+        }
+        None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
+        None => diag.label(span, "not known").help(format!("there are: {}", known.join(", "))),
+    }
+}
+
+/// The known word that is meant, where it is near enough.
+pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (text.chars().count() / 3).max(1);
+    // The edit distance takes time by the product of the lengths; no known word is longer than this.
+    if text.len() > 64 {
+        return None;
+    }
+    known.map(|k| (strsim::damerau_levenshtein(text, k), k)).filter(|(d, _)| *d <= limit).min().map(|(_, k)| k)
+}

@@ -1,0 +1,388 @@
+//! Machine and tool files: TOML through serde, every key known, every quantity with its unit.
+
+use super::model::{CutterKind, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
+use super::quantity::{Dimension, Quantity};
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::{SourceId, SourceMap, Span};
+use crate::units::{Mm, MmPerMin, Rad, Rpm};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+type Text = Spanned<String>;
+
+/// Bound of lengths in library files, mm.
+const LONGEST: f64 = 100_000.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MachineFile {
+    kind: Text,
+    #[serde(default)]
+    #[expect(dead_code, reason = "for the reader of the file")]
+    about: String,
+    #[serde(default)]
+    assumed: Vec<String>,
+    axes: AxesTable,
+    part: PartTable,
+    spindle: SpindleTable,
+    rapid: Text,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxesTable {
+    #[serde(rename = "X")]
+    x: LinearTable,
+    #[serde(rename = "Y")]
+    y: LinearTable,
+    #[serde(rename = "Z")]
+    z: LinearTable,
+    #[serde(rename = "A")]
+    a: Option<RotaryTable>,
+    #[serde(rename = "C")]
+    c: Option<RotaryTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinearTable {
+    travel: [Text; 2],
+    speed: Text,
+    acceleration: Text,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RotaryTable {
+    travel: [Text; 2],
+    speed: Text,
+    acceleration: Text,
+    sense: Text,
+    point: [Text; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartTable {
+    origin: [Text; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpindleTable {
+    speed: [Text; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToolsFile {
+    #[serde(default)]
+    #[expect(dead_code, reason = "for the reader of the file")]
+    about: String,
+    #[serde(default)]
+    holder: BTreeMap<String, HolderTable>,
+    #[serde(default)]
+    tool: BTreeMap<String, ToolTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HolderTable {
+    #[serde(default)]
+    #[expect(dead_code, reason = "for the reader of the file")]
+    about: String,
+    section: Vec<SectionTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SectionTable {
+    length: Text,
+    lower: Text,
+    upper: Text,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToolTable {
+    kind: Text,
+    diameter: Text,
+    corner: Option<Text>,
+    angle: Option<Text>,
+    flutes: Spanned<u32>,
+    flute: Text,
+    shank: Option<Text>,
+    reach: Text,
+    holder: Option<Text>,
+}
+
+/// Holders and tools of all tool files of a job.
+#[derive(Debug, Default)]
+pub(super) struct ToolLibrary {
+    /// Sections by holder name: length, lower and upper diameter.
+    pub(super) holders: BTreeMap<String, Vec<[Mm; 3]>>,
+    /// Tools by name; number and span are those of the job.
+    pub(super) tools: BTreeMap<String, ToolSpec>,
+}
+
+struct Reader<'a> {
+    source: SourceId,
+    sink: &'a mut Sink,
+    faults: bool,
+}
+
+impl Reader<'_> {
+    fn span<T>(&self, value: &Spanned<T>) -> Span {
+        Span::new(self.source, value.span())
+    }
+
+    fn fault(&mut self, span: Span, message: String, label: String, help: &str) {
+        self.faults = true;
+        self.sink.push(Diag::error(codes::LIBRARY, message).label(span, label).help(help));
+    }
+
+    /// A quantity in base units.
+    fn quantity(&mut self, text: &Text, due: Dimension, min: f64, max: f64) -> f64 {
+        let example = match due.usual_unit() {
+            "" => "3".to_owned(),
+            unit => format!("3 {unit}"),
+        };
+        match Quantity::read(text.get_ref()) {
+            Some(q) if q.dimension == due && (min..=max).contains(&q.value) => return q.value,
+            Some(q) if q.dimension == due => self.fault(
+                self.span(text),
+                format!("`{}` is out of range", text.get_ref()),
+                format!("at least {min} and at most {max} {} is due", base(due)),
+                "correct the value",
+            ),
+            Some(q) => self.fault(
+                self.span(text),
+                format!("`{}` is {}, not {due}", text.get_ref(), q.dimension),
+                format!("{due} is due"),
+                &format!("write the number and its unit, such as \"{example}\""),
+            ),
+            None => self.fault(
+                self.span(text),
+                format!("`{}` is not a number with a unit", text.get_ref()),
+                format!("{due} is due"),
+                &format!("write the number and its unit, such as \"{example}\""),
+            ),
+        }
+        max.min(1.0)
+    }
+
+    fn pair(&mut self, texts: &[Text; 2], due: Dimension, bound: f64) -> [f64; 2] {
+        let pair = [self.quantity(&texts[0], due, -bound, bound), self.quantity(&texts[1], due, -bound, bound)];
+        if pair[0] >= pair[1] {
+            let span = Span { end: self.span(&texts[1]).end, ..self.span(&texts[0]) };
+            let message = "a travel needs its lower end first".to_owned();
+            self.fault(span, message, "the first is not below the second".to_owned(), "swap or correct the two values");
+        }
+        pair
+    }
+
+    fn linear(&mut self, table: &LinearTable) -> LinearSpec {
+        LinearSpec {
+            travel: self.pair(&table.travel, Dimension::LENGTH, LONGEST).map(Mm),
+            speed: MmPerMin(self.quantity(&table.speed, Dimension::FEED, 1.0, 1e6)),
+            acceleration: self.quantity(&table.acceleration, Dimension::ACCELERATION, 3600.0, 3.6e9) / 3600.0,
+        }
+    }
+
+    fn point(&mut self, texts: &[Text; 3]) -> [Mm; 3] {
+        let [x, y, z] = texts;
+        [x, y, z].map(|t| Mm(self.quantity(t, Dimension::LENGTH, -LONGEST, LONGEST)))
+    }
+
+    fn rotary(&mut self, table: &RotaryTable) -> RotarySpec {
+        let iso = match table.sense.get_ref().as_str() {
+            "iso" => true,
+            "opposite" => false,
+            other => {
+                self.fault(
+                    self.span(&table.sense),
+                    format!("`{other}` is no sense of a rotary word"),
+                    "\"iso\" or \"opposite\" is due".to_owned(),
+                    "write \"iso\" where a positive word turns the tool right-handed relative to the part",
+                );
+                true
+            }
+        };
+        RotarySpec {
+            travel: self.pair(&table.travel, Dimension::ANGLE, 1e5).map(Rad),
+            speed: self.quantity(&table.speed, Dimension::TURNING, 1e-3, 1e6) / 60.0,
+            acceleration: self.quantity(&table.acceleration, Dimension::TURNING_ACCELERATION, 1e-3, 1e9) / 3600.0,
+            iso,
+            point: self.point(&table.point),
+        }
+    }
+}
+
+fn base(due: Dimension) -> &'static str {
+    match due {
+        Dimension::ANGLE => "rad",
+        Dimension::TURNING => "rad/min",
+        Dimension::ACCELERATION => "mm/min2",
+        Dimension::TURNING_ACCELERATION => "rad/min2",
+        other => other.usual_unit(),
+    }
+}
+
+fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
+    let span = Span::new(source, error.span().unwrap_or(0..0));
+    let message = error.message().lines().next().unwrap_or("unreadable").to_owned();
+    Diag::error(codes::LIBRARY, format!("the library file {name} cannot be understood"))
+        .label(span, message)
+        .help("compare it with the files in jobs/_lib; `impellerc explain IMP0217` lists the keys")
+}
+
+/// Reads a machine file that is already in the map. `asked` is where the job names it.
+pub(super) fn machine(
+    name: &str,
+    source: SourceId,
+    sources: &SourceMap,
+    asked: Span,
+    sink: &mut Sink,
+) -> Option<MachineSpec> {
+    let file = sources.get(source)?;
+    let table: MachineFile = match toml::from_str(&file.text) {
+        Ok(table) => table,
+        Err(error) => {
+            sink.push(toml_fault(&error, source, &file.name).label(asked, "used here"));
+            return None;
+        }
+    };
+    let mut reader = Reader { source, sink, faults: false };
+    if table.kind.get_ref() != "table-table" {
+        reader.fault(
+            reader.span(&table.kind),
+            format!("machines of the kind `{}` are not built", table.kind.get_ref()),
+            "\"table-table\" is the kind that exists".to_owned(),
+            "take a machine that carries the part on two rotary tables",
+        );
+    }
+    let (Some(a), Some(c)) = (&table.axes.a, &table.axes.c) else {
+        let lacking = match (&table.axes.a, &table.axes.c) {
+            (None, None) => "rotary axis",
+            (None, _) => "axis A",
+            _ => "axis C",
+        };
+        sink.push(
+            Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has no {lacking}"))
+                .label(asked, "used here")
+                .help(format!("five-axis milling needs the axes A and C; add [axes.A] and [axes.C] to {}, or use another machine", file.name)),
+        );
+        return None;
+    };
+    let spec = MachineSpec {
+        name: name.to_owned(),
+        linear: [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)],
+        tilt: reader.rotary(a),
+        turn: reader.rotary(c),
+        part_origin: reader.point(&table.part.origin),
+        spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
+        rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
+        assumed: table.assumed,
+    };
+    (!reader.faults).then_some(spec)
+}
+
+/// Adds a tool file that is already in the map to the library.
+pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &mut ToolLibrary, sink: &mut Sink) {
+    let Some(file) = sources.get(source) else { return };
+    let table: ToolsFile = match toml::from_str(&file.text) {
+        Ok(table) => table,
+        Err(error) => {
+            sink.push(toml_fault(&error, source, &file.name).label(asked, "used here"));
+            return;
+        }
+    };
+    let mut reader = Reader { source, sink, faults: false };
+    for (name, holder) in table.holder {
+        let mut sections = Vec::new();
+        for section in &holder.section {
+            sections.push([&section.length, &section.lower, &section.upper].map(|t| {
+                Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0))
+            }));
+        }
+        into.holders.insert(name, sections);
+    }
+    for (name, tool) in table.tool {
+        if let Some(spec) = library_tool(&name, &tool, into, &mut reader) {
+            into.tools.insert(name, spec);
+        }
+    }
+}
+
+fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mut Reader<'_>) -> Option<ToolSpec> {
+    let span = reader.span(&tool.kind);
+    let corner = tool.corner.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 500.0)));
+    let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, 0.001, 0.785)));
+    let kind = match (tool.kind.get_ref().as_str(), corner, angle) {
+        ("flat", None, None) => CutterKind::Flat,
+        ("ball", None, None) => CutterKind::Ball,
+        ("bull", Some(corner), None) => CutterKind::Bull(corner),
+        ("tapered-ball", None, Some(angle)) => CutterKind::TaperedBall(angle),
+        (kind, ..) => {
+            reader.fault(
+                span,
+                format!("tool `{name}` of kind `{kind}` has the wrong properties"),
+                "flat, ball, bull with `corner`, tapered-ball with `angle` exist".to_owned(),
+                "correct the kind or the properties `corner` and `angle`",
+            );
+            return None;
+        }
+    };
+    let diameter = Mm(reader.quantity(&tool.diameter, Dimension::LENGTH, 0.01, 500.0));
+    let holder = match &tool.holder {
+        None => None,
+        Some(holder) => match library.holders.get(holder.get_ref()) {
+            Some(sections) => Some((holder.get_ref().clone(), sections.clone())),
+            None => {
+                let message = format!("no holder is called `{}`", holder.get_ref());
+                reader.fault(reader.span(holder), message, "not in this library".to_owned(), "add [holder.NAME] above");
+                return None;
+            }
+        },
+    };
+    let spec = ToolSpec {
+        name: name.to_owned(),
+        number: 0,
+        kind,
+        diameter,
+        flutes: *tool.flutes.get_ref(),
+        flute: Mm(reader.quantity(&tool.flute, Dimension::LENGTH, 0.01, 1000.0)),
+        shank: tool.shank.as_ref().map_or(diameter, |t| Mm(reader.quantity(t, Dimension::LENGTH, 0.01, 500.0))),
+        reach: Mm(reader.quantity(&tool.reach, Dimension::LENGTH, 0.01, 1000.0)),
+        holder,
+        span,
+    };
+    if let Some(fault) = shape_fault(&spec) {
+        reader.fault(span, format!("tool `{name}`: {fault}"), "this tool".to_owned(), "correct its sizes");
+        return None;
+    }
+    Some(spec)
+}
+
+/// What contradicts itself in the sizes of a tool.
+pub(super) fn shape_fault(tool: &ToolSpec) -> Option<&'static str> {
+    let radius = tool.diameter.get() / 2.0;
+    match tool.kind {
+        CutterKind::Bull(corner) if corner.get() >= radius => {
+            return Some("the corner radius must be below half of the diameter");
+        }
+        CutterKind::Ball | CutterKind::TaperedBall(_) if tool.flute.get() < radius => {
+            return Some("the flutes must be at least as long as the ball's radius");
+        }
+        CutterKind::Bull(corner) if tool.flute.get() < corner.get() => {
+            return Some("the flutes must be at least as long as the corner radius");
+        }
+        _ => {}
+    }
+    if tool.reach.get() < tool.flute.get() {
+        return Some("the reach, from the tip to the holder, must be at least the flute length");
+    }
+    (tool.flutes == 0 || tool.flutes > 20).then_some("it needs 1 to 20 flutes")
+}

@@ -1,0 +1,294 @@
+//! The typed job: units as types, names resolved, every default explicit.
+
+use crate::source::Span;
+use crate::units::{Mm, MmPerMin, Rad, Rpm};
+
+/// The whole job.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Machine.
+    pub machine: MachineSpec,
+    /// Part.
+    pub part: PartSpec,
+    /// Blank.
+    pub stock: StockSpec,
+    /// Tools in the order of the job; operations index them.
+    pub tools: Vec<ToolSpec>,
+    /// Operations in machining order.
+    pub operations: Vec<OperationSpec>,
+    /// Contracts.
+    pub contracts: Vec<ContractSpec>,
+    /// Path tolerance in finishing.
+    pub chord: Mm,
+    /// Path tolerance in roughing.
+    pub chord_rough: Mm,
+    /// Distance of shank and holder to the part that planning keeps: the bound of `require clearance`, or 0.5 mm.
+    pub clearance: Mm,
+    /// Dialect and where it is named.
+    pub post: (String, Span),
+}
+
+/// A machine file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineSpec {
+    /// Name in the library.
+    pub name: String,
+    /// X, Y, Z.
+    pub linear: [LinearSpec; 3],
+    /// A and C, in the sense of the machine's own words.
+    pub tilt: RotarySpec,
+    /// C.
+    pub turn: RotarySpec,
+    /// Origin of the part at A = C = 0 in the machine frame.
+    pub part_origin: [Mm; 3],
+    /// Spindle range.
+    pub spindle: [Rpm; 2],
+    /// Speed of rapid moves.
+    pub rapid: MmPerMin,
+    /// What the file marks as assumed.
+    pub assumed: Vec<String>,
+}
+
+/// A linear axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearSpec {
+    /// Travel.
+    pub travel: [Mm; 2],
+    /// Largest speed.
+    pub speed: MmPerMin,
+    /// Largest acceleration, mm/s2.
+    pub acceleration: f64,
+}
+
+/// A rotary axis in the sense of its word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotarySpec {
+    /// Travel.
+    pub travel: [Rad; 2],
+    /// Largest speed, rad/s.
+    pub speed: f64,
+    /// Largest acceleration, rad/s2.
+    pub acceleration: f64,
+    /// True when the word has the ISO sense.
+    pub iso: bool,
+    /// A point of the axis in the machine frame.
+    pub point: [Mm; 3],
+}
+
+/// The part.
+#[derive(Clone, Debug)]
+pub struct PartSpec {
+    /// Name.
+    pub name: String,
+    /// Vanes, with the place of the number.
+    pub vanes: (u32, Span),
+    /// Pressure side.
+    pub pressure: FaceSpec,
+    /// Suction side.
+    pub suction: FaceSpec,
+    /// Fillet radius; zero is a sharp root.
+    pub fillet: Mm,
+    /// Which curve is turned to the hub.
+    pub hub: CurveRef,
+    /// Which curve is turned to the shroud.
+    pub shroud: CurveRef,
+    /// Whole item.
+    pub span: Span,
+}
+
+/// A ruled face.
+#[derive(Clone, Debug)]
+pub struct FaceSpec {
+    /// Curve at the shroud.
+    pub tip: CurveSpec,
+    /// Curve at the hub.
+    pub root: CurveSpec,
+}
+
+/// Points of a curve in mm, from inlet to outlet.
+#[derive(Clone, Debug)]
+pub struct CurveSpec {
+    /// At least two.
+    pub points: Vec<[f64; 3]>,
+    /// Place of each point.
+    pub spans: Vec<Span>,
+    /// Whole curve.
+    pub span: Span,
+}
+
+/// One of the four curves of the vane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CurveRef {
+    /// Pressure, else suction.
+    pub pressure: bool,
+    /// Tip, else root.
+    pub tip: bool,
+    /// Where it is named.
+    pub span: Span,
+}
+
+/// The turned blank.
+#[derive(Clone, Copy, Debug)]
+pub struct StockSpec {
+    /// Material over the vane tips.
+    pub over_shroud: Mm,
+    /// Diameter of the bore; zero is none.
+    pub bore: Mm,
+    /// Height of the back face.
+    pub back: Mm,
+    /// Whole item.
+    pub span: Span,
+}
+
+/// Shape of a cutter's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CutterKind {
+    /// Flat.
+    Flat,
+    /// Ball.
+    Ball,
+    /// Bull nose, with its corner radius.
+    Bull(Mm),
+    /// Tapered ball, with the angle between axis and side.
+    TaperedBall(Rad),
+}
+
+impl CutterKind {
+    /// Keyword of the language.
+    pub fn keyword(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Ball => "ball",
+            Self::Bull(_) => "bull",
+            Self::TaperedBall(_) => "tapered-ball",
+        }
+    }
+}
+
+/// A tool.
+#[derive(Clone, Debug)]
+pub struct ToolSpec {
+    /// Name in the job.
+    pub name: String,
+    /// Number in the magazine.
+    pub number: u32,
+    /// Shape of the end.
+    pub kind: CutterKind,
+    /// Cutting diameter; for a tapered ball that of the ball.
+    pub diameter: Mm,
+    /// Teeth.
+    pub flutes: u32,
+    /// Length of the flutes from the tip.
+    pub flute: Mm,
+    /// Shank diameter.
+    pub shank: Mm,
+    /// From the tip to the holder.
+    pub reach: Mm,
+    /// Holder by name and sections: length, lower and upper diameter.
+    pub holder: Option<(String, Vec<[Mm; 3]>)>,
+    /// Its item.
+    pub span: Span,
+}
+
+/// An operation.
+#[derive(Clone, Debug)]
+pub struct OperationSpec {
+    /// Unique name.
+    pub name: String,
+    /// What it does.
+    pub kind: OperationKind,
+    /// Index of its tool.
+    pub tool: usize,
+    /// Spindle speed.
+    pub speed: Rpm,
+    /// Feed.
+    pub feed: MmPerMin,
+    /// Feed of links.
+    pub link_feed: MmPerMin,
+    /// Lead before the first contact.
+    pub lead_in: Mm,
+    /// Lead after the last contact.
+    pub lead_out: Mm,
+    /// Sectors from 0.
+    pub sectors: Vec<u32>,
+    /// Its item.
+    pub span: Span,
+}
+
+/// Kinds of operations with their own properties.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OperationKind {
+    /// Slot in the middle of the channel.
+    Groove(Layers),
+    /// Widen the slot.
+    Expand(Layers, Mm),
+    /// Vane faces: pressure, suction, strips.
+    Flank {
+        /// Finish the pressure side.
+        pressure: bool,
+        /// Finish the suction side.
+        suction: bool,
+        /// Bands along the ruling.
+        strips: u32,
+    },
+    /// Channel floor, with the scallop height.
+    Channel(Mm),
+}
+
+impl OperationKind {
+    /// Keyword of the language.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Groove(_) => "groove",
+            Self::Expand(..) => "expand",
+            Self::Flank { .. } => "flank",
+            Self::Channel(_) => "channel",
+        }
+    }
+}
+
+/// What both roughing operations have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
+    /// Largest step.
+    pub depth: Mm,
+    /// Left on vanes.
+    pub allowance_vane: Mm,
+    /// Left on the hub.
+    pub allowance_hub: Mm,
+}
+
+/// Quantities that can be required.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContractKind {
+    /// Deepest cut into the design.
+    Gouge,
+    /// Most material left.
+    Excess,
+    /// Shank and holder to the part.
+    Clearance,
+    /// Most material that roughing leaves.
+    Rest,
+}
+
+/// A contract.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContractSpec {
+    /// Quantity.
+    pub kind: ContractKind,
+    /// Bound.
+    pub bound: Mm,
+    /// Its item.
+    pub span: Span,
+}
+
+/// Distance of shank and holder to the part where the job does not require one.
+pub const DEFAULT_CLEARANCE: Mm = Mm(0.5);
+/// Path tolerance in finishing where the job gives none.
+pub const DEFAULT_CHORD: Mm = Mm(0.001);
+/// Path tolerance in roughing where the job gives none.
+pub const DEFAULT_CHORD_ROUGH: Mm = Mm(0.01);
+/// Feed of links where the operation gives none.
+pub const DEFAULT_LINK_FEED: MmPerMin = MmPerMin(1000.0);
+/// Lead-in and lead-out where the operation gives none.
+pub const DEFAULT_LEAD: Mm = Mm(2.0);

@@ -1,0 +1,368 @@
+//! Operations: which tool, how fast, and what only their kind has.
+
+use super::eval::{mismatch, suggest, unknown};
+use super::model::{
+    CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec,
+};
+use super::properties::{Properties, Range};
+use super::quantity::Dimension;
+use super::resolve::{Context, head};
+use super::tools::Declared;
+use crate::diag::Diag;
+use crate::diag::codes::job as codes;
+use crate::source::Span;
+use crate::syntax::ast::{File, Item, ItemKind, Name};
+use crate::units::{Mm, MmPerMin, Rpm};
+use std::f64::consts::PI;
+
+const KINDS: [&str; 4] = ["groove", "expand", "flank", "channel"];
+const COMMON: [&str; 7] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "sectors"];
+
+/// Largest feed, mm/min; machines limit it further.
+const MAX_FEED: Range = Range::Positive(1e5);
+
+pub(super) fn resolve(
+    file: &File,
+    tools: &[Declared],
+    machine: Option<&MachineSpec>,
+    vanes: Option<u32>,
+    cx: &mut Context<'_>,
+) -> Vec<OperationSpec> {
+    let mut out = Vec::new();
+    let mut used: Vec<(String, Span)> = Vec::new();
+    let mut used_tools: Vec<String> = Vec::new();
+    let mut layers: Option<Layers> = None;
+    let mut any = false;
+    for item in &file.items {
+        let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
+        any = true;
+        if !KINDS.contains(&kind.text.as_str()) {
+            let message = format!("operation `{}` is not in the language", kind.text);
+            let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
+            cx.sink.push(suggest(diag, &kind.text, kind.span, "operation", &KINDS));
+            continue;
+        }
+        let name = unique_name(kind, name.as_ref(), &mut used, cx);
+        let mut reader = Reader { name, tools, machine, vanes, used_tools: &mut used_tools, groove: layers };
+        let operation = reader.read(item, cx);
+        if let Some(OperationKind::Groove(l)) = operation.as_ref().map(|o| &o.kind) {
+            layers = Some(*l);
+        }
+        out.extend(operation);
+    }
+    if !any && !file.damaged {
+        cx.sink.push(
+            Diag::error(codes::MISSING_ITEM, "the job has no operation")
+                .help("add `operation groove { ... }`; operations are groove, expand, flank and channel"),
+        );
+    }
+    for tool in tools.iter().filter(|t| !used_tools.contains(&t.name.text)) {
+        cx.sink.push(
+            Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
+                .label(tool.name.span, "declared here")
+                .help("remove it, or use it in an operation"),
+        );
+    }
+    out
+}
+
+/// The given name, or the kind with a number where it occurs again.
+fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Vec<(String, Span)>, cx: &mut Context<'_>) -> String {
+    let span = name.map_or(kind.span, |n| n.span);
+    let text = match name {
+        Some(name) => {
+            if let Some((_, first)) = used.iter().find(|(n, _)| *n == name.text) {
+                cx.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("two operations are called `{}`", name.text))
+                        .label(name.span, "the second one")
+                        .label(*first, "the first one")
+                        .help("give the second one another name"),
+                );
+            }
+            name.text.clone()
+        }
+        None => {
+            let taken = |text: &String| used.iter().any(|(n, _)| n == text);
+            let mut text = kind.text.clone();
+            let mut number = 2;
+            while taken(&text) {
+                text = format!("{}{number}", kind.text);
+                number += 1;
+            }
+            text
+        }
+    };
+    used.push((text.clone(), span));
+    text
+}
+
+struct Reader<'a> {
+    name: String,
+    tools: &'a [Declared],
+    machine: Option<&'a MachineSpec>,
+    vanes: Option<u32>,
+    used_tools: &'a mut Vec<String>,
+    groove: Option<Layers>,
+}
+
+impl Reader<'_> {
+    fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
+        let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
+        let own: &[&str] = match kind.text.as_str() {
+            "groove" => &["depth", "allowance"],
+            "expand" => &["depth", "allowance", "residual"],
+            "flank" => &["faces", "method", "strips"],
+            _ => &["scallop"],
+        };
+        let known = [&COMMON, own].concat();
+        let owner = format!("operation {}", self.name);
+        let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
+        let tool = self.tool(kind, &mut p);
+        let spec = tool.and_then(|(at, _)| self.tools.get(at)).and_then(|t| t.spec.as_ref());
+        let speed = self.speed(spec, &mut p);
+        let feed = self.feed(spec, speed, &mut p);
+        let link_feed = if p.has("link-feed") {
+            p.number("link-feed", Dimension::FEED, MAX_FEED, "link-feed 1000 mm/min")
+                .and_then(|f| self.within_axes("link-feed", f, &mut p))
+        } else {
+            Some(DEFAULT_LINK_FEED)
+        };
+        let [lead_in, lead_out] = ["lead-in", "lead-out"].map(|name| {
+            if !p.has(name) {
+                return Some(DEFAULT_LEAD);
+            }
+            let range = Range::NotNegative(100.0);
+            p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
+        });
+        let sectors = self.sectors(&mut p);
+        let kind = self.kind(kind, spec, &mut p);
+        Some(OperationSpec {
+            name: self.name.clone(),
+            kind: kind?,
+            tool: tool?.0,
+            speed: speed?,
+            feed: feed?,
+            link_feed: link_feed?,
+            lead_in: lead_in?,
+            lead_out: lead_out?,
+            sectors: sectors?,
+            span: head(item),
+        })
+    }
+
+    fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+        if !p.has("tool") {
+            p.missing("tool", "tool t1");
+            return None;
+        }
+        let words = p.words("tool", "tool t1")?;
+        let [word] = words.as_slice() else {
+            p.wrong_form(words.first()?.span, "tool", "one tool", "tool t1");
+            return None;
+        };
+        let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
+            if !p.scope.damaged {
+                let known = self.tools.iter().map(|t| t.name.text.as_str());
+                p.sink.push(unknown(&word.text, word.span, "tool", known));
+            }
+            return None;
+        };
+        self.used_tools.push(word.text.clone());
+        let declared = self.tools.get(at)?;
+        let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
+        let needed: &[&str] = match kind.text.as_str() {
+            "flank" | "channel" => &["ball"],
+            _ => &["flat", "ball", "bull"],
+        };
+        if !suits(needed) {
+            let has = declared.spec.as_ref().map_or("", |s| s.kind.keyword());
+            p.sink.push(
+                Diag::error(codes::WRONG_TOOL, format!("operation {} cannot use a {has} tool", self.name))
+                    .label(word.span, format!("`{}` is a {has} tool", word.text))
+                    .label(declared.name.span, "declared here")
+                    .help(format!("operation {} takes a tool of the kind {}", kind.text, needed.join(", "))),
+            );
+            return None;
+        }
+        Some((at, word.span))
+    }
+
+    /// Spindle speed, given as such or as the cutting speed of the tool's diameter.
+    fn speed(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
+        if !p.has("speed") {
+            p.missing("speed", "speed 8000 rpm");
+            return None;
+        }
+        let expr = p.expression("speed", "speed 8000 rpm")?;
+        let value = p.scope.value(expr, p.sink)?;
+        let rpm = match value.dimension {
+            Dimension::SPINDLE => value.value,
+            Dimension::FEED => value.value / (PI * tool?.diameter.get()),
+            _ => {
+                p.sink.push(mismatch(expr, value, &[Dimension::SPINDLE, Dimension::FEED], "`speed`"));
+                return None;
+            }
+        };
+        let [min, max] = self.machine.map_or([Rpm(0.0), Rpm(1e6)], |m| m.spindle);
+        if rpm < min.get() || rpm > max.get() || rpm <= 0.0 {
+            let name = self.machine.map_or("any machine", |m| m.name.as_str());
+            p.sink.push(
+                Diag::error(codes::MACHINE_RANGE, format!("the spindle of {name} does not turn at {}", Rpm(rpm)))
+                    .label(expr.span, format!("{} to {} rpm are possible", min.get(), max.get()))
+                    .help("choose a speed within the range of the spindle"),
+            );
+            return None;
+        }
+        Some(Rpm(rpm))
+    }
+
+    /// Feed, given as such or a tooth.
+    fn feed(&self, tool: Option<&ToolSpec>, speed: Option<Rpm>, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        if !p.has("feed") {
+            p.missing("feed", "feed 250 mm/min");
+            return None;
+        }
+        let expr = p.expression("feed", "feed 250 mm/min")?;
+        let value = p.scope.value(expr, p.sink)?;
+        let feed = match value.dimension {
+            Dimension::FEED => value.value,
+            Dimension::FEED_PER_TOOTH => value.value * speed?.get() * f64::from(tool?.flutes),
+            _ => {
+                p.sink.push(mismatch(expr, value, &[Dimension::FEED, Dimension::FEED_PER_TOOTH], "`feed`"));
+                return None;
+            }
+        };
+        if feed <= 0.0 {
+            p.out_of_range(expr.span, "feed", "above 0");
+            return None;
+        }
+        self.within_axes("feed", (feed, expr.span), p)
+    }
+
+    fn within_axes(&self, name: &str, (feed, span): (f64, Span), p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        let fastest =
+            self.machine.map_or(1e6, |m| m.linear.iter().map(|a| a.speed.get()).fold(f64::INFINITY, f64::min));
+        if feed <= fastest {
+            return Some(MmPerMin(feed));
+        }
+        p.sink.push(
+            Diag::error(codes::MACHINE_RANGE, format!("the `{name}` of operation {} is beyond the machine", self.name))
+                .label(span, format!("its slowest linear axis makes {fastest} mm/min"))
+                .help("choose a lower feed"),
+        );
+        None
+    }
+
+    fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
+        let count = self.vanes.unwrap_or(500);
+        if !p.has("sectors") {
+            return Some((0..count).collect());
+        }
+        let sectors = p.counts("sectors", 1, count, "sectors 1, 2")?;
+        for (at, (sector, span)) in sectors.iter().enumerate() {
+            if sectors.iter().take(at).any(|(s, _)| s == sector) {
+                p.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("sector {sector} is given twice"))
+                        .label(*span, "given again")
+                        .help("name each sector once"),
+                );
+                return None;
+            }
+        }
+        Some(sectors.into_iter().map(|(s, _)| s - 1).collect())
+    }
+
+    fn kind(&self, kind: &Name, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+        let radius = tool.map_or(250.0, |t| t.diameter.get() / 2.0);
+        match kind.text.as_str() {
+            "groove" => self.layers(false, tool, p).map(OperationKind::Groove),
+            "expand" => {
+                let layers = self.layers(true, tool, p);
+                let residual = p.required("residual", Dimension::LENGTH, Range::Positive(radius), "residual 0.5 mm");
+                Some(OperationKind::Expand(layers?, Mm(residual?.0)))
+            }
+            "flank" => flank(p),
+            _ => {
+                let range = Range::Positive(radius);
+                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
+                Some(OperationKind::Channel(Mm(scallop?.0)))
+            }
+        }
+    }
+
+    /// Depth and allowances; `expand` takes those of the groove before it where it gives none.
+    fn layers(&self, inherits: bool, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Layers> {
+        let before = self.groove.filter(|_| inherits);
+        let deepest = tool.map_or(1000.0, |t| t.flute.get());
+        let depth = match before {
+            Some(before) if !p.has("depth") => Some(before.depth),
+            _ => p.required("depth", Dimension::LENGTH, Range::Positive(deepest), "depth 1.5 mm").map(|d| Mm(d.0)),
+        };
+        let example = "allowance vane 0.2 mm, hub 0.5 mm";
+        let given = p.has("allowance");
+        if !given && before.is_none() {
+            p.missing("allowance", example);
+        }
+        let values = p.labelled("allowance", &["vane", "hub"], example);
+        let mut allowances = before.map(|b| [b.allowance_vane, b.allowance_hub]).filter(|_| !given).map(|a| a.map(Some));
+        if given {
+            allowances = Some(["vane", "hub"].map(|label| {
+                let Some((_, expr)) = values.iter().find(|(l, _)| l.text == label) else {
+                    p.missing(&format!("allowance {label}"), example);
+                    return None;
+                };
+                let what = format!("allowance {label}");
+                p.value_of(expr, &what, Dimension::LENGTH, Range::NotNegative(100.0)).map(Mm)
+            }));
+        }
+        let [vane, hub] = allowances?;
+        Some(Layers { depth: depth?, allowance_vane: vane?, allowance_hub: hub? })
+    }
+}
+
+fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+    let (mut pressure, mut suction) = (false, false);
+    if p.has("faces") {
+        for word in p.words("faces", "faces pressure, suction")? {
+            let side = match word.text.as_str() {
+                "pressure" => &mut pressure,
+                "suction" => &mut suction,
+                other => {
+                    let diag = Diag::error(codes::UNKNOWN_NAME, format!("no face is called `{other}`"));
+                    p.sink.push(suggest(diag, other, word.span, "face", &["pressure", "suction"]));
+                    return None;
+                }
+            };
+            if *side {
+                p.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("face `{}` is given twice", word.text))
+                        .label(word.span, "given again")
+                        .help("name each face once"),
+                );
+                return None;
+            }
+            *side = true;
+        }
+    } else {
+        (pressure, suction) = (true, true);
+    }
+    if p.has("method") {
+        for word in p.words("method", "method two-point")? {
+            if word.text != "two-point" {
+                let message = format!("flank milling by `{}` is not in the language", word.text);
+                let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
+                p.sink.push(suggest(diag, &word.text, word.span, "method", &["two-point"]));
+                return None;
+            }
+        }
+    }
+    let strips = if p.has("strips") { p.count("strips", 1, 100, "strips 6")?.0 } else { 1 };
+    Some(OperationKind::Flank { pressure, suction, strips })
+}
+
+impl CutterKind {
+    /// True for tools that flank and channel milling can use.
+    pub fn is_ball(self) -> bool {
+        matches!(self, Self::Ball)
+    }
+}

@@ -1,0 +1,273 @@
+//! The part: vanes, faces, curves.
+
+use super::curve_file;
+use super::eval::{mismatch, suggest, unknown_unit};
+use super::model::{CurveRef, CurveSpec, FaceSpec, PartSpec};
+use super::properties::{Properties, Range};
+use super::quantity::{Dimension, Quantity};
+use super::resolve::Context;
+use crate::diag::Diag;
+use crate::diag::codes::{files as file_codes, geometry, job as codes};
+use crate::source::Span;
+use crate::syntax::ast::{Block, Name, Path, Spline, SplinePoints, Text, Value};
+use crate::units::Mm;
+
+/// Most vanes of any impeller; more is a slip of the pen, whatever the size.
+const MAX_VANES: u32 = 500;
+
+/// Points of one curve. Splines of measured blades have hundreds.
+const MAX_POINTS: usize = 20_000;
+
+pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
+    let known = ["vanes", "vane", "hub", "shroud"];
+    let mut p = Properties::new(format!("part {}", name.text), head, body, &known, &mut cx.scope, cx.sink);
+    let vanes = vane_count(&mut p);
+    let vane = p.take("vane");
+    if vane.is_none() {
+        p.missing("vane", "vane main { pressure ruled { ... } suction ruled { ... } }");
+    }
+    let hub = revolved("hub", &mut p);
+    let shroud = revolved("shroud", &mut p);
+    let (vane_name, vane_block) = match vane? {
+        (_, values) if matches!(values.as_slice(), [Value::Block(Some(_), _)]) => match values.into_iter().next()? {
+            Value::Block(Some(name), block) => (name, block),
+            _ => return None,
+        },
+        (word, _) => {
+            p.wrong_form(word.span, "vane", "a name and a block", "vane main { pressure ruled { ... } ... }");
+            return None;
+        }
+    };
+    let hub = hub.and_then(|path| curve_ref(path, vane_name, cx));
+    let shroud = shroud.and_then(|path| curve_ref(path, vane_name, cx));
+    let known = ["pressure", "suction", "fillet"];
+    let owner = format!("vane {}", vane_name.text);
+    let mut p = Properties::new(owner, vane_name.span, vane_block, &known, &mut cx.scope, cx.sink);
+    let fillet = if p.has("fillet") {
+        p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm").map(|f| f.0)
+    } else {
+        Some(0.0)
+    };
+    let sides = ["pressure", "suction"].map(|side| {
+        let value = p.take(side);
+        if value.is_none() {
+            p.missing(side, &format!("{side} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
+        }
+        value
+    });
+    let [pressure, suction] = sides.map(|side| side.and_then(|(word, values)| face(word, &values, cx)));
+    Some(PartSpec {
+        name: name.text.clone(),
+        vanes: vanes?,
+        pressure: pressure?,
+        suction: suction?,
+        fillet: Mm(fillet?),
+        hub: hub?,
+        shroud: shroud?,
+        span: head,
+    })
+}
+
+fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
+    if !p.has("vanes") {
+        p.missing("vanes", "vanes 8");
+        return None;
+    }
+    let expr = p.expression("vanes", "vanes 8")?;
+    let value = p.scope.value(expr, p.sink)?;
+    if value.dimension != Dimension::NONE {
+        p.sink.push(mismatch(expr, value, &[Dimension::NONE], "`vanes`"));
+        return None;
+    }
+    let whole = (0..=MAX_VANES).find(|n| f64::from(*n) == value.value);
+    match whole {
+        Some(n) if n >= 2 => Some((n, expr.span)),
+        _ => {
+            p.sink.push(
+                Diag::error(geometry::VANE_COUNT, "the number of vanes makes no impeller")
+                    .label(expr.span, format!("a whole number from 2 to {MAX_VANES} is due"))
+                    .help("count the vanes of one full turn: a channel lies between two of them"),
+            );
+            None
+        }
+    }
+}
+
+fn revolved<'a>(name: &str, p: &mut Properties<'a, '_>) -> Option<&'a Path> {
+    let example = if name == "hub" { "hub revolve main.pressure.root" } else { "shroud revolve main.pressure.tip" };
+    let Some((word, values)) = p.take(name) else {
+        p.missing(name, example);
+        return None;
+    };
+    match values.as_slice() {
+        [Value::Revolve(path, _)] => Some(path),
+        _ => {
+            p.wrong_form(word.span, name, "a curve to revolve", example);
+            None
+        }
+    }
+}
+
+/// `main.pressure.root`
+fn curve_ref(path: &Path, vane: &Name, cx: &mut Context<'_>) -> Option<CurveRef> {
+    let allowed: [(&str, &[&str]); 3] =
+        [("vane", &[vane.text.as_str()]), ("face", &["pressure", "suction"]), ("curve", &["tip", "root"])];
+    if path.names.len() != allowed.len() {
+        cx.sink.push(
+            Diag::error(codes::WRONG_FORM, format!("`{}` names no curve", path.text()))
+                .label(path.span, "vane, face and curve are due")
+                .help(format!("write `{}.pressure.root`", vane.text)),
+        );
+        return None;
+    }
+    let mut good = true;
+    for (name, (kind, known)) in path.names.iter().zip(allowed) {
+        if !known.contains(&name.text.as_str()) {
+            let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {kind} is called `{}`", name.text));
+            cx.sink.push(suggest(diag, &name.text, name.span, kind, known));
+            good = false;
+        }
+    }
+    let is = |at: usize, word: &str| path.names.get(at).is_some_and(|n| n.text == word);
+    good.then(|| CurveRef { pressure: is(1, "pressure"), tip: is(2, "tip"), span: path.span })
+}
+
+fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec> {
+    let example = "pressure ruled { tip spline [...] mm  root spline [...] mm }";
+    let [Value::Block(Some(kind), block)] = values else {
+        cx.sink.push(
+            Diag::error(codes::WRONG_FORM, format!("`{}` takes a kind of face and a block", word.text))
+                .label(word.span, "`ruled { }` is due")
+                .help(format!("write it like `{example}`")),
+        );
+        return None;
+    };
+    if kind.text != "ruled" {
+        let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("faces of the kind `{}` are not in the language", kind.text));
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of face", &["ruled"]));
+        return None;
+    }
+    let owner = format!("the {} face", word.text);
+    let mut p = Properties::new(owner, word.span, block, &["tip", "root"], &mut cx.scope, cx.sink);
+    let splines = ["tip", "root"].map(|name| match p.take(name) {
+        None => {
+            p.missing(name, &format!("{name} spline [(x, y, z) ...] mm"));
+            None
+        }
+        Some((_, values)) => match values.as_slice() {
+            [Value::Spline(spline)] => Some(spline),
+            _ => {
+                let span = values.first().map_or(word.span, |v| v.span());
+                p.wrong_form(span, name, "a spline", &format!("{name} spline [(x, y, z) ...] mm"));
+                None
+            }
+        },
+    });
+    let [tip, root] = splines.map(|s| s.and_then(|s| curve(s, cx)));
+    Some(FaceSpec { tip: tip?, root: root? })
+}
+
+fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
+    let scale = unit_scale(spline, cx);
+    let (points, spans) = match &spline.points {
+        SplinePoints::Inline(points) => inline(points, cx)?,
+        SplinePoints::File { file, curve } => from_file(file, curve, cx)?,
+    };
+    if points.len() > MAX_POINTS {
+        cx.sink.push(
+            Diag::error(geometry::POINTS, format!("the curve has {} points; at most {MAX_POINTS} are taken", points.len()))
+                .label(spline.span, "this curve")
+                .help("thin the points out; a smooth vane needs some tens"),
+        );
+        return None;
+    }
+    let scale = scale?;
+    let points = points.into_iter().map(|p| p.map(|x| x * scale)).collect();
+    Some(CurveSpec { points, spans, span: spline.span })
+}
+
+fn unit_scale(spline: &Spline, cx: &mut Context<'_>) -> Option<f64> {
+    let Some(unit) = &spline.unit else {
+        let at = Span { start: spline.span.end, ..spline.span };
+        cx.sink.push(
+            Diag::error(codes::NO_UNIT, "the points of the spline need a unit")
+                .label(at, "a unit is due here")
+                .help("write `mm` after the points; it holds for all of them")
+                .fix(at, " mm"),
+        );
+        return None;
+    };
+    match Quantity::new(1.0, &unit.text) {
+        Some(q) if q.dimension == Dimension::LENGTH => Some(q.value),
+        Some(q) => {
+            cx.sink.push(
+                Diag::error(codes::WRONG_DIMENSION, format!("coordinates are lengths, not {}", q.dimension))
+                    .label(unit.span, "a unit of length is due")
+                    .help("write `mm`"),
+            );
+            None
+        }
+        None => {
+            cx.sink.push(unknown_unit(unit));
+            None
+        }
+    }
+}
+
+type Points = (Vec<[f64; 3]>, Vec<Span>);
+
+fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<Points> {
+    let mut out = (Vec::new(), Vec::new());
+    let mut good = true;
+    for point in points {
+        let [x, y, z] = point.coordinates.as_slice() else {
+            cx.sink.push(
+                Diag::error(codes::WRONG_FORM, format!("a point has 3 coordinates, not {}", point.coordinates.len()))
+                    .label(point.span, "x, y and z are due")
+                    .help("write it like `(15.0578, -38.5221, 0)`"),
+            );
+            good = false;
+            continue;
+        };
+        let coordinates = [x, y, z].map(|e| {
+            let value = cx.scope.value(e, cx.sink)?;
+            if value.dimension != Dimension::NONE {
+                cx.sink.push(
+                    Diag::error(codes::WRONG_DIMENSION, "coordinates have the unit that stands after the list")
+                        .label(e.span, "a plain number is due")
+                        .help("remove the unit here"),
+                );
+                return None;
+            }
+            Some(value.value)
+        });
+        match coordinates {
+            [Some(x), Some(y), Some(z)] => {
+                out.0.push([x, y, z]);
+                out.1.push(point.span);
+            }
+            _ => good = false,
+        }
+    }
+    good.then_some(out)
+}
+
+fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> {
+    let found = match cx.files.curves(&file.text) {
+        Ok(found) => found,
+        Err(missing) => {
+            cx.sink.push(
+                Diag::error(file_codes::CANNOT_READ, format!("the curve file `{}` cannot be read", file.text))
+                    .label(file.span, missing.reason)
+                    .help("give its path relative to the job file"),
+            );
+            return None;
+        }
+    };
+    let known = cx.sources.files().iter().position(|f| f.name == found.name && f.text == found.text);
+    let source = match known {
+        Some(at) => crate::source::SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
+        None => cx.sources.add(found.name, found.text),
+    };
+    curve_file::read(source, cx.sources, file, curve, cx.sink)
+}

@@ -1,0 +1,113 @@
+//! Text form of the job: every default written out.
+
+use super::model::{ContractKind, CutterKind, CurveSpec, FaceSpec, Job, Layers, OperationKind};
+use crate::units::trim;
+use std::fmt::Write;
+
+/// The job as text.
+pub fn print(job: &Job) -> String {
+    let mut out = String::new();
+    machine(&mut out, job);
+    let p = &job.part;
+    let _ = writeln!(out, "part {}\n  vanes {}\n  fillet {}", p.name, p.vanes.0, p.fillet);
+    face(&mut out, "pressure", &p.pressure);
+    face(&mut out, "suction", &p.suction);
+    for (name, curve) in [("hub", p.hub), ("shroud", p.shroud)] {
+        let side = if curve.pressure { "pressure" } else { "suction" };
+        let end = if curve.tip { "tip" } else { "root" };
+        let _ = writeln!(out, "  {name} revolve {side}.{end}");
+    }
+    let s = &job.stock;
+    let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
+    tools(&mut out, job);
+    operations(&mut out, job);
+    let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);
+    let _ = writeln!(out, "clearance {}", job.clearance);
+    for c in &job.contracts {
+        let (name, relation) = match c.kind {
+            ContractKind::Gouge => ("gouge", "<="),
+            ContractKind::Excess => ("excess", "<="),
+            ContractKind::Clearance => ("clearance", ">="),
+            ContractKind::Rest => ("rest", "<="),
+        };
+        let _ = writeln!(out, "require {name} {relation} {}", c.bound);
+    }
+    let _ = writeln!(out, "post {}", job.post.0);
+    out
+}
+
+fn machine(out: &mut String, job: &Job) {
+    let m = &job.machine;
+    let _ = writeln!(out, "machine {}", m.name);
+    for (name, axis) in ["X", "Y", "Z"].iter().zip(&m.linear) {
+        let [lo, hi] = axis.travel;
+        let _ = writeln!(out, "  {name} {lo} to {hi}, {}, {} mm/s2", axis.speed, trim(axis.acceleration, 3));
+    }
+    for (name, axis) in [("A", &m.tilt), ("C", &m.turn)] {
+        let [lo, hi] = axis.travel;
+        let sense = if axis.iso { "iso" } else { "opposite" };
+        let (speed, acceleration) = (trim(axis.speed.to_degrees(), 3), trim(axis.acceleration, 3));
+        let [x, y, z] = axis.point;
+        let _ = writeln!(out, "  {name} {lo} to {hi}, {speed} deg/s, {acceleration} rad/s2, {sense}, at {x}, {y}, {z}");
+    }
+    let [x, y, z] = m.part_origin;
+    let _ = writeln!(out, "  part origin {x}, {y}, {z}");
+    let _ = writeln!(out, "  spindle {} to {}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
+    for assumed in &m.assumed {
+        let _ = writeln!(out, "  assumed: {assumed}");
+    }
+}
+
+fn face(out: &mut String, name: &str, face: &FaceSpec) {
+    let curve = |out: &mut String, end: &str, curve: &CurveSpec| {
+        let _ = writeln!(out, "  {name} {end}");
+        for [x, y, z] in &curve.points {
+            let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
+        }
+    };
+    curve(out, "tip", &face.tip);
+    curve(out, "root", &face.root);
+}
+
+fn tools(out: &mut String, job: &Job) {
+    for t in &job.tools {
+        let _ = writeln!(out, "tool {} = {}\n  number {}\n  diameter {}", t.name, t.kind.keyword(), t.number, t.diameter);
+        match t.kind {
+            CutterKind::Bull(corner) => _ = writeln!(out, "  corner {corner}"),
+            CutterKind::TaperedBall(angle) => _ = writeln!(out, "  angle {angle}"),
+            CutterKind::Flat | CutterKind::Ball => {}
+        }
+        let _ = writeln!(out, "  flutes {}\n  flute {}\n  shank {}\n  reach {}", t.flutes, t.flute, t.shank, t.reach);
+        let Some((name, sections)) = &t.holder else { continue };
+        let _ = writeln!(out, "  holder {name}");
+        for [length, lower, upper] in sections {
+            let _ = writeln!(out, "    {length} long, diameter {lower} to {upper}");
+        }
+    }
+}
+
+fn operations(out: &mut String, job: &Job) {
+    for o in &job.operations {
+        let tool = job.tools.get(o.tool).map_or("?", |t| t.name.as_str());
+        let _ = writeln!(out, "operation {} {}\n  tool {tool}\n  speed {}\n  feed {}", o.kind.keyword(), o.name, o.speed, o.feed);
+        let _ = writeln!(out, "  link-feed {}\n  lead-in {}\n  lead-out {}", o.link_feed, o.lead_in, o.lead_out);
+        let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
+        let _ = writeln!(out, "  sectors {}", sectors.join(", "));
+        let layers = |out: &mut String, l: &Layers| {
+            let _ = writeln!(out, "  depth {}\n  allowance vane {}, hub {}", l.depth, l.allowance_vane, l.allowance_hub);
+        };
+        match &o.kind {
+            OperationKind::Groove(l) => layers(out, l),
+            OperationKind::Expand(l, residual) => {
+                layers(out, l);
+                let _ = writeln!(out, "  residual {residual}");
+            }
+            OperationKind::Flank { pressure, suction, strips } => {
+                let faces = [(*pressure, "pressure"), (*suction, "suction")];
+                let faces: Vec<_> = faces.iter().filter(|f| f.0).map(|f| f.1).collect();
+                let _ = writeln!(out, "  faces {}\n  method two-point\n  strips {strips}", faces.join(", "));
+            }
+            OperationKind::Channel(scallop) => _ = writeln!(out, "  scallop {scallop}"),
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Reads the entries of a block as properties: each known, given once, of the right form and dimension.
+
+use super::eval::{Scope, mismatch, nearest, suggest, unknown_unit};
+use super::quantity::Dimension;
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::Span;
+use crate::syntax::ast::{Block, Entry, Expr, ExprKind, Name, Value};
+
+/// Entries of one block.
+pub(super) struct Properties<'a, 'c> {
+    /// What the block is, for messages: `tool t1`.
+    owner: String,
+    head: Span,
+    entries: Vec<(&'a Name, Vec<&'a Value>)>,
+    damaged: bool,
+    /// What else is needed while reading.
+    pub(super) scope: &'c mut Scope,
+    /// Where faults go.
+    pub(super) sink: &'c mut Sink,
+}
+
+/// Bounds of a number; the texts go into the message.
+#[derive(Clone, Copy)]
+pub(super) enum Range {
+    /// Above zero, at most the bound.
+    Positive(f64),
+    /// From zero to the bound.
+    NotNegative(f64),
+    /// Any, up to the bound on both sides.
+    Within(f64),
+}
+
+impl Range {
+    fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Positive(max) => value > 0.0 && value <= max,
+            Self::NotNegative(max) => (0.0..=max).contains(&value),
+            Self::Within(max) => value.abs() <= max,
+        }
+    }
+
+    fn text(self, unit: &str) -> String {
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        match self {
+            Self::Positive(max) => format!("above 0 and at most {max}{unit}"),
+            Self::NotNegative(max) => format!("from 0 to {max}{unit}"),
+            Self::Within(max) => format!("from -{max} to {max}{unit}"),
+        }
+    }
+}
+
+impl<'a, 'c> Properties<'a, 'c> {
+    /// The properties of a block, which may only have the `known` names.
+    pub(super) fn new(
+        owner: String,
+        head: Span,
+        block: &'a Block,
+        known: &[&str],
+        scope: &'c mut Scope,
+        sink: &'c mut Sink,
+    ) -> Self {
+        let mut this = Self { owner, head, entries: Vec::new(), damaged: block.damaged || scope.damaged, scope, sink };
+        let mut before: Option<&Entry> = None;
+        for entry in &block.entries {
+            this.add(entry, before, known);
+            before = Some(entry);
+        }
+        this
+    }
+
+    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, known: &[&str]) {
+        let name = &entry.name;
+        if known.contains(&name.text.as_str()) {
+            if let Some((first, _)) = self.entries.iter().find(|(n, _)| n.text == name.text) {
+                self.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("{} has `{}` twice", self.owner, name.text))
+                        .label(name.span, "given again")
+                        .label(first.span, "first given here")
+                        .help("keep one of them"),
+                );
+                return;
+            }
+            self.entries.push((name, entry.values.iter().collect()));
+            return;
+        }
+        // `depth 3 inch  speed 9 rpm` reads as an entry `inch` with the labelled value `speed 9 rpm`.
+        let bare = before.and_then(|b| b.values.last()).is_some_and(
+            |v| matches!(v, Value::Expr(e) | Value::Labelled(_, e) if matches!(e.kind, ExprKind::Number(_, None))),
+        );
+        if bare && nearest(&name.text, known.iter().copied()).is_none() {
+            self.sink.push(unknown_unit(name));
+            self.damaged = true;
+            return;
+        }
+        let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("{} has no property `{}`", self.owner, name.text));
+        self.sink.push(suggest(diag, &name.text, name.span, "property", known));
+        self.damaged = true;
+    }
+
+    /// Takes the values of a property out.
+    pub(super) fn take(&mut self, name: &str) -> Option<(&'a Name, Vec<&'a Value>)> {
+        let at = self.entries.iter().position(|(n, _)| n.text == name)?;
+        Some(self.entries.remove(at))
+    }
+
+    /// Reports a property that must be there.
+    pub(super) fn missing(&mut self, name: &str, example: &str) {
+        if !self.damaged {
+            self.sink.push(
+                Diag::error(codes::MISSING_PROPERTY, format!("{} needs `{name}`", self.owner))
+                    .label(self.head, format!("without `{name}`"))
+                    .help(format!("add `{example}`")),
+            );
+        }
+    }
+
+    /// Reports a value of the wrong form.
+    pub(super) fn wrong_form(&mut self, span: Span, name: &str, due: &str, example: &str) {
+        self.sink.push(
+            Diag::error(codes::WRONG_FORM, format!("`{name}` of {} takes {due}", self.owner))
+                .label(span, format!("{due} is due"))
+                .help(format!("write it like `{example}`")),
+        );
+    }
+
+    /// Reports a number outside of its range.
+    pub(super) fn out_of_range(&mut self, span: Span, name: &str, range: &str) {
+        self.sink.push(
+            Diag::error(codes::OUT_OF_RANGE, format!("`{name}` of {} must be {range}", self.owner))
+                .label(span, "out of range")
+                .help(format!("give a value {range}")),
+        );
+    }
+
+    /// The single value of a property as an expression.
+    pub(super) fn expression(&mut self, name: &str, example: &str) -> Option<&'a Expr> {
+        let (word, values) = self.take(name)?;
+        match values.as_slice() {
+            [Value::Expr(e)] => Some(e),
+            // `speed feed 150 mm/min`: the value is missing and the next property was taken for it.
+            [value] => {
+                self.wrong_form(value.span(), name, "one number", example);
+                self.damaged = true;
+                None
+            }
+            _ => {
+                self.wrong_form(word.span, name, "one value", example);
+                self.damaged = true;
+                None
+            }
+        }
+    }
+
+    /// A number with a dimension in its range, in base units; `None` when it is absent or faulty.
+    pub(super) fn number(&mut self, name: &str, due: Dimension, range: Range, example: &str) -> Option<(f64, Span)> {
+        let expr = self.expression(name, example)?;
+        let value = self.value_of(expr, name, due, range)?;
+        Some((value, expr.span))
+    }
+
+    /// Value of an expression as this property, checked.
+    pub(super) fn value_of(&mut self, expr: &Expr, name: &str, due: Dimension, range: Range) -> Option<f64> {
+        let value = self.scope.expect(expr, due, &format!("`{name}`"), self.sink);
+        let value = value.filter(|v| {
+            let good = range.holds(*v);
+            if !good {
+                self.out_of_range(expr.span, name, &range.text(base_unit(due)));
+            }
+            good
+        });
+        self.damaged |= value.is_none();
+        value
+    }
+
+    /// The same for a property that must be there.
+    pub(super) fn required(&mut self, name: &str, due: Dimension, range: Range, example: &str) -> Option<(f64, Span)> {
+        if !self.has(name) {
+            self.missing(name, example);
+            return None;
+        }
+        self.number(name, due, range, example)
+    }
+
+    /// True when the property is given and not yet taken.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.entries.iter().any(|(n, _)| n.text == name)
+    }
+
+    /// A whole number from `min` to `max`.
+    pub(super) fn count(&mut self, name: &str, min: u32, max: u32, example: &str) -> Option<(u32, Span)> {
+        let expr = self.expression(name, example)?;
+        let value = self.scope.value(expr, self.sink)?;
+        self.whole(expr, value, name, min, max).map(|n| (n, expr.span))
+    }
+
+    fn whole(&mut self, expr: &Expr, value: super::quantity::Quantity, name: &str, min: u32, max: u32) -> Option<u32> {
+        if value.dimension != Dimension::NONE {
+            self.sink.push(mismatch(expr, value, &[Dimension::NONE], &format!("`{name}`")));
+            self.damaged = true;
+            return None;
+        }
+        let (low, high) = (f64::from(min), f64::from(max));
+        if !(low..=high).contains(&value.value) || value.value.fract() != 0.0 {
+            self.out_of_range(expr.span, name, &format!("a whole number from {min} to {max}"));
+            self.damaged = true;
+            return None;
+        }
+        (min..=max).find(|n| f64::from(*n) == value.value)
+    }
+
+    /// Whole numbers from `min` to `max`, one or more.
+    pub(super) fn counts(&mut self, name: &str, min: u32, max: u32, example: &str) -> Option<Vec<(u32, Span)>> {
+        let (_, values) = self.take(name)?;
+        let mut out = Vec::new();
+        for value in values {
+            let Value::Expr(expr) = value else {
+                self.wrong_form(value.span(), name, "whole numbers", example);
+                return None;
+            };
+            let quantity = self.scope.value(expr, self.sink)?;
+            out.push((self.whole(expr, quantity, name, min, max)?, expr.span));
+        }
+        Some(out)
+    }
+
+    /// Single words such as `pressure`.
+    pub(super) fn words(&mut self, name: &str, example: &str) -> Option<Vec<&'a Name>> {
+        let (_, values) = self.take(name)?;
+        let mut out = Vec::new();
+        for value in values {
+            match value {
+                Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if path.names.len() == 1 => {
+                    out.extend(path.names.first());
+                }
+                other => {
+                    self.wrong_form(other.span(), name, "a name", example);
+                    self.damaged = true;
+                    return None;
+                }
+            }
+        }
+        Some(out)
+    }
+
+    /// Values with labels, each label one of `known` and given once.
+    pub(super) fn labelled(&mut self, name: &str, known: &[&str], example: &str) -> Vec<(&'a Name, &'a Expr)> {
+        let Some((_, values)) = self.take(name) else { return Vec::new() };
+        let mut out: Vec<(&Name, &Expr)> = Vec::new();
+        for value in values {
+            match value {
+                Value::Labelled(label, expr) if known.contains(&label.text.as_str()) => {
+                    if out.iter().any(|(l, _)| l.text == label.text) {
+                        self.sink.push(
+                            Diag::error(codes::GIVEN_TWICE, format!("`{name}` has `{}` twice", label.text))
+                                .label(label.span, "given again")
+                                .help("keep one of them"),
+                        );
+                    } else {
+                        out.push((label, expr));
+                    }
+                }
+                Value::Labelled(label, _) => {
+                    let diag =
+                        Diag::error(codes::UNKNOWN_PROPERTY, format!("`{name}` has no part `{}`", label.text));
+                    self.sink.push(suggest(diag, &label.text, label.span, "part", known));
+                    self.damaged = true;
+                }
+                other => {
+                    self.wrong_form(other.span(), name, "labelled values", example);
+                    self.damaged = true;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Unit that range messages are in.
+fn base_unit(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::ANGLE => "rad",
+        other => other.usual_unit(),
+    }
+}

@@ -1,0 +1,336 @@
+//! From the syntax tree to the [`Job`].
+
+use super::eval::{Scope, suggest};
+use super::files::{Files, Missing};
+use super::library::{self, ToolLibrary};
+use super::model::{
+    ContractKind, ContractSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, DEFAULT_CLEARANCE, Job, MachineSpec, PartSpec,
+    StockSpec,
+};
+use super::properties::{Properties, Range};
+use super::quantity::Dimension;
+use super::{operations, part, tools};
+use crate::diag::codes::{files as file_codes, job as codes};
+use crate::diag::{Aborted, Diag, Sink};
+use crate::source::{SourceMap, Span};
+use crate::syntax::ast::{Block, Expr, File, Item, ItemKind, Name, Text, Value};
+use crate::units::Mm;
+
+/// The edition that this compiler reads.
+pub(super) const EDITION: &str = "2026";
+
+/// Everything that resolving an item may need.
+pub(super) struct Context<'a> {
+    pub(super) scope: Scope,
+    pub(super) files: &'a mut dyn Files,
+    pub(super) sources: &'a mut SourceMap,
+    pub(super) sink: &'a mut Sink,
+}
+
+/// Resolves a job. Every fault goes to the sink.
+///
+/// # Errors
+/// [`Aborted`] when the sink has errors.
+pub fn resolve(
+    file: &File,
+    files: &mut dyn Files,
+    sources: &mut SourceMap,
+    sink: &mut Sink,
+) -> Result<Job, Aborted> {
+    let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink };
+    edition(file, &mut cx);
+    lets(file, &mut cx);
+    let machine = machine(file, &mut cx);
+    let library = tool_library(file, &mut cx);
+    let part = part_item(file, &mut cx);
+    let stock = stock(file, &mut cx);
+    let tools = tools::resolve(file, &library, &mut cx);
+    let vanes = part.as_ref().map(|p| p.vanes.0);
+    let operations = operations::resolve(file, &tools, machine.as_ref(), vanes, &mut cx);
+    let (chord, chord_rough) = tolerances(file, &mut cx);
+    let contracts = contracts(file, &mut cx);
+    let post = post(file, &mut cx);
+    cx.scope.warn_unused(cx.sink);
+    let unfinished = cx.sink.has_errors() || file.damaged;
+    let (Some(machine), Some(part), Some(stock), Some(post), false) = (machine, part, stock, post, unfinished) else {
+        return Err(Aborted);
+    };
+    let clearance =
+        contracts.iter().filter(|c| c.kind == ContractKind::Clearance).map(|c| c.bound.get()).reduce(f64::max);
+    let clearance = clearance.map_or(DEFAULT_CLEARANCE, Mm);
+    let tools = tools.into_iter().filter_map(|t| t.spec).collect();
+    Ok(Job { machine, part, stock, tools, operations, contracts, chord, chord_rough, clearance, post })
+}
+
+/// The only item of a kind; reports a second one, and a missing one with an example.
+fn single<'f, T>(
+    file: &'f File,
+    what: &str,
+    example: &str,
+    pick: impl Fn(&'f Item) -> Option<T>,
+    cx: &mut Context<'_>,
+) -> Option<(T, Span)> {
+    let mut found: Option<(T, Span)> = None;
+    for item in &file.items {
+        let Some(value) = pick(item) else { continue };
+        let head = head(item);
+        if let Some((_, first)) = &found {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("the job has a second {what}"))
+                    .label(head, "given again")
+                    .label(*first, "first given here")
+                    .help("a job has one; remove the other"),
+            );
+        } else {
+            found = Some((value, head));
+        }
+    }
+    if found.is_none() && !file.damaged {
+        let mut diag = Diag::error(codes::MISSING_ITEM, format!("the job has no {what}"));
+        if let Some(last) = file.items.last() {
+            let at = last.span.end;
+            diag = diag.label(Span { start: at, ..last.span }, "the job ends without it");
+        }
+        cx.sink.push(diag.help(format!("add `{example}`")));
+    }
+    found
+}
+
+/// The part of an item that a message points to: up to its block.
+pub(super) fn head(item: &Item) -> Span {
+    let end = match &item.kind {
+        ItemKind::Part { name, .. } | ItemKind::Post { name, .. } => name.span.end,
+        ItemKind::Stock { kind, .. } => kind.span.end,
+        ItemKind::Operation { kind, name, .. } => name.as_ref().unwrap_or(kind).span.end,
+        ItemKind::Tool { name, .. } => name.span.end,
+        _ => item.span.end,
+    };
+    Span { end, ..item.span }
+}
+
+fn edition(file: &File, cx: &mut Context<'_>) {
+    let pick = |item: &'_ Item| if let ItemKind::Edition(name) = &item.kind { Some(name.clone()) } else { None };
+    let Some((name, _)) = single(file, "edition", "edition 2026", pick, cx) else { return };
+    if name.text != EDITION {
+        cx.sink.push(
+            Diag::error(codes::EDITION, format!("edition {} is not known", name.text))
+                .label(name.span, "not known to this compiler")
+                .help(format!("write `edition {EDITION}`"))
+                .fix(name.span, EDITION),
+        );
+    }
+}
+
+/// Names are declared before they are used, so that a reader meets the value first.
+fn lets(file: &File, cx: &mut Context<'_>) {
+    for item in &file.items {
+        if let ItemKind::Let { name, value } = &item.kind {
+            let value = cx.scope.value(value, cx.sink);
+            cx.scope.bind(name, value, cx.sink);
+        }
+    }
+}
+
+fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
+    for item in &file.items {
+        if let ItemKind::Use { kind, .. } = &item.kind
+            && !["machine", "tools"].contains(&kind.text.as_str())
+        {
+            let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("`use {}` is not in the language", kind.text));
+            cx.sink.push(suggest(diag, &kind.text, kind.span, "kind", &["machine", "tools"]));
+        }
+    }
+    let pick = |item: &'_ Item| match &item.kind {
+        ItemKind::Use { kind, what } if kind.text == "machine" => Some(what.clone()),
+        _ => None,
+    };
+    let (what, _) = single(file, "machine", "use machine \"5mc850-c\"", pick, cx)?;
+    match cx.files.machine(&what.text) {
+        Ok(found) => {
+            let source = cx.sources.add(found.name, found.text);
+            library::machine(&what.text, source, cx.sources, what.span, cx.sink)
+        }
+        Err(missing) => {
+            cx.sink.push(not_in_library("machine", &what, &missing));
+            None
+        }
+    }
+}
+
+fn not_in_library(kind: &str, what: &Text, missing: &Missing) -> Diag {
+    let diag = Diag::error(file_codes::NOT_IN_LIBRARY, format!("there is no {kind} file `{}`", what.text));
+    let known: Vec<_> = missing.known.iter().map(String::as_str).collect();
+    let inner = Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span };
+    suggest(diag, &what.text, inner, "file", &known).note(missing.reason.clone())
+}
+
+fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
+    let mut library = ToolLibrary::default();
+    for item in &file.items {
+        let ItemKind::Use { kind, what } = &item.kind else { continue };
+        if kind.text != "tools" {
+            continue;
+        }
+        match cx.files.tools(&what.text) {
+            Ok(found) => {
+                let source = cx.sources.add(found.name, found.text);
+                library::tools(source, cx.sources, what.span, &mut library, cx.sink);
+            }
+            Err(missing) => cx.sink.push(not_in_library("tool", what, &missing)),
+        }
+    }
+    library
+}
+
+fn part_item(file: &File, cx: &mut Context<'_>) -> Option<PartSpec> {
+    let pick = |item: &'_ Item| match &item.kind {
+        ItemKind::Part { name, body } => Some((name.clone(), body.clone())),
+        _ => None,
+    };
+    let ((name, body), head) = single(file, "part", "part NAME { vanes 8  vane main { ... } hub ... shroud ... }", pick, cx)?;
+    part::resolve(&name, &body, head, cx)
+}
+
+fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
+    let example = "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm }";
+    let pick = |item: &'_ Item| match &item.kind {
+        ItemKind::Stock { kind, body } => Some((kind.clone(), body.clone())),
+        _ => None,
+    };
+    let ((kind, body), span): ((Name, Block), Span) = single(file, "stock", example, pick, cx)?;
+    if kind.text != "turned" {
+        let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("stock `{}` is not in the language", kind.text));
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
+        return None;
+    }
+    let mut p = Properties::new("the stock".to_owned(), span, &body, &["over", "bore", "back"], &mut cx.scope, cx.sink);
+    if !p.has("over") {
+        p.missing("over", "over shroud 0 mm");
+    }
+    let over = p.labelled("over", &["shroud"], "over shroud 0 mm");
+    let over = over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
+    let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
+    let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
+    Some(StockSpec { over_shroud: Mm(over?), bore: Mm(bore?.0), back: Mm(back?.0), span })
+}
+
+fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
+    let (mut chord, mut rough) = (DEFAULT_CHORD, DEFAULT_CHORD_ROUGH);
+    let mut seen: Vec<(&str, Span)> = Vec::new();
+    for item in &file.items {
+        let ItemKind::Tolerance(values) = &item.kind else { continue };
+        for value in values {
+            let Value::Labelled(label, expr) = value else {
+                cx.sink.push(
+                    Diag::error(codes::WRONG_FORM, "a tolerance names what it is for")
+                        .label(value.span(), "a label and a length are due")
+                        .help("write `tolerance chord 1 um, rough 10 um`"),
+                );
+                continue;
+            };
+            let target = match label.text.as_str() {
+                "chord" => &mut chord,
+                "rough" => &mut rough,
+                other => {
+                    let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("no tolerance is called `{other}`"));
+                    cx.sink.push(suggest(diag, other, label.span, "tolerance", &["chord", "rough"]));
+                    continue;
+                }
+            };
+            if let Some((_, first)) = seen.iter().find(|(n, _)| *n == label.text) {
+                cx.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("the tolerance `{}` is given twice", label.text))
+                        .label(label.span, "given again")
+                        .label(*first, "first given here")
+                        .help("keep one of them"),
+                );
+            }
+            seen.push((&label.text, label.span));
+            let what = format!("the tolerance `{}`", label.text);
+            // Below 10 nm rounding noise of the interpolation shows; above 1 mm it is no tolerance.
+            if let Some(value) = cx.scope.expect(expr, Dimension::LENGTH, &what, cx.sink) {
+                if (1e-5..=1.0).contains(&value) {
+                    *target = Mm(value);
+                } else {
+                    cx.sink.push(
+                        Diag::error(codes::OUT_OF_RANGE, format!("{what} must be from 0.00001 to 1 mm"))
+                            .label(expr.span, "out of range")
+                            .help("1 um is usual in finishing, 10 um in roughing"),
+                    );
+                }
+            }
+        }
+    }
+    (chord, rough)
+}
+
+fn contracts(file: &File, cx: &mut Context<'_>) -> Vec<ContractSpec> {
+    const KNOWN: [(&str, ContractKind, &str); 4] = [
+        ("gouge", ContractKind::Gouge, "<="),
+        ("excess", ContractKind::Excess, "<="),
+        ("clearance", ContractKind::Clearance, ">="),
+        ("rest", ContractKind::Rest, "<="),
+    ];
+    let mut out: Vec<ContractSpec> = Vec::new();
+    for item in &file.items {
+        let ItemKind::Require { what, relation, bound } = &item.kind else { continue };
+        let Some((name, kind, due)) = KNOWN.iter().find(|k| k.0 == what.text) else {
+            let diag = Diag::error(codes::UNKNOWN_NAME, format!("`{}` cannot be required", what.text));
+            cx.sink.push(suggest(diag, &what.text, what.span, "quantity", &KNOWN.map(|k| k.0)));
+            continue;
+        };
+        if relation.text != *due {
+            let side = if *due == "<=" { "at most" } else { "at least" };
+            cx.sink.push(
+                Diag::error(codes::RELATION, format!("`{name}` is required to be {side} a bound"))
+                    .label(relation.span, format!("`{due}` is due"))
+                    .help(format!("write `{due}`"))
+                    .fix(relation.span, *due),
+            );
+        }
+        if let Some(first) = out.iter().find(|c| c.kind == *kind) {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("`{name}` is required twice"))
+                    .label(item.span, "required again")
+                    .label(first.span, "first required here")
+                    .help("keep the stricter one"),
+            );
+            continue;
+        }
+        if let Some(bound) = contract_bound(name, bound, cx) {
+            out.push(ContractSpec { kind: *kind, bound: Mm(bound), span: item.span });
+        }
+    }
+    out
+}
+
+fn contract_bound(name: &str, bound: &Expr, cx: &mut Context<'_>) -> Option<f64> {
+    let value = cx.scope.expect(bound, Dimension::LENGTH, &format!("the bound of `{name}`"), cx.sink)?;
+    if (0.0..=100.0).contains(&value) {
+        return Some(value);
+    }
+    cx.sink.push(
+        Diag::error(codes::OUT_OF_RANGE, format!("the bound of `{name}` must be from 0 to 100 mm"))
+            .label(bound.span, "out of range")
+            .help("bounds are lengths without a sign: `require gouge <= 7 um`"),
+    );
+    None
+}
+
+fn post(file: &File, cx: &mut Context<'_>) -> Option<(String, Span)> {
+    let pick = |item: &'_ Item| match &item.kind {
+        ItemKind::Post { name, body } => Some((name.clone(), body.clone())),
+        _ => None,
+    };
+    let ((name, body), head) = single(file, "post", "post siemens-840d", pick, cx)?;
+    if let Some(body) = &body {
+        for entry in &body.entries {
+            cx.sink.push(
+                Diag::error(codes::NOT_IN_LANGUAGE, format!("posts have no property `{}`", entry.name.text))
+                    .label(entry.name.span, "not in the language")
+                    .help("posts have no properties yet; paths are written as straight moves"),
+            );
+        }
+    }
+    Some((name.text, head))
+}

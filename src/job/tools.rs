@@ -1,0 +1,166 @@
+//! Tools of the job, from the library or spelt out.
+
+use super::eval::{suggest, unknown};
+use super::library::{ToolLibrary, shape_fault};
+use super::model::{CutterKind, ToolSpec};
+use super::properties::{Properties, Range};
+use super::quantity::Dimension;
+use super::resolve::{Context, head};
+use crate::diag::Diag;
+use crate::diag::codes::job as codes;
+use crate::source::Span;
+use crate::syntax::ast::{Block, File, ItemKind, Name, ToolSource, Value};
+use crate::units::{Mm, Rad};
+
+/// A declared tool; `spec` is `None` when its declaration is faulty.
+pub(super) struct Declared {
+    pub(super) name: Name,
+    pub(super) spec: Option<ToolSpec>,
+}
+
+const KINDS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
+
+pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) -> Vec<Declared> {
+    let mut tools: Vec<Declared> = Vec::new();
+    for item in &file.items {
+        let ItemKind::Tool { name, source } = &item.kind else { continue };
+        if let Some(first) = tools.iter().find(|t| t.name.text == name.text) {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("the tool `{}` is declared twice", name.text))
+                    .label(name.span, "declared again")
+                    .label(first.name.span, "first declared here")
+                    .help("give the second one another name"),
+            );
+            continue;
+        }
+        let spec = match source {
+            ToolSource::Library(text) => {
+                let found = library.tools.get(&text.text).cloned();
+                if found.is_none() {
+                    let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
+                    let known = library.tools.keys().map(String::as_str);
+                    let mut diag = unknown(&text.text, inner, "library tool", known);
+                    if library.tools.is_empty() {
+                        diag = diag.help("name a tool library first: `use tools \"carbide\"`");
+                    }
+                    cx.sink.push(diag);
+                }
+                found
+            }
+            ToolSource::Shape(kind, block) => shape(name, kind, block, head(item), library, cx),
+        };
+        let order = u32::try_from(tools.len()).unwrap_or(u32::MAX);
+        let spec = spec.map(|mut spec| {
+            if spec.number == 0 {
+                spec.number = order + 1;
+            }
+            ToolSpec { name: name.text.clone(), span: head(item), ..spec }
+        });
+        if let Some(spec) = &spec
+            && let Some(other) = tools.iter().find(|t| t.spec.as_ref().is_some_and(|s| s.number == spec.number))
+        {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("two tools have the number {}", spec.number))
+                    .label(name.span, format!("number {}", spec.number))
+                    .label(other.name.span, "the same number")
+                    .help("give each tool its own place in the magazine: `number 7`"),
+            );
+        }
+        tools.push(Declared { name: name.clone(), spec });
+    }
+    if tools.is_empty() && !file.damaged {
+        cx.sink.push(
+            Diag::error(codes::MISSING_ITEM, "the job has no tool")
+                .help("add `tool t1 = ball { diameter 6 mm  flutes 4  flute 30 mm  reach 40 mm }`"),
+        );
+    }
+    tools
+}
+
+fn shape(
+    name: &Name,
+    kind: &Name,
+    block: &Block,
+    head: Span,
+    library: &ToolLibrary,
+    cx: &mut Context<'_>,
+) -> Option<ToolSpec> {
+    if !KINDS.contains(&kind.text.as_str()) {
+        let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &KINDS));
+        return None;
+    }
+    let mut known = vec!["number", "diameter", "flutes", "flute", "shank", "reach", "holder"];
+    match kind.text.as_str() {
+        "bull" => known.push("corner"),
+        "tapered-ball" => known.push("angle"),
+        _ => {}
+    }
+    let mut p = Properties::new(format!("tool {}", name.text), head, block, &known, &mut cx.scope, cx.sink);
+    let long = Range::Positive(1000.0);
+    let diameter = p.required("diameter", Dimension::LENGTH, Range::Positive(500.0), "diameter 6 mm");
+    let cutter = match kind.text.as_str() {
+        "flat" => Some(CutterKind::Flat),
+        "ball" => Some(CutterKind::Ball),
+        "bull" => p
+            .required("corner", Dimension::LENGTH, Range::Positive(250.0), "corner 1 mm")
+            .map(|c| CutterKind::Bull(Mm(c.0))),
+        _ => p
+            // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
+            .required("angle", Dimension::ANGLE, Range::Positive(0.785), "angle 3 deg")
+            .map(|a| CutterKind::TaperedBall(Rad(a.0))),
+    };
+    let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
+    if !p.has("flutes") {
+        p.missing("flutes", "flutes 4");
+    }
+    let flutes = p.count("flutes", 1, 20, "flutes 4");
+    let flute = p.required("flute", Dimension::LENGTH, long, "flute 30 mm");
+    let reach = p.required("reach", Dimension::LENGTH, long, "reach 40 mm");
+    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, Range::Positive(500.0), "shank 6 mm"));
+    let holder = holder(library, &mut p);
+    let diameter = Mm(diameter?.0);
+    let spec = ToolSpec {
+        name: name.text.clone(),
+        number: match number {
+            Some(number) => number?.0,
+            None => 0,
+        },
+        kind: cutter?,
+        diameter,
+        flutes: flutes?.0,
+        flute: Mm(flute?.0),
+        shank: match shank {
+            Some(shank) => Mm(shank?.0),
+            None => diameter,
+        },
+        reach: Mm(reach?.0),
+        holder: holder?,
+        span: head,
+    };
+    if let Some(fault) = shape_fault(&spec) {
+        cx.sink.push(
+            Diag::error(codes::OUT_OF_RANGE, format!("tool {}: {fault}", name.text))
+                .label(block.span, "these sizes contradict each other")
+                .help("correct the sizes of the tool"),
+        );
+        return None;
+    }
+    Some(spec)
+}
+
+/// Outer `None`: faulty; inner `None`: the tool has no holder.
+#[expect(clippy::option_option, reason = "absent and faulty are two things")]
+fn holder(library: &ToolLibrary, p: &mut Properties<'_, '_>) -> Option<Option<(String, Vec<[Mm; 3]>)>> {
+    let Some((word, values)) = p.take("holder") else { return Some(None) };
+    let [Value::Text(text)] = values.as_slice() else {
+        p.wrong_form(word.span, "holder", "a quoted name", "holder \"er16-mini\"");
+        return None;
+    };
+    if let Some(sections) = library.holders.get(&text.text) {
+        return Some(Some((text.text.clone(), sections.clone())));
+    }
+    let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
+    p.sink.push(unknown(&text.text, inner, "holder", library.holders.keys().map(String::as_str)));
+    None
+}

@@ -1,0 +1,255 @@
+//! Syntax tree: what is written, with its place; no meaning yet.
+
+use crate::source::Span;
+
+/// A word of the job with its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The word.
+    pub text: String,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A quoted text with its place, quotes included in the place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// What stands between the quotes.
+    pub text: String,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A job file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct File {
+    /// Items in the order of the text.
+    pub items: Vec<Item>,
+    /// True when an item could not be read: then what seems to be missing may stand there.
+    pub damaged: bool,
+}
+
+/// One item with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// What it is.
+    pub kind: ItemKind,
+    /// Whole item.
+    pub span: Span,
+}
+
+/// Items of the language.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ItemKind {
+    /// `edition 2026`
+    Edition(Name),
+    /// `use machine "5mc850-c"`
+    Use {
+        /// `machine` or `tools`.
+        kind: Name,
+        /// Name in the library.
+        what: Text,
+    },
+    /// `let blade = 3 mm`
+    Let {
+        /// New name.
+        name: Name,
+        /// Its value.
+        value: Expr,
+    },
+    /// `part NAME { }`
+    Part {
+        /// Name of the part.
+        name: Name,
+        /// Its entries.
+        body: Block,
+    },
+    /// `stock turned { }`
+    Stock {
+        /// Kind of the blank.
+        kind: Name,
+        /// Its entries.
+        body: Block,
+    },
+    /// `tool t1 = ball { }` or `tool t1 = "ball-6"`
+    Tool {
+        /// New name.
+        name: Name,
+        /// Where its shape comes from.
+        source: ToolSource,
+    },
+    /// `operation groove NAME { }`
+    Operation {
+        /// Kind.
+        kind: Name,
+        /// Name of its own, where given.
+        name: Option<Name>,
+        /// Its entries.
+        body: Block,
+    },
+    /// `tolerance chord 1 um, rough 10 um`
+    Tolerance(Vec<Value>),
+    /// `require gouge <= 7 um`
+    Require {
+        /// Quantity.
+        what: Name,
+        /// `<=` or `>=`, as written.
+        relation: Name,
+        /// Bound.
+        bound: Expr,
+    },
+    /// `post siemens-840d`
+    Post {
+        /// Dialect.
+        name: Name,
+        /// Options, where given.
+        body: Option<Block>,
+    },
+}
+
+/// Where the shape of a tool comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToolSource {
+    /// A tool of the library.
+    Library(Text),
+    /// Kind and properties.
+    Shape(Name, Block),
+}
+
+/// Entries between braces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Entries in order.
+    pub entries: Vec<Entry>,
+    /// Braces included.
+    pub span: Span,
+    /// True when an entry could not be read.
+    pub damaged: bool,
+}
+
+/// `name value, value` or `name word { }`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// First word.
+    pub name: Name,
+    /// What follows; never empty.
+    pub values: Vec<Value>,
+    /// Whole entry.
+    pub span: Span,
+}
+
+/// A value of an entry.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Number, name or arithmetic.
+    Expr(Expr),
+    /// `vane 0.2 mm`
+    Labelled(Name, Expr),
+    /// `"er16-mini"`
+    Text(Text),
+    /// `main { }`
+    Block(Option<Name>, Block),
+    /// `spline [(x, y, z) ...] mm`
+    Spline(Spline),
+    /// `revolve main.pressure.root`
+    Revolve(Path, Span),
+}
+
+impl Value {
+    /// Place of the value.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Expr(e) => e.span,
+            Self::Labelled(name, e) => Span { end: e.span.end, ..name.span },
+            Self::Text(t) => t.span,
+            Self::Block(name, block) => name.as_ref().map_or(block.span, |n| Span { end: block.span.end, ..n.span }),
+            Self::Spline(s) => s.span,
+            Self::Revolve(_, span) => *span,
+        }
+    }
+}
+
+/// A curve through points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    /// Its points.
+    pub points: SplinePoints,
+    /// Unit of all coordinates, where given.
+    pub unit: Option<Name>,
+    /// Whole value.
+    pub span: Span,
+}
+
+/// Where the points of a curve stand.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SplinePoints {
+    /// In the job.
+    Inline(Vec<Point>),
+    /// In a file of comma separated values.
+    File {
+        /// Path beside the job.
+        file: Text,
+        /// Curve in the file.
+        curve: Name,
+    },
+}
+
+/// A tuple of coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// As many as written; three are right.
+    pub coordinates: Vec<Expr>,
+    /// Parentheses included.
+    pub span: Span,
+}
+
+/// Names joined by dots.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Path {
+    /// At least one.
+    pub names: Vec<Name>,
+    /// Whole path.
+    pub span: Span,
+}
+
+impl Path {
+    /// The path as written.
+    pub fn text(&self) -> String {
+        self.names.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(".")
+    }
+}
+
+/// Arithmetic with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Its place.
+    pub span: Span,
+}
+
+/// Forms of an expression. Chains are flat, so that a long sum is no deep tree.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExprKind {
+    /// A number with the unit that is written after it.
+    Number(f64, Option<Name>),
+    /// A name.
+    Path(Path),
+    /// The negative.
+    Negative(Box<Expr>),
+    /// Sum and difference, or product and quotient, from left to right.
+    Chain(Box<Expr>, Vec<(Operator, Expr)>),
+}
+
+/// Operators of a chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// `+`
+    Add,
+    /// `-`
+    Subtract,
+    /// `*`
+    Multiply,
+    /// `/`
+    Divide,
+}

@@ -1,0 +1,405 @@
+//! From text to [`File`]: pest reads one item after another, and pairs become the tree.
+
+use super::ast::{
+    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Spline, SplinePoints, Text,
+    ToolSource, Value,
+};
+use super::scan::{self, ITEMS, Piece};
+use crate::diag::codes::syntax as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::{SourceId, Span};
+use pest::Parser;
+use pest::error::{Error, ErrorVariant, InputLocation};
+use pest::iterators::{Pair, Pairs};
+
+#[derive(pest_derive::Parser)]
+#[grammar = "../grammar/job.pest"]
+struct JobParser;
+
+/// Larger texts are refused: a job is some kilobytes, a curve file some megabytes.
+const MAX_BYTES: usize = 16 << 20;
+
+/// Faults of the text that one run reports.
+const MAX_FAULTS: usize = 50;
+
+/// Reads a job. Every fault of the text goes to the sink; what could be read is returned.
+pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
+    let broken = File { items: Vec::new(), damaged: true };
+    if text.len() > MAX_BYTES {
+        sink.push(
+            Diag::error(codes::TOO_LARGE, format!("the job has {} MB; at most {} are read", text.len() >> 20, MAX_BYTES >> 20))
+                .help("put long lists of points into a file and read them with `spline from \"file.csv\" curve NAME mm`"),
+        );
+        return broken;
+    }
+    if let Some((at, c)) = text.char_indices().find(|(_, c)| c.is_control() && !matches!(c, '\n' | '\r' | '\t')) {
+        sink.push(
+            Diag::error(codes::NOT_TEXT, "the job is not a text file")
+                .label(Span::new(source, at..at + c.len_utf8()), format!("control character U+{:04X}", u32::from(c)))
+                .help("give the job file itself, a text like jobs/wei2021/wei2021.imp"),
+        );
+        return broken;
+    }
+    let Some(pieces) = scan::scan(text, source, sink) else { return broken };
+    if pieces.is_empty() && !sink.has_errors() {
+        sink.push(
+            Diag::error(codes::EMPTY, "the job is empty")
+                .help("a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post"),
+        );
+        return broken;
+    }
+    let mut file = File::default();
+    let before = sink.diags().len();
+    for piece in &pieces {
+        if sink.diags().len() - before >= MAX_FAULTS {
+            file.damaged = true;
+            break;
+        }
+        file.damaged |= piece.unreadable;
+        if piece.unreadable {
+            continue;
+        }
+        match read_piece(text, source, piece, sink) {
+            Some(item) => file.items.push(item),
+            None => file.damaged = true,
+        }
+    }
+    file
+}
+
+/// One item; `None` when its head cannot be read.
+fn read_piece(text: &str, source: SourceId, piece: &Piece, sink: &mut Sink) -> Option<Item> {
+    let slice = &text[piece.range.clone()];
+    let word = scan::first_word(slice);
+    if !ITEMS.contains(&word) {
+        sink.push(unknown_item(source, piece, slice, word));
+        return None;
+    }
+    let closed;
+    let input = if piece.closers.is_empty() {
+        slice
+    } else {
+        closed = format!("{slice}\n{}", piece.closers);
+        &closed
+    };
+    let mut builder = Builder {
+        source,
+        offset: piece.range.start,
+        limit: piece.range.end,
+        // A missing bracket is one fault; what it makes of the rest is not reported.
+        quiet: piece.damaged,
+        sink,
+    };
+    match JobParser::parse(Rule::item_only, input) {
+        Ok(mut pairs) => pairs.next().and_then(|pair| builder.item(pair)),
+        Err(error) => {
+            builder.fault(&error, 0, input);
+            None
+        }
+    }
+}
+
+fn unknown_item(source: SourceId, piece: &Piece, slice: &str, word: &str) -> Diag {
+    let start = piece.range.start;
+    let length = if word.is_empty() { slice.chars().next().map_or(0, char::len_utf8) } else { word.len() };
+    let shown = &slice[..length];
+    let diag = Diag::error(codes::UNKNOWN_ITEM, format!("no item of a job begins with `{shown}`"));
+    let span = Span::new(source, start..start + length);
+    match ITEMS.iter().map(|i| (strsim::damerau_levenshtein(word, i), i)).min() {
+        Some((distance, item)) if distance <= 2 && !word.is_empty() => diag
+            .label(span, format!("did you mean `{item}`?"))
+            .help(format!("write `{item}`"))
+            .fix(span, *item),
+        _ => diag.label(span, "an item is due here").help(format!("items are {}", ITEMS.join(", "))),
+    }
+}
+
+/// Words for what pest expected.
+fn expectation(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::name | Rule::path => "a name",
+        Rule::text => "a quoted text",
+        Rule::number | Rule::quantity => "a number",
+        Rule::value | Rule::expr | Rule::term | Rule::factor => "a value",
+        Rule::equals => "`=`",
+        Rule::comma => "`,`",
+        Rule::block | Rule::open | Rule::named_block => "`{`",
+        Rule::close | Rule::entry | Rule::bad_entry => "an entry or `}`",
+        Rule::close_list | Rule::point => "a point or `]`",
+        Rule::close_group => "`)`",
+        Rule::relation => "`<=` or `>=`",
+        Rule::kw_curve => "`curve`",
+        Rule::from_file | Rule::points | Rule::kw_from => "`[` or `from`",
+        Rule::add_op | Rule::mul_op => "an operator",
+        Rule::unit => "a unit",
+        Rule::end | Rule::EOI => "the end",
+        _ => return None,
+    })
+}
+
+struct Builder<'a> {
+    source: SourceId,
+    offset: usize,
+    limit: usize,
+    quiet: bool,
+    sink: &'a mut Sink,
+}
+
+impl Builder<'_> {
+    fn span(&self, span: pest::Span<'_>) -> Span {
+        self.range(span.start()..span.end())
+    }
+
+    /// A range of the item in the whole text; added brackets lie at its end.
+    fn range(&self, range: std::ops::Range<usize>) -> Span {
+        let clamp = |n: usize| (n + self.offset).min(self.limit);
+        Span::new(self.source, clamp(range.start)..clamp(range.end))
+    }
+
+    /// Reports where the parser stopped; `base` is where `input` begins in the item.
+    fn fault(&mut self, error: &Error<Rule>, base: usize, input: &str) {
+        if self.quiet {
+            return;
+        }
+        let at = match error.location {
+            InputLocation::Pos(at) | InputLocation::Span((at, _)) => at.min(input.len()),
+        };
+        let mut words: Vec<&str> = match &error.variant {
+            ErrorVariant::ParsingError { positives, .. } => {
+                let mut rules: Vec<_> = positives.iter().filter_map(|r| expectation(*r)).collect();
+                rules.sort_unstable();
+                rules.dedup();
+                rules
+            }
+            ErrorVariant::CustomError { .. } => Vec::new(),
+        };
+        // An operator or a comma may follow nearly everything; it helps nobody to hear so.
+        if words.iter().any(|w| !matches!(*w, "an operator" | "`,`" | "the end" | "a unit")) {
+            words.retain(|w| !matches!(*w, "an operator" | "`,`" | "a unit"));
+        }
+        let rest = &input[at..];
+        let word = scan::first_word(rest);
+        let length = if word.is_empty() { rest.chars().next().map_or(0, char::len_utf8) } else { word.len() };
+        let found = match &rest[..length] {
+            "" => "the end of the item".to_owned(),
+            "\n" => "the end of the line".to_owned(),
+            word => format!("`{word}`"),
+        };
+        let mut diag = Diag::error(codes::UNEXPECTED, format!("{found} is not expected here"));
+        let due = match words.as_slice() {
+            [] => "unexpected".to_owned(),
+            [one] => format!("{one} is due"),
+            [first @ .., last] => format!("{} or {last} is due", first.join(", ")),
+        };
+        diag = diag.label(self.range(at + base..at + base + length), due);
+        diag = diag.help(if rest.starts_with('.') {
+            "write a digit before the point: 0.5"
+        } else if words.as_slice() == ["the end"] {
+            "begin each item on its own line"
+        } else {
+            "an entry is a name and its value, such as `depth 1.5 mm`; commas stand only between values of one entry"
+        });
+        self.sink.push(diag);
+    }
+
+    fn item(&mut self, pair: Pair<'_, Rule>) -> Option<Item> {
+        let span = self.span(pair.as_span());
+        let rule = pair.as_rule();
+        let mut parts = pair.into_inner();
+        parts.next(); // keyword
+        let kind = match rule {
+            Rule::edition => ItemKind::Edition(self.name(&parts.next()?)),
+            Rule::use_item => ItemKind::Use { kind: self.name(&parts.next()?), what: self.text(&parts.next()?) },
+            Rule::let_item => {
+                let name = self.name(&parts.next()?);
+                parts.next(); // equals
+                ItemKind::Let { name, value: self.expr(parts.next()?)? }
+            }
+            Rule::part => ItemKind::Part { name: self.name(&parts.next()?), body: self.block(parts.next()?) },
+            Rule::stock => ItemKind::Stock { kind: self.name(&parts.next()?), body: self.block(parts.next()?) },
+            Rule::tool => {
+                let name = self.name(&parts.next()?);
+                parts.next(); // equals
+                let first = parts.next()?;
+                let source = if first.as_rule() == Rule::text {
+                    ToolSource::Library(self.text(&first))
+                } else {
+                    ToolSource::Shape(self.name(&first), self.block(parts.next()?))
+                };
+                ItemKind::Tool { name, source }
+            }
+            Rule::operation => {
+                let kind = self.name(&parts.next()?);
+                let next = parts.next()?;
+                if next.as_rule() == Rule::name {
+                    let name = Some(self.name(&next));
+                    ItemKind::Operation { kind, name, body: self.block(parts.next()?) }
+                } else {
+                    ItemKind::Operation { kind, name: None, body: self.block(next) }
+                }
+            }
+            Rule::tolerance => ItemKind::Tolerance(self.values(parts)),
+            Rule::require => ItemKind::Require {
+                what: self.name(&parts.next()?),
+                relation: self.name(&parts.next()?),
+                bound: self.expr(parts.next()?)?,
+            },
+            Rule::post => {
+                let name = self.name(&parts.next()?);
+                ItemKind::Post { name, body: parts.next().map(|b| self.block(b)) }
+            }
+            _ => return None,
+        };
+        Some(Item { kind, span })
+    }
+
+    fn name(&self, pair: &Pair<'_, Rule>) -> Name {
+        Name { text: pair.as_str().to_owned(), span: self.span(pair.as_span()) }
+    }
+
+    fn text(&self, pair: &Pair<'_, Rule>) -> Text {
+        Text { text: pair.as_str().trim_matches('"').to_owned(), span: self.span(pair.as_span()) }
+    }
+
+    fn block(&mut self, pair: Pair<'_, Rule>) -> Block {
+        let span = self.span(pair.as_span());
+        let mut block = Block { entries: Vec::new(), span, damaged: self.quiet };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::entry => match self.entry(part) {
+                    Some(entry) => block.entries.push(entry),
+                    None => block.damaged = true,
+                },
+                Rule::bad_entry => {
+                    block.damaged = true;
+                    let base = part.as_span().start();
+                    if let Err(error) = JobParser::parse(Rule::entry_only, part.as_str()) {
+                        self.fault(&error, base, part.as_str());
+                    }
+                }
+                _ => {}
+            }
+        }
+        block
+    }
+
+    fn entry(&mut self, pair: Pair<'_, Rule>) -> Option<Entry> {
+        let span = self.span(pair.as_span());
+        let mut parts = pair.into_inner();
+        let name = self.name(&parts.next()?);
+        let values = self.values(parts);
+        (!values.is_empty()).then_some(Entry { name, values, span })
+    }
+
+    fn values(&mut self, parts: Pairs<'_, Rule>) -> Vec<Value> {
+        let mut values = Vec::new();
+        for part in parts {
+            match part.as_rule() {
+                Rule::named_block => {
+                    let mut inner = part.into_inner();
+                    let Some(first) = inner.next() else { continue };
+                    if first.as_rule() == Rule::name {
+                        let name = self.name(&first);
+                        values.extend(inner.next().map(|b| Value::Block(Some(name), self.block(b))));
+                    } else {
+                        values.push(Value::Block(None, self.block(first)));
+                    }
+                }
+                Rule::value => values.extend(part.into_inner().next().and_then(|v| self.value(v))),
+                _ => {}
+            }
+        }
+        values
+    }
+
+    fn value(&mut self, pair: Pair<'_, Rule>) -> Option<Value> {
+        let span = self.span(pair.as_span());
+        Some(match pair.as_rule() {
+            Rule::expr => Value::Expr(self.expr(pair)?),
+            Rule::text => Value::Text(self.text(&pair)),
+            Rule::labelled => {
+                let mut parts = pair.into_inner();
+                let name = self.name(&parts.next()?);
+                Value::Labelled(name, self.expr(parts.next()?)?)
+            }
+            Rule::revolve => {
+                let path = pair.into_inner().nth(1)?;
+                Value::Revolve(self.path(path), span)
+            }
+            Rule::spline => {
+                let mut parts = pair.into_inner().skip(1);
+                let first = parts.next()?;
+                let mut unit = parts.next().map(|u| self.name(&u));
+                let points = if first.as_rule() == Rule::from_file {
+                    let mut inner = first.into_inner().skip(1);
+                    let file = self.text(&inner.next()?);
+                    let curve = self.name(&inner.nth(1)?);
+                    unit = inner.next().map(|u| self.name(&u));
+                    SplinePoints::File { file, curve }
+                } else {
+                    let points = first.into_inner().filter(|p| p.as_rule() == Rule::point);
+                    SplinePoints::Inline(points.filter_map(|p| self.point(p)).collect())
+                };
+                Value::Spline(Spline { points, unit, span })
+            }
+            _ => return None,
+        })
+    }
+
+    fn point(&mut self, pair: Pair<'_, Rule>) -> Option<Point> {
+        let span = self.span(pair.as_span());
+        let expressions = pair.into_inner().filter(|p| p.as_rule() == Rule::expr);
+        let coordinates = expressions.map(|e| self.expr(e)).collect::<Option<_>>()?;
+        Some(Point { coordinates, span })
+    }
+
+    fn path(&self, pair: Pair<'_, Rule>) -> Path {
+        let span = self.span(pair.as_span());
+        Path { names: pair.into_inner().map(|n| self.name(&n)).collect(), span }
+    }
+
+    /// An `expr`, `term` or `factor`. The recursion is as deep as the brackets, which the scanner bounds.
+    fn expr(&mut self, pair: Pair<'_, Rule>) -> Option<Expr> {
+        let span = self.span(pair.as_span());
+        let rule = pair.as_rule();
+        let mut parts = pair.into_inner();
+        let first = parts.next()?;
+        if rule == Rule::factor {
+            if first.as_rule() == Rule::minus {
+                let inner = self.atom(parts.next()?)?;
+                return Some(Expr { kind: ExprKind::Negative(Box::new(inner)), span });
+            }
+            return self.atom(first);
+        }
+        let head = self.expr(first)?;
+        let mut rest = Vec::new();
+        while let (Some(operator), Some(operand)) = (parts.next(), parts.next()) {
+            let operator = match operator.as_str() {
+                "+" => Operator::Add,
+                "-" => Operator::Subtract,
+                "*" => Operator::Multiply,
+                _ => Operator::Divide,
+            };
+            rest.push((operator, self.expr(operand)?));
+        }
+        if rest.is_empty() {
+            return Some(head);
+        }
+        Some(Expr { kind: ExprKind::Chain(Box::new(head), rest), span })
+    }
+
+    fn atom(&mut self, pair: Pair<'_, Rule>) -> Option<Expr> {
+        let span = self.span(pair.as_span());
+        let kind = match pair.as_rule() {
+            Rule::quantity => {
+                let mut parts = pair.into_inner();
+                let number = parts.next()?.as_str().parse().ok()?;
+                ExprKind::Number(number, parts.next().map(|u| self.name(&u)))
+            }
+            Rule::path => ExprKind::Path(self.path(pair)),
+            Rule::group => return self.expr(pair.into_inner().next()?),
+            _ => return None,
+        };
+        Some(Expr { kind, span })
+    }
+}

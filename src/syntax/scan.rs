@@ -1,0 +1,247 @@
+//! Cuts the text into items and checks the brackets, in one walk over the bytes.
+//!
+//! An item begins where a line begins with a letter outside of all brackets. Where a line inside brackets reads like
+//! the head of an item, a bracket before it was not closed; the item is then closed there, so that what follows is
+//! read as it was meant.
+
+use crate::diag::codes::syntax as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::{SourceId, Span};
+use std::ops::Range;
+
+/// Deepest nesting of brackets. The language needs 5; the bound keeps the parser's recursion small.
+const MAX_DEPTH: usize = 64;
+
+/// Words that begin an item.
+pub(super) const ITEMS: &[&str] =
+    &["edition", "use", "let", "part", "stock", "tool", "operation", "tolerance", "require", "post"];
+
+/// One item of the text.
+#[derive(Debug)]
+pub(super) struct Piece {
+    /// Its bytes.
+    pub(super) range: Range<usize>,
+    /// Brackets to add at its end, in order.
+    pub(super) closers: String,
+    /// A bracket or quote fault was reported in it.
+    pub(super) damaged: bool,
+    /// It cannot be parsed at all.
+    pub(super) unreadable: bool,
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    source: SourceId,
+    sink: &'a mut Sink,
+    open: Vec<(u8, usize)>,
+    pieces: Vec<Piece>,
+    start: Option<usize>,
+    damaged: bool,
+    unreadable: bool,
+}
+
+/// Cuts the text into items. `None` when it is nested too deeply to go on.
+pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<Vec<Piece>> {
+    let mut scanner = Scanner {
+        text,
+        source,
+        sink,
+        open: Vec::new(),
+        pieces: Vec::new(),
+        start: None,
+        damaged: false,
+        unreadable: false,
+    };
+    scanner.run().then_some(scanner.pieces)
+}
+
+impl Scanner<'_> {
+    fn span(&self, range: Range<usize>) -> Span {
+        Span::new(self.source, range)
+    }
+
+    fn run(&mut self) -> bool {
+        let bytes = self.text.as_bytes();
+        let mut i = 0;
+        let mut line_start = true;
+        while let Some(&byte) = bytes.get(i) {
+            if line_start {
+                line_start = false;
+                if self.begins_item(i) {
+                    self.finish(i);
+                    self.start = Some(i);
+                }
+            }
+            match byte {
+                b'\n' => line_start = true,
+                b'/' if bytes.get(i + 1) == Some(&b'/') => {
+                    i = line_end(bytes, i);
+                    continue;
+                }
+                b'"' => {
+                    i = self.quoted(i);
+                    continue;
+                }
+                b'{' | b'[' | b'(' => {
+                    if self.open.len() == MAX_DEPTH {
+                        self.too_deep(i);
+                        return false;
+                    }
+                    self.open.push((byte, i));
+                }
+                b'}' | b']' | b')' => self.close(byte, i),
+                _ => {}
+            }
+            if self.start.is_none() && !byte.is_ascii_whitespace() && !self.text[i..].starts_with('\u{feff}') {
+                self.start = Some(i);
+            }
+            // A byte of a longer character is none of the above, so stepping by characters loses nothing.
+            i += self.text[i..].chars().next().map_or(1, char::len_utf8);
+        }
+        self.finish(bytes.len());
+        true
+    }
+
+    /// True when the line at `i` begins an item.
+    fn begins_item(&self, i: usize) -> bool {
+        let bytes = self.text.as_bytes();
+        let rest = &self.text[i..];
+        if self.open.is_empty() {
+            if bytes.get(i).is_some_and(u8::is_ascii_alphabetic) {
+                return true;
+            }
+            let word = first_word(rest.trim_start_matches([' ', '\t']));
+            return ITEMS.contains(&word);
+        }
+        reads_like_item(rest)
+    }
+
+    /// Skips a quoted text; returns the place after it.
+    fn quoted(&mut self, i: usize) -> usize {
+        let bytes = self.text.as_bytes();
+        if self.start.is_none() {
+            self.start = Some(i);
+        }
+        let end = line_end(bytes, i + 1);
+        if let Some(close) = self.text[i + 1..end].find('"') {
+            return i + close + 2;
+        }
+        self.sink.push(
+            Diag::error(codes::TEXT_NOT_CLOSED, "a quoted text is not closed on its line")
+                .label(self.span(i..end), "it begins here")
+                .help("add the closing quote"),
+        );
+        self.damaged = true;
+        self.unreadable = true;
+        end
+    }
+
+    fn close(&mut self, byte: u8, i: usize) {
+        let (close, expected) = (char::from(byte), self.open.last().map(|(b, at)| (closer(*b), *at)));
+        match expected {
+            Some((right, _)) if right == close => {
+                self.open.pop();
+            }
+            Some((right, at)) => {
+                self.sink.push(
+                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` closes nothing here; `{right}` is due"))
+                        .label(self.span(i..i + 1), format!("`{right}` is due before this"))
+                        .label(self.span(at..at + 1), "opened here")
+                        .help(format!("close the inner bracket with `{right}` first, or remove one of the two")),
+                );
+                self.damaged = true;
+                self.unreadable = true;
+                // Whatever closes an outer bracket closes the inner ones with it.
+                if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == close) {
+                    self.open.truncate(outer);
+                }
+            }
+            None => {
+                self.sink.push(
+                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` closes nothing"))
+                        .label(self.span(i..i + 1), "no bracket is open here")
+                        .help("remove it, or add the bracket that it should close"),
+                );
+                self.damaged = true;
+                self.unreadable = true;
+            }
+        }
+    }
+
+    fn too_deep(&mut self, i: usize) {
+        let outer = self.open.first().map_or(i, |(_, at)| *at);
+        self.sink.push(
+            Diag::error(codes::NESTING, format!("brackets are nested more than {MAX_DEPTH} deep"))
+                .label(self.span(i..i + 1), "one too many")
+                .label(self.span(outer..outer + 1), "the outermost one")
+                .help("a job needs no more than 5; close the brackets that are open"),
+        );
+    }
+
+    /// Ends the item that is open, at `end`.
+    fn finish(&mut self, end: usize) {
+        let damaged = std::mem::take(&mut self.damaged);
+        let unreadable = std::mem::take(&mut self.unreadable);
+        let open = std::mem::take(&mut self.open);
+        let Some(start) = self.start.take() else { return };
+        if let Some((bracket, at)) = open.last() {
+            let next = end < self.text.len();
+            let mut diag = Diag::error(
+                codes::BRACKET_OPEN,
+                format!("`{}` is not closed before the {}", char::from(*bracket), if next { "next item" } else { "end" }),
+            )
+            .label(self.span(*at..at + 1), "opened here");
+            if next {
+                let word = first_word(&self.text[end..]).len();
+                diag = diag.label(self.span(end..end + word), "the next item begins here");
+            }
+            self.sink.push(diag.help(format!("add `{}`", closer(*bracket))));
+        }
+        let closers = open.iter().rev().map(|(b, _)| closer(*b)).collect::<String>();
+        let damaged = damaged || !closers.is_empty();
+        self.pieces.push(Piece { range: start..end, closers, damaged, unreadable });
+    }
+}
+
+fn closer(open: u8) -> char {
+    match open {
+        b'{' => '}',
+        b'[' => ']',
+        _ => ')',
+    }
+}
+
+fn line_end(bytes: &[u8], from: usize) -> usize {
+    bytes.get(from..).and_then(|b| b.iter().position(|b| *b == b'\n')).map_or(bytes.len(), |n| from + n)
+}
+
+/// The word that a text begins with.
+pub(super) fn first_word(text: &str) -> &str {
+    let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '-')).unwrap_or(text.len());
+    &text[..end]
+}
+
+/// True when a line reads like the head of an item and like no entry of a block.
+fn reads_like_item(line: &str) -> bool {
+    let keyword = first_word(line);
+    if !ITEMS.contains(&keyword) {
+        return false;
+    }
+    let skip = |text: &str| -> String { text.chars().take(200).collect::<String>().trim_start().to_owned() };
+    let rest = skip(&line[keyword.len()..]);
+    let word = first_word(&rest).to_owned();
+    let after = skip(&rest[word.len()..]);
+    match keyword {
+        "edition" => rest.starts_with(|c: char| c.is_ascii_digit()),
+        "use" => (word == "machine" || word == "tools") && after.starts_with('"'),
+        "let" | "tool" => !word.is_empty() && after.starts_with('='),
+        "part" | "stock" | "operation" => {
+            let second = first_word(&after);
+            !word.is_empty() && skip(&after[second.len()..]).starts_with('{')
+        }
+        "tolerance" => word == "chord" || word == "rough",
+        "require" => after.starts_with('<') || after.starts_with('>'),
+        "post" => !word.is_empty() && (after.is_empty() || after.starts_with(['{', '/'])),
+        _ => false,
+    }
+}
