@@ -13,11 +13,13 @@
 pub mod analysis;
 pub mod collide;
 pub mod diag;
+pub mod driver;
 pub mod entity;
 pub mod geom;
 pub mod ir;
 pub mod job;
 pub mod kin;
+pub mod lower;
 pub mod passes;
 pub mod post;
 pub mod source;

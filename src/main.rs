@@ -1,1 +1,126 @@
-fn main() {}
+//! Command line of the compiler.
+
+#![forbid(unsafe_code)]
+
+use clap::{Parser, Subcommand, ValueEnum};
+use impellerc::diag::{Code, render};
+use impellerc::driver::{self, Emit, Options, Stages};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Compiles a job that declares an impeller into verified five-axis NC.
+#[derive(Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    /// Job file
+    #[arg(required = true)]
+    job: Option<PathBuf>,
+
+    /// File to write the NC text to; without it everything is checked and nothing written
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Dialect to write instead of the job's
+    #[arg(long, value_name = "NAME")]
+    post: Option<String>,
+
+    /// Folder with `machines` and `tools` that is searched first
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
+
+    /// Print a stage value instead of going on to the NC text
+    #[arg(long, value_enum, value_name = "STAGE")]
+    emit: Option<EmitArgument>,
+
+    /// Print the time of each stage
+    #[arg(long)]
+    timings: bool,
+
+    /// How to report faults
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    error_format: ErrorFormat,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Explains a code such as IMP0206: what it means, why it matters, an example, the way out
+    Explain {
+        /// The code
+        code: String,
+    },
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ErrorFormat {
+    /// Marked text for people
+    Human,
+    /// One JSON object a line
+    Json,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum EmitArgument {
+    /// Syntax tree
+    Ast,
+    /// Job with every default
+    Job,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    if let Some(Command::Explain { code }) = &arguments.command {
+        return explain(code);
+    }
+    let options = Options {
+        job: arguments.job.unwrap_or_default(),
+        output: arguments.output,
+        library: arguments.library,
+        post: arguments.post,
+        emit: arguments.emit.map(|e| match e {
+            EmitArgument::Ast => Emit::Ast,
+            EmitArgument::Job => Emit::Job,
+        }),
+    };
+    let terminal = std::io::stderr().is_terminal();
+    let human = arguments.error_format == ErrorFormat::Human;
+    let mut stages = Stages::default();
+    stages.progress = terminal && human;
+    let outcome = driver::compile(&options, &mut stages);
+    let colour = terminal && std::env::var_os("NO_COLOR").is_none();
+    say(&if human {
+        render::human(&outcome.sink, &outcome.sources, colour)
+    } else {
+        render::json(&outcome.sink, &outcome.sources)
+    });
+    if arguments.timings {
+        say(&stages.report());
+    }
+    let written = outcome.emitted.is_none_or(|text| print(&text));
+    if outcome.sink.has_errors() || !written { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+/// Prints the page of a code.
+fn explain(code: &str) -> ExitCode {
+    let Some(found) = Code::find(code) else {
+        let codes: Vec<&str> = Code::all().map(Code::id).collect();
+        say(&format!("no diagnostic has the code {code}; there are {}\n", codes.join(", ")));
+        return ExitCode::FAILURE;
+    };
+    let text = format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end());
+    if print(&text) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Writes to standard output; false when it was closed, as by `head`.
+fn print(text: &str) -> bool {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_ok()
+}
+
+/// Writes to standard error; there is nowhere to report a failure of that.
+fn say(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}

@@ -45,9 +45,8 @@ pub(super) fn read(
             sink.push(fault(span, file, format!("number {} is due here", points.len() + 1)));
             good = false;
         }
-        let coordinate = |at: usize| -> Option<f64> {
-            fields.get(at).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite())
-        };
+        let coordinate =
+            |at: usize| -> Option<f64> { fields.get(at).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite()) };
         let (Some(x), Some(y), Some(z)) = (coordinate(2), coordinate(3), coordinate(4)) else {
             sink.push(fault(span, file, "the coordinates are not three finite numbers".to_owned()));
             return None;

@@ -206,9 +206,10 @@ pub(super) fn unknown_unit(unit: &Name) -> Diag {
     let units = unit_names();
     let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text));
     match nearest(&unit.text, units.iter().copied()) {
-        Some(near) => {
-            diag.label(unit.span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(unit.span, near)
-        }
+        Some(near) => diag
+            .label(unit.span, format!("did you mean `{near}`?"))
+            .help(format!("write `{near}`"))
+            .fix(unit.span, near),
         None => diag.label(unit.span, "not known").help(format!("units are {}", units.join(", "))),
     }
 }

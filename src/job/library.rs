@@ -272,7 +272,10 @@ pub(super) fn machine(
         sink.push(
             Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has no {lacking}"))
                 .label(asked, "used here")
-                .help(format!("five-axis milling needs the axes A and C; add [axes.A] and [axes.C] to {}, or use another machine", file.name)),
+                .help(format!(
+                    "five-axis milling needs the axes A and C; add [axes.A] and [axes.C] to {}, or use another machine",
+                    file.name
+                )),
         );
         return None;
     };
@@ -303,9 +306,10 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
     for (name, holder) in table.holder {
         let mut sections = Vec::new();
         for section in &holder.section {
-            sections.push([&section.length, &section.lower, &section.upper].map(|t| {
-                Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0))
-            }));
+            sections.push(
+                [&section.length, &section.lower, &section.upper]
+                    .map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0))),
+            );
         }
         into.holders.insert(name, sections);
     }

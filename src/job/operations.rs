@@ -304,7 +304,8 @@ impl Reader<'_> {
             p.missing("allowance", example);
         }
         let values = p.labelled("allowance", &["vane", "hub"], example);
-        let mut allowances = before.map(|b| [b.allowance_vane, b.allowance_hub]).filter(|_| !given).map(|a| a.map(Some));
+        let mut allowances =
+            before.map(|b| [b.allowance_vane, b.allowance_hub]).filter(|_| !given).map(|a| a.map(Some));
         if given {
             allowances = Some(["vane", "hub"].map(|label| {
                 let Some((_, expr)) = values.iter().find(|(l, _)| l.text == label) else {

@@ -143,7 +143,8 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
         return None;
     };
     if kind.text != "ruled" {
-        let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("faces of the kind `{}` are not in the language", kind.text));
+        let diag =
+            Diag::error(codes::NOT_IN_LANGUAGE, format!("faces of the kind `{}` are not in the language", kind.text));
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of face", &["ruled"]));
         return None;
     }
@@ -175,9 +176,12 @@ fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
     };
     if points.len() > MAX_POINTS {
         cx.sink.push(
-            Diag::error(geometry::POINTS, format!("the curve has {} points; at most {MAX_POINTS} are taken", points.len()))
-                .label(spline.span, "this curve")
-                .help("thin the points out; a smooth vane needs some tens"),
+            Diag::error(
+                geometry::POINTS,
+                format!("the curve has {} points; at most {MAX_POINTS} are taken", points.len()),
+            )
+            .label(spline.span, "this curve")
+            .help("thin the points out; a smooth vane needs some tens"),
         );
         return None;
     }

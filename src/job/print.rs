@@ -1,6 +1,6 @@
 //! Text form of the job: every default written out.
 
-use super::model::{ContractKind, CutterKind, CurveSpec, FaceSpec, Job, Layers, OperationKind};
+use super::model::{ContractKind, CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
 use crate::units::trim;
 use std::fmt::Write;
 
@@ -71,7 +71,8 @@ fn face(out: &mut String, name: &str, face: &FaceSpec) {
 
 fn tools(out: &mut String, job: &Job) {
     for t in &job.tools {
-        let _ = writeln!(out, "tool {} = {}\n  number {}\n  diameter {}", t.name, t.kind.keyword(), t.number, t.diameter);
+        let _ =
+            writeln!(out, "tool {} = {}\n  number {}\n  diameter {}", t.name, t.kind.keyword(), t.number, t.diameter);
         match t.kind {
             CutterKind::Bull(corner) => _ = writeln!(out, "  corner {corner}"),
             CutterKind::TaperedBall(angle) => _ = writeln!(out, "  angle {angle}"),
@@ -89,12 +90,20 @@ fn tools(out: &mut String, job: &Job) {
 fn operations(out: &mut String, job: &Job) {
     for o in &job.operations {
         let tool = job.tools.get(o.tool).map_or("?", |t| t.name.as_str());
-        let _ = writeln!(out, "operation {} {}\n  tool {tool}\n  speed {}\n  feed {}", o.kind.keyword(), o.name, o.speed, o.feed);
+        let _ = writeln!(
+            out,
+            "operation {} {}\n  tool {tool}\n  speed {}\n  feed {}",
+            o.kind.keyword(),
+            o.name,
+            o.speed,
+            o.feed
+        );
         let _ = writeln!(out, "  link-feed {}\n  lead-in {}\n  lead-out {}", o.link_feed, o.lead_in, o.lead_out);
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
         let layers = |out: &mut String, l: &Layers| {
-            let _ = writeln!(out, "  depth {}\n  allowance vane {}, hub {}", l.depth, l.allowance_vane, l.allowance_hub);
+            let _ =
+                writeln!(out, "  depth {}\n  allowance vane {}, hub {}", l.depth, l.allowance_vane, l.allowance_hub);
         };
         match &o.kind {
             OperationKind::Groove(l) => layers(out, l),

@@ -261,8 +261,7 @@ impl<'a, 'c> Properties<'a, 'c> {
                     }
                 }
                 Value::Labelled(label, _) => {
-                    let diag =
-                        Diag::error(codes::UNKNOWN_PROPERTY, format!("`{name}` has no part `{}`", label.text));
+                    let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("`{name}` has no part `{}`", label.text));
                     self.sink.push(suggest(diag, &label.text, label.span, "part", known));
                     self.damaged = true;
                 }

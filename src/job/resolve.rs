@@ -31,12 +31,7 @@ pub(super) struct Context<'a> {
 ///
 /// # Errors
 /// [`Aborted`] when the sink has errors.
-pub fn resolve(
-    file: &File,
-    files: &mut dyn Files,
-    sources: &mut SourceMap,
-    sink: &mut Sink,
-) -> Result<Job, Aborted> {
+pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> Result<Job, Aborted> {
     let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink };
     edition(file, &mut cx);
     lets(file, &mut cx);
@@ -187,7 +182,8 @@ fn part_item(file: &File, cx: &mut Context<'_>) -> Option<PartSpec> {
         ItemKind::Part { name, body } => Some((name.clone(), body.clone())),
         _ => None,
     };
-    let ((name, body), head) = single(file, "part", "part NAME { vanes 8  vane main { ... } hub ... shroud ... }", pick, cx)?;
+    let ((name, body), head) =
+        single(file, "part", "part NAME { vanes 8  vane main { ... } hub ... shroud ... }", pick, cx)?;
     part::resolve(&name, &body, head, cx)
 }
 
@@ -208,7 +204,8 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         p.missing("over", "over shroud 0 mm");
     }
     let over = p.labelled("over", &["shroud"], "over shroud 0 mm");
-    let over = over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
+    let over =
+        over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
     let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
     let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
     Some(StockSpec { over_shroud: Mm(over?), bore: Mm(bore?.0), back: Mm(back?.0), span })

@@ -86,7 +86,8 @@ fn shape(
     cx: &mut Context<'_>,
 ) -> Option<ToolSpec> {
     if !KINDS.contains(&kind.text.as_str()) {
-        let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));
+        let diag =
+            Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &KINDS));
         return None;
     }

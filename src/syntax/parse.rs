@@ -27,8 +27,11 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
     let broken = File { items: Vec::new(), damaged: true };
     if text.len() > MAX_BYTES {
         sink.push(
-            Diag::error(codes::TOO_LARGE, format!("the job has {} MB; at most {} are read", text.len() >> 20, MAX_BYTES >> 20))
-                .help("put long lists of points into a file and read them with `spline from \"file.csv\" curve NAME mm`"),
+            Diag::error(
+                codes::TOO_LARGE,
+                format!("the job has {} MB; at most {} are read", text.len() >> 20, MAX_BYTES >> 20),
+            )
+            .help("put long lists of points into a file and read them with `spline from \"file.csv\" curve NAME mm`"),
         );
         return broken;
     }
@@ -43,8 +46,9 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
     let Some(pieces) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(
-            Diag::error(codes::EMPTY, "the job is empty")
-                .help("a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post"),
+            Diag::error(codes::EMPTY, "the job is empty").help(
+                "a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post",
+            ),
         );
         return broken;
     }
@@ -106,10 +110,9 @@ fn unknown_item(source: SourceId, piece: &Piece, slice: &str, word: &str) -> Dia
     let diag = Diag::error(codes::UNKNOWN_ITEM, format!("no item of a job begins with `{shown}`"));
     let span = Span::new(source, start..start + length);
     match ITEMS.iter().map(|i| (strsim::damerau_levenshtein(word, i), i)).min() {
-        Some((distance, item)) if distance <= 2 && !word.is_empty() => diag
-            .label(span, format!("did you mean `{item}`?"))
-            .help(format!("write `{item}`"))
-            .fix(span, *item),
+        Some((distance, item)) if distance <= 2 && !word.is_empty() => {
+            diag.label(span, format!("did you mean `{item}`?")).help(format!("write `{item}`")).fix(span, *item)
+        }
         _ => diag.label(span, "an item is due here").help(format!("items are {}", ITEMS.join(", "))),
     }
 }

@@ -13,7 +13,9 @@ pub fn print(file: &File) -> String {
             ItemKind::Let { name, value } => (format!("let {} = {}", name.text, expr(value)), None),
             ItemKind::Part { name, body } => (format!("part {}", name.text), Some(body)),
             ItemKind::Stock { kind, body } => (format!("stock {}", kind.text), Some(body)),
-            ItemKind::Tool { name, source: ToolSource::Library(t) } => (format!("tool {} = {:?}", name.text, t.text), None),
+            ItemKind::Tool { name, source: ToolSource::Library(t) } => {
+                (format!("tool {} = {:?}", name.text, t.text), None)
+            }
             ItemKind::Tool { name, source: ToolSource::Shape(kind, body) } => {
                 (format!("tool {} = {}", name.text, kind.text), Some(body))
             }
@@ -63,7 +65,9 @@ fn value(value: &Value) -> String {
             let unit = s.unit.as_ref().map_or("", |u| u.text.as_str());
             match &s.points {
                 SplinePoints::Inline(points) => format!("spline of {} points {unit}", points.len()),
-                SplinePoints::File { file, curve } => format!("spline from {:?} curve {} {unit}", file.text, curve.text),
+                SplinePoints::File { file, curve } => {
+                    format!("spline from {:?} curve {} {unit}", file.text, curve.text)
+                }
             }
         }
     }

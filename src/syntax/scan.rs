@@ -188,7 +188,11 @@ impl Scanner<'_> {
             let next = end < self.text.len();
             let mut diag = Diag::error(
                 codes::BRACKET_OPEN,
-                format!("`{}` is not closed before the {}", char::from(*bracket), if next { "next item" } else { "end" }),
+                format!(
+                    "`{}` is not closed before the {}",
+                    char::from(*bracket),
+                    if next { "next item" } else { "end" }
+                ),
             )
             .label(self.span(*at..at + 1), "opened here");
             if next {

@@ -1,0 +1,106 @@
+//! Curves from points, with the faults of the points under their own text.
+
+use crate::diag::codes::geometry as codes;
+use crate::diag::{Diag, Sink};
+use crate::geom::{GeomError, NurbsCurve, interpolate};
+use crate::job::model::CurveSpec;
+use nalgebra::{Point3, Vector2};
+
+/// Largest coordinate, mm. No impeller is larger; beyond it squares lose the micrometre.
+const MAX_COORDINATE: f64 = 10_000.0;
+
+/// Distance below which two data points are one, mm: a tenth of the finest unit that drawings give.
+const SAME_POINT: f64 = 1e-5;
+
+/// Pieces of the polygon that is searched for crossings.
+const PIECES: usize = 128;
+
+/// The curve through the points of the job; `name` is its name in messages.
+pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<NurbsCurve> {
+    let before = sink.diags().len();
+    for (point, span) in spec.points.iter().zip(&spec.spans) {
+        if point.iter().any(|x| !x.is_finite() || x.abs() > MAX_COORDINATE) {
+            sink.push(
+                Diag::error(codes::COORDINATE, format!("a point of the {name} curve lies beyond 10 m"))
+                    .label(*span, "coordinates are in the unit after the list")
+                    .help("correct the coordinate, or the unit of the list"),
+            );
+        }
+    }
+    if sink.diags().len() > before {
+        return None;
+    }
+    for (i, pair) in spec.points.windows(2).enumerate() {
+        if (Point3::from(pair[0]) - Point3::from(pair[1])).norm() < SAME_POINT {
+            let mut diag =
+                Diag::error(codes::POINTS, format!("points {} and {} of the {name} curve coincide", i + 1, i + 2));
+            for (at, text) in [(i + 1, "the same place again"), (i, "the first of the two")] {
+                if let Some(span) = spec.spans.get(at) {
+                    diag = diag.label(*span, text);
+                }
+            }
+            sink.push(
+                diag.place(format!("{name} curve, point {}", i + 1), Point3::from(pair[0]))
+                    .help("remove one of the two points"),
+            );
+        }
+    }
+    if sink.diags().len() > before {
+        return None;
+    }
+    let points: Vec<_> = spec.points.iter().map(|p| Point3::from(*p)).collect();
+    // Cubic as in the paper; fewer points carry a lower degree.
+    let degree = points.len().saturating_sub(1).clamp(1, 3);
+    match interpolate(&points, degree) {
+        Ok(curve) => {
+            crossing(&curve, spec, name, sink);
+            (sink.diags().len() == before).then_some(curve)
+        }
+        Err(error) => {
+            sink.push(point_fault(&error, spec, name));
+            None
+        }
+    }
+}
+
+fn point_fault(error: &GeomError, spec: &CurveSpec, name: &str) -> Diag {
+    let help = match error {
+        GeomError::TooFewPoints { .. } => "a curve needs at least two points; four or more make it cubic",
+        _ => "correct the points",
+    };
+    Diag::error(codes::POINTS, format!("no curve goes through the points of the {name} curve: {error}"))
+        .label(spec.span, "this curve")
+        .help(help)
+}
+
+/// Reports a curve whose meridian crosses itself: no surface of revolution and no channel has such a wall.
+fn crossing(curve: &NurbsCurve, spec: &CurveSpec, name: &str, sink: &mut Sink) {
+    let at = |i: usize| curve.point(i as f64 / PIECES as f64);
+    let space: Vec<Point3<f64>> = (0..=PIECES).map(at).collect();
+    let flat: Vec<Vector2<f64>> = space.iter().map(|p| Vector2::new(p.x.hypot(p.y), p.z)).collect();
+    for i in 0..PIECES {
+        for j in i + 2..PIECES {
+            if segments_cross(flat[i], flat[i + 1], flat[j], flat[j + 1]) {
+                sink.push(
+                    Diag::error(codes::CURVE_CROSSES, format!("the {name} curve crosses itself in the meridian plane"))
+                        .label(spec.span, "this curve")
+                        .place(
+                            format!(
+                                "{name} curve, u = {:.2} and {:.2}",
+                                i as f64 / PIECES as f64,
+                                j as f64 / PIECES as f64
+                            ),
+                            space[i],
+                        )
+                        .help("give the points in order from inlet to outlet; look for two that changed places"),
+                );
+                return;
+            }
+        }
+    }
+}
+
+fn segments_cross(a: Vector2<f64>, b: Vector2<f64>, c: Vector2<f64>, d: Vector2<f64>) -> bool {
+    let side = |p: Vector2<f64>, q: Vector2<f64>, r: Vector2<f64>| (q - p).perp(&(r - p));
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}

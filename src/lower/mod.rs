@@ -1,0 +1,213 @@
+//! From the job to the program: units fall away, points become curves, sizes become solids.
+
+mod checks;
+mod curves;
+
+use crate::collide::{Cutter, Section, ToolSolid};
+use crate::diag::{Aborted, Sink};
+use crate::entity::{EntityId, PrimaryMap};
+use crate::geom::NurbsCurve;
+use crate::ir::{
+    Contract, ContractKind, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice,
+    Program, RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
+};
+use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
+use crate::kin::{LinearAxis, Machine, RotaryAxis};
+use crate::units::Mm;
+use nalgebra::{Point3, Vector3};
+
+/// Lowers a job. Faults of the geometry go to the sink.
+///
+/// # Errors
+/// [`Aborted`] when the geometry is faulty.
+pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
+    let part = part(job, sink)?;
+    let stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
+    checks::stock(job, &part, sink);
+    let mut tools: PrimaryMap<ToolId, Tool> = PrimaryMap::new();
+    for spec in &job.tools {
+        tools.push(tool(spec));
+    }
+    let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
+    for spec in &job.operations {
+        operations.push(operation(spec));
+    }
+    let program = Program {
+        name: job.part.name.clone(),
+        part,
+        stock,
+        tools,
+        operations,
+        contracts: job.contracts.iter().map(contract).collect(),
+        machine: machine(&job.machine),
+        post: PostChoice { name: job.post.0.clone(), span: Some(job.post.1) },
+        tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
+        clearance: job.clearance,
+        data: data(job),
+    };
+    if sink.has_errors() { Err(Aborted) } else { Ok(program) }
+}
+
+/// The design part, checked from the points up; later checks need the earlier ones to hold.
+fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
+    let spec = &job.part;
+    let pressure = guides(&spec.pressure, "pressure", sink);
+    let suction = guides(&spec.suction, "suction", sink);
+    let (Some(pressure), Some(suction)) = (pressure, suction) else { return Err(Aborted) };
+    let pick = |reference: &model::CurveRef| -> NurbsCurve {
+        let face = if reference.pressure { &pressure } else { &suction };
+        if reference.tip { face.tip.clone() } else { face.root.clone() }
+    };
+    let (hub, shroud) = (pick(&spec.hub), pick(&spec.shroud));
+    checks::ends(spec, sink)?;
+    checks::meridians(spec, [&pressure, &suction], sink)?;
+    checks::directions(spec, [&pressure, &suction], sink)?;
+    let fillet = (spec.fillet.get() > 0.0).then_some(spec.fillet);
+    let part = Part::new(spec.vanes.0, pressure, suction, hub, shroud, fillet);
+    checks::heights(spec, &part, sink)?;
+    checks::faces(spec, &part, sink)?;
+    checks::overlap(spec, &part, sink)?;
+    checks::off_hub(spec, &part, sink);
+    Ok(part)
+}
+
+fn guides(face: &FaceSpec, side: &str, sink: &mut Sink) -> Option<Guides> {
+    let root = curves::curve(&face.root, &format!("{side} root"), sink);
+    let tip = curves::curve(&face.tip, &format!("{side} tip"), sink);
+    Some(Guides { root: root?, tip: tip? })
+}
+
+fn data(job: &Job) -> Vec<DataCurve> {
+    let curve = |side, end, spec: &CurveSpec| {
+        let points = spec.points.iter().zip(&spec.spans);
+        let points = points.map(|(p, span)| DataPoint { point: Point3::from(*p), span: Some(*span) }).collect();
+        DataCurve { side, end, points }
+    };
+    let (p, s) = (&job.part.pressure, &job.part.suction);
+    vec![
+        curve(Side::Pressure, RulingEnd::Tip, &p.tip),
+        curve(Side::Pressure, RulingEnd::Root, &p.root),
+        curve(Side::Suction, RulingEnd::Tip, &s.tip),
+        curve(Side::Suction, RulingEnd::Root, &s.root),
+    ]
+}
+
+fn tool(spec: &ToolSpec) -> Tool {
+    let radius = spec.diameter.get() / 2.0;
+    let cutter = match spec.kind {
+        CutterKind::Flat => Cutter::Flat { radius },
+        CutterKind::Ball => Cutter::Ball { radius },
+        CutterKind::Bull(corner) => Cutter::Bull { radius, corner: corner.get() },
+        CutterKind::TaperedBall(angle) => Cutter::TaperedBall { ball: radius, half_angle: angle.get() },
+    };
+    let (flute, reach) = (spec.flute.get(), spec.reach.get());
+    let mut shank = Vec::new();
+    if reach > flute {
+        let radius = spec.shank.get() / 2.0;
+        shank.push(Section { from: flute, to: reach, radius_from: radius, radius_to: radius });
+    }
+    let mut holder = Vec::new();
+    let mut from = reach;
+    for [length, lower, upper] in spec.holder.iter().flat_map(|(_, sections)| sections) {
+        let to = from + length.get();
+        holder.push(Section { from, to, radius_from: lower.get() / 2.0, radius_to: upper.get() / 2.0 });
+        from = to;
+    }
+    Tool {
+        name: spec.name.clone(),
+        number: spec.number,
+        flutes: spec.flutes,
+        solid: ToolSolid { cutter, flute_length: flute, shank, holder },
+        span: spec.span,
+    }
+}
+
+fn operation(spec: &model::OperationSpec) -> Operation {
+    let kind = match &spec.kind {
+        model::OperationKind::Groove(l) => {
+            OperationKind::Groove { depth: l.depth, allowance_vane: l.allowance_vane, allowance_hub: l.allowance_hub }
+        }
+        model::OperationKind::Expand(l, residual) => OperationKind::Expand {
+            depth: l.depth,
+            allowance_vane: l.allowance_vane,
+            allowance_hub: l.allowance_hub,
+            residual: *residual,
+        },
+        model::OperationKind::Flank { pressure, suction, strips } => {
+            let sides = [(*pressure, Side::Pressure), (*suction, Side::Suction)];
+            let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
+            OperationKind::Flank { faces, strips: *strips }
+        }
+        model::OperationKind::Channel(scallop) => OperationKind::Channel { scallop: *scallop },
+    };
+    Operation {
+        name: spec.name.clone(),
+        kind,
+        tool: ToolId::new(spec.tool),
+        speed: spec.speed,
+        feed: spec.feed,
+        link_feed: spec.link_feed,
+        sectors: spec.sectors.clone(),
+        lead_in: spec.lead_in,
+        lead_out: spec.lead_out,
+        span: spec.span,
+    }
+}
+
+fn contract(spec: &model::ContractSpec) -> Contract {
+    let kind = match spec.kind {
+        model::ContractKind::Gouge => ContractKind::Gouge,
+        model::ContractKind::Excess => ContractKind::Excess,
+        model::ContractKind::Clearance => ContractKind::Clearance,
+        model::ContractKind::Rest => ContractKind::Rest,
+    };
+    Contract { kind, bound: spec.bound, span: spec.span }
+}
+
+/// The machine with its rotary axes in the ISO sense.
+fn machine(spec: &MachineSpec) -> Machine {
+    let point = |p: [Mm; 3]| Point3::from(p.map(Mm::get));
+    Machine {
+        name: spec.name.clone(),
+        linear: spec.linear.map(|axis: LinearSpec| LinearAxis {
+            min: axis.travel[0].get(),
+            max: axis.travel[1].get(),
+            speed: axis.speed.get() / 60.0,
+            acceleration: axis.acceleration,
+        }),
+        tilt: rotary(&spec.tilt),
+        turn: rotary(&spec.turn),
+        tilt_point: point(spec.tilt.point),
+        turn_point: point(spec.turn.point),
+        part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
+        spindle: spec.spindle.map(crate::units::Rpm::get),
+        rapid: spec.rapid.get() / 60.0,
+        assumed: spec.assumed.clone(),
+    }
+}
+
+/// Limits of an axis whose word has the opposite sense change places.
+fn rotary(spec: &RotarySpec) -> RotaryAxis {
+    let [min, max] = spec.travel.map(|t| t.get());
+    let (min, max, word_sign) = if spec.iso { (min, max, 1.0) } else { (-max, -min, -1.0) };
+    RotaryAxis { min, max, speed: spec.speed, acceleration: spec.acceleration, word_sign }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Rad;
+
+    #[test]
+    fn limits_of_an_opposite_word_change_places() {
+        let spec = RotarySpec {
+            travel: [Rad(-1.5), Rad(0.5)],
+            speed: 1.0,
+            acceleration: 2.0,
+            iso: false,
+            point: [Mm(0.0); 3],
+        };
+        let axis = rotary(&spec);
+        assert_eq!((axis.min, axis.max, axis.word_sign), (-0.5, 1.5, -1.0));
+    }
+}
