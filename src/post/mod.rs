@@ -1,1 +1,117 @@
-//! Dialects: from a verified motion to NC text.
+//! Dialects: from a verified motion to NC text, and back.
+//!
+//! A post decides words, never geometry. [`Post::check`] refuses everything that the dialect cannot say, before
+//! anything is written; then [`Post::emit`] cannot fail. [`read_back`] interprets the text with a reader that shares
+//! nothing with the writer and compares it with the motion (V5).
+
+mod linuxcnc;
+mod read_back;
+mod read_linuxcnc;
+mod read_siemens_840d;
+mod siemens_840d;
+pub mod words;
+
+pub use read_back::{ReadBack, read_back};
+
+use crate::diag::Sink;
+use crate::ir::{Motion, Program};
+use crate::kin::Machine;
+use crate::verify::Verified;
+use nalgebra::{Point3, Vector3};
+
+/// A dialect.
+pub trait Post: Sync {
+    /// Name in the job language and on the command line.
+    fn name(&self) -> &'static str;
+    /// One line for the help.
+    fn about(&self) -> &'static str;
+    /// Refuses what the dialect cannot say.
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
+    /// The program as text. `header` holds lines of the comment block at its head.
+    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram;
+    /// The moves of a text in this dialect.
+    ///
+    /// # Errors
+    /// The first line that is not understood.
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, ReadError>;
+}
+
+/// The dialects that are built.
+pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc];
+
+/// The dialect of a name.
+pub fn find(name: &str) -> Option<&'static dyn Post> {
+    POSTS.iter().copied().find(|p| p.name() == name)
+}
+
+/// NC text, block by block.
+#[derive(Clone, Debug, Default)]
+pub struct NcProgram {
+    /// Lines without their ends.
+    pub lines: Vec<NcLine>,
+}
+
+/// One line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NcLine {
+    /// Text.
+    pub text: String,
+    /// Operation and move of the motion that it says.
+    pub source: Option<(u32, u32)>,
+}
+
+impl NcProgram {
+    /// Adds a line that no move stands behind.
+    pub(crate) fn line(&mut self, text: impl Into<String>) {
+        self.lines.push(NcLine { text: text.into(), source: None });
+    }
+
+    /// The whole text: every line ends with a line feed, the last one too.
+    pub fn text(&self) -> String {
+        let mut text = String::with_capacity(self.lines.iter().map(|l| l.text.len() + 1).sum());
+        for line in &self.lines {
+            text.push_str(&line.text);
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// Direction of the tool in a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Direction {
+    /// Vector from the tip to the holder, part frame.
+    Axis(Vector3<f64>),
+    /// A and C in the ISO sense, radians.
+    Rotary(f64, f64),
+}
+
+/// A move that a reader found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NcMove {
+    /// Line, from 1.
+    pub line: usize,
+    /// At rapid.
+    pub rapid: bool,
+    /// Tool tip, part frame, mm.
+    pub tip: Point3<f64>,
+    /// Direction.
+    pub direction: Direction,
+    /// Rotary angles at which the axes stood before the transformation was switched on, for the first move after it.
+    pub start: Option<(f64, f64)>,
+    /// Feed in mm/min; `None` at rapid.
+    pub feed: Option<f64>,
+    /// Tool: its name or number as the dialect says it.
+    pub tool: String,
+    /// Spindle speed, rpm.
+    pub speed: f64,
+}
+
+/// A line that a reader does not understand.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadError {
+    /// Line, from 1.
+    pub line: usize,
+    /// Why.
+    pub reason: String,
+}

@@ -184,3 +184,14 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         data: wei_data(),
     }
 }
+
+/// Finishing of the faces only, on the given sectors.
+pub fn flank_only(sectors: &[u32]) -> Program {
+    let mut program = wei_program(sectors);
+    let tool = program.operations.iter().last().unwrap().1.tool;
+    program.operations = PrimaryMap::new();
+    let faces = vec![Side::Pressure, Side::Suction];
+    let kind = OperationKind::Flank { faces, strips: 2 };
+    program.operations.push(operation("flank", kind, tool, sectors.to_vec(), 15.0));
+    program
+}

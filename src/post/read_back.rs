@@ -1,0 +1,112 @@
+//! V5: the text, interpreted, against the motion.
+
+use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
+use super::{Direction, NcMove, Post};
+use crate::diag::{Diag, codes::post};
+use crate::ir::{JointMove, Motion, MoveKind, Program, Tool};
+use crate::kin::transform::axis_at;
+use crate::verify::Verified;
+
+/// What reading back found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadBack {
+    /// Moves compared.
+    pub moves: usize,
+    /// Largest difference of a tip coordinate, mm.
+    pub tip: f64,
+    /// Largest difference of the tool axis, radians.
+    pub axis: f64,
+}
+
+/// Half a step of a word, with room for the rounding of the arithmetic around it.
+fn half_step(decimals: usize) -> f64 {
+    0.5 * 10f64.powi(-i32::try_from(decimals).unwrap_or(0)) + 1e-11
+}
+
+/// Interprets the text of a dialect and compares every move with the motion: kind, tip, axis, rotary positions, feed,
+/// tool and speed.
+///
+/// # Errors
+/// A line that is not understood, or that says something else than the motion.
+pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
+    let moves = post
+        .read(text, &program.machine)
+        .map_err(|e| Diag::error(post::NOT_UNDERSTOOD, format!("line {} of the NC text: {}", e.line, e.reason)))?;
+    let mut found = moves.iter();
+    let mut result = ReadBack { moves: moves.len(), tip: 0.0, axis: 0.0 };
+    for operation in &motion.get().operations {
+        let declared = &program.operations[operation.operation];
+        let tool = &program.tools[declared.tool];
+        for (i, meant) in operation.moves.iter().enumerate() {
+            let Some(read) = found.next() else {
+                return Err(differs(0, "the text ends before the motion".to_owned()));
+            };
+            compare(program, meant, read, i == 0, &mut result).map_err(|why| differs(read.line, why))?;
+            if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
+                return Err(differs(read.line, format!("tool {} at {} rpm", read.tool, read.speed)));
+            }
+        }
+    }
+    match found.next() {
+        Some(more) => Err(differs(more.line, "a move that the motion does not have".to_owned())),
+        None => Ok(result),
+    }
+}
+
+fn says_tool(read: &NcMove, tool: &Tool) -> bool {
+    read.tool == tool.name || read.tool == tool.number.to_string()
+}
+
+fn differs(line: usize, why: String) -> Diag {
+    Diag::error(post::TEXT_DIFFERS, format!("line {line} of the NC text does not say what the motion means: {why}"))
+        .note("nothing was written")
+        .help("report the job file: this is a fault of the compiler")
+}
+
+fn compare(
+    program: &Program,
+    meant: &JointMove,
+    read: &NcMove,
+    first: bool,
+    result: &mut ReadBack,
+) -> Result<(), String> {
+    let pose = program.machine.forward(&meant.joints);
+    if read.rapid != (meant.kind == MoveKind::Rapid) {
+        return Err("rapid and feed are confused".to_owned());
+    }
+    let tip = (read.tip - pose.tip).amax();
+    if tip > half_step(LENGTH_DECIMALS) {
+        return Err(format!("the tip is off by {tip:.6} mm"));
+    }
+    result.tip = result.tip.max(tip);
+    let angles = |a: f64, c: f64| {
+        let off = (a - meant.joints.a).abs().max((c - meant.joints.c).abs()).to_degrees();
+        if off > half_step(ANGLE_DECIMALS) { Err(format!("a rotary axis is off by {off:.7} deg")) } else { Ok(()) }
+    };
+    let axis = match read.direction {
+        Direction::Axis(axis) => axis,
+        Direction::Rotary(a, c) => {
+            angles(a, c)?;
+            axis_at(a, c)
+        }
+    };
+    let off = (axis - pose.axis).norm();
+    // Three components, or two angles, each half a step off.
+    let bound = match read.direction {
+        Direction::Axis(_) => half_step(VECTOR_DECIMALS) * 3f64.sqrt(),
+        Direction::Rotary(..) => half_step(ANGLE_DECIMALS).to_radians() * 2f64.sqrt(),
+    };
+    if off > bound {
+        return Err(format!("the tool axis is off by {off:.3e} rad"));
+    }
+    result.axis = result.axis.max(off);
+    if first {
+        let (a, c) = read.start.ok_or("no rotary position before the transformation is switched on")?;
+        angles(a, c)?;
+    }
+    match (meant.feed, read.feed) {
+        (None, None) => Ok(()),
+        (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(FEED_DECIMALS) && r <= m + 1e-8 => Ok(()),
+        (m, r) => Err(format!("the feed is {r:?} where {m:?} is meant")),
+    }
+}

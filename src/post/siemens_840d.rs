@@ -1,0 +1,143 @@
+//! Siemens SINUMERIK 840D sl and ONE.
+//!
+//! Tool centre point control by TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
+//! to the holder, always all three: a missing one would count as 0). ORIAXES lets the rotary axes run linearly between
+//! blocks, which is what the motion means. A vector fits two rotary positions; which one is meant is made certain by
+//! the rapid in front of every pass, which carries the rotary positions themselves (A= C=), and by [`check`]: within a
+//! pass A keeps its sign and C turns less than 90 deg a block, so that the nearest position is the right one. C is a
+//! limited axis here: no DC().
+
+use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
+use super::{NcLine, NcMove, NcProgram, Post, ReadError, read_siemens_840d};
+use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::kin::{Joints, Machine};
+use crate::verify::Verified;
+
+/// The dialect.
+pub(super) struct Siemens840d;
+
+/// Turn of C between blocks from which the nearest rotary position would no longer be certain.
+const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
+
+impl Post for Siemens840d {
+    fn name(&self) -> &'static str {
+        "siemens-840d"
+    }
+
+    fn about(&self) -> &'static str {
+        "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832"
+    }
+
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        words::check(program, motion, sink);
+        for operation in &motion.operations {
+            let declared = &program.operations[operation.operation];
+            let unsure = operation.moves.windows(2).find(|m| {
+                let (a, b) = (&m[0].joints, &m[1].joints);
+                m[1].kind != MoveKind::Rapid && (a.a * b.a < 0.0 || (a.c - b.c).abs() >= CERTAIN_TURN)
+            });
+            if let Some(m) = unsure {
+                let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
+                sink.push(
+                    Diag::error(
+                        post::AMBIGUOUS_VECTOR,
+                        format!(
+                            "`{}` turns C by {:.1} deg in one block, or runs through the pole",
+                            declared.name,
+                            (m[0].joints.c - m[1].joints.c).to_degrees().abs()
+                        ),
+                    )
+                    .label(declared.span, "in this operation")
+                    .place(label, program.machine.forward(&m[1].joints).tip)
+                    .note("a direction vector fits two rotary positions; the control takes the nearer one")
+                    .help("a finer chord tolerance, or a tool axis that keeps away from the pole"),
+                );
+            }
+        }
+    }
+
+    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
+        emit(program, motion.get(), header)
+    }
+
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, ReadError> {
+        read_siemens_840d::read(text, machine)
+    }
+}
+
+fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
+    let mut nc = NcProgram::default();
+    nc.line(format!("; %_N_{}_MPF", program.name.to_ascii_uppercase().replace('-', "_")));
+    for line in header {
+        nc.line(format!("; {}", words::comment(line)));
+    }
+    let mut number = 0;
+    let mut block = |nc: &mut NcProgram, text: String, source: Option<(u32, u32)>| {
+        number += 10;
+        nc.lines.push(NcLine { text: format!("N{number} {text}"), source });
+    };
+    block(&mut nc, "G17 G710 G90 G94 G40 G500".to_owned(), None);
+    for (o, operation) in motion.operations.iter().enumerate() {
+        begin(program, operation, &mut |text| block(&mut nc, text, None));
+        let mut last_feed = String::new();
+        let mut last_kind = None;
+        for (i, m) in operation.moves.iter().enumerate() {
+            let source = (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
+            let text = match m.kind {
+                MoveKind::Rapid => format!("G0 {} {}", tip(program, m), rotary(&program.machine, &m.joints)),
+                MoveKind::Link | MoveKind::Cut => {
+                    let f = feed(m.feed.unwrap_or(0.0));
+                    // After a rapid the feed is said again, so that every pass stands on its own.
+                    let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
+                    let word = if say { format!(" F{f}") } else { String::new() };
+                    last_feed = f;
+                    format!("G1 {} {}{word}", tip(program, m), vector(program, m))
+                }
+            };
+            last_kind = Some(m.kind);
+            block(&mut nc, text, Some(source));
+        }
+        for text in ["TRAFOOF", "CYCLE832(0,_OFF,1)", "SUPA G0 Z0 D0 M9", "M5"] {
+            block(&mut nc, text.to_owned(), None);
+        }
+    }
+    block(&mut nc, "M30".to_owned(), None);
+    nc
+}
+
+/// Tool, spindle, work offset, smoothing, rotary start position, transformation.
+fn begin(program: &Program, operation: &MotionOperation, block: &mut dyn FnMut(String)) {
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let finishes = declared.kind.finishes();
+    let chord = if finishes { program.tolerances.chord } else { program.tolerances.chord_rough };
+    block("SUPA G0 Z0 D0".to_owned());
+    block(format!("T=\"{}\" M6 ; {}", tool.name, declared.name));
+    block(format!("D1 S{} M3", fixed(declared.speed.get(), 0)));
+    block("G54".to_owned());
+    let mode = if finishes { "_ORI_FINISH" } else { "_ORI_ROUGH" };
+    block(format!("CYCLE832({},{mode},0.1)", fixed(chord.get(), 4)));
+    if let Some(first) = operation.moves.first() {
+        block(format!("G0 {}", rotary(&program.machine, &first.joints)));
+    }
+    block("TRAORI".to_owned());
+    block("G54 ORIWKS ORIAXES M8".to_owned());
+}
+
+fn tip(program: &Program, m: &JointMove) -> String {
+    let p = program.machine.forward(&m.joints).tip;
+    let w = |x: f64| fixed(x, LENGTH_DECIMALS);
+    format!("X{} Y{} Z{}", w(p.x), w(p.y), w(p.z))
+}
+
+fn vector(program: &Program, m: &JointMove) -> String {
+    let v = program.machine.forward(&m.joints).axis;
+    let w = |x: f64| fixed(x, VECTOR_DECIMALS);
+    format!("A3={} B3={} C3={}", w(v.x), w(v.y), w(v.z))
+}
+
+fn rotary(machine: &Machine, joints: &Joints) -> String {
+    let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
+    format!("A={} C={}", w(joints.a, machine.tilt.word_sign), w(joints.c, machine.turn.word_sign))
+}

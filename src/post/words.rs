@@ -1,0 +1,106 @@
+//! Numbers of NC words, and checks that all dialects share.
+
+use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::{Motion, MoveKind, Program};
+
+/// Decimals of X Y Z: a step of 0.1 um, a fiftieth of the least error that a vane is made with.
+pub const LENGTH_DECIMALS: usize = 4;
+/// Decimals of rotary words in degrees: a step moves a point 100 mm from the axis by 0.02 um.
+pub const ANGLE_DECIMALS: usize = 5;
+/// Decimals of direction vectors: a step moves a point 100 mm from the tip by 1 nm.
+pub const VECTOR_DECIMALS: usize = 8;
+/// Decimals of feeds in mm/min.
+pub const FEED_DECIMALS: usize = 3;
+
+/// A number with fixed decimals, never as a negative zero.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+    if zero { text.trim_start_matches('-').to_owned() } else { text }
+}
+
+/// A feed, rounded down: the axes were proved for no more.
+pub fn feed(value: f64) -> String {
+    let scale = 1000.0;
+    fixed((value * scale + 1e-6).floor() / scale, FEED_DECIMALS)
+}
+
+/// Text that may stand in a comment of any dialect.
+pub fn comment(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            '(' | '[' | '{' => '<',
+            ')' | ']' | '}' => '>',
+            ';' => ',',
+            c if c.is_ascii() && !c.is_ascii_control() => c,
+            _ => '?',
+        })
+        .take(120)
+        .collect()
+}
+
+/// Refuses what no dialect can say.
+pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+    let plain = |name: &str| {
+        !name.is_empty() && name.len() <= 24 && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+    };
+    if !plain(&program.name) {
+        sink.push(
+            Diag::error(post::NAME, format!("`{}` cannot be the name of an NC program", program.name))
+                .help("use at most 24 letters, digits, `-` and `_`"),
+        );
+    }
+    for operation in &motion.operations {
+        let declared = &program.operations[operation.operation];
+        let tool = &program.tools[declared.tool];
+        if !plain(&tool.name) {
+            sink.push(
+                Diag::error(post::NAME, format!("`{}` cannot be the name of a tool in NC text", tool.name))
+                    .label(tool.span, "declared here")
+                    .help("use at most 24 letters, digits, `-` and `_`"),
+            );
+        }
+        let mut before = None;
+        for m in &operation.moves {
+            let tip = program.machine.forward(&m.joints).tip;
+            let still = before.is_some_and(|b: nalgebra::Point3<f64>| (tip - b).norm() < 1e-4);
+            if still && m.kind != MoveKind::Rapid {
+                sink.push(
+                    Diag::error(
+                        post::STANDSTILL,
+                        format!("`{}` turns the tool at feed without moving its tip", declared.name),
+                    )
+                    .label(declared.span, "in this operation")
+                    .place(operation.labels.get(m.pass as usize).cloned().unwrap_or_default(), tip)
+                    .note("the feed of such a block means something else in every control")
+                    .help("this is a fault of the compiler: report the job file"),
+                );
+                break;
+            }
+            before = Some(tip);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_word_comes_back_within_half_a_step(value in -1e4..1e4_f64, decimals in 0..9_usize) {
+            let text = fixed(value, decimals);
+            let back: f64 = text.parse().unwrap();
+            prop_assert!((back - value).abs() <= 0.5000001 * 10f64.powi(-(decimals as i32)));
+            let is_negative_zero = back == 0.0 && text.starts_with('-');
+            prop_assert!(!is_negative_zero);
+        }
+
+        #[test]
+        fn a_feed_is_never_rounded_up(value in 0.001..1e5_f64) {
+            let back: f64 = feed(value).parse().unwrap();
+            prop_assert!(back <= value + 1e-8 && value - back < 1e-3);
+        }
+    }
+}
