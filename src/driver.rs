@@ -3,12 +3,15 @@
 mod library;
 mod stages;
 
-use crate::diag::codes::{files, syntax};
+use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::{Aborted, Diag, Sink};
-use crate::ir::Program;
+use crate::ir::{PostChoice, Program};
 use crate::job::Job;
+use crate::passes::pipeline;
+use crate::post::{self, Post};
 use crate::source::SourceMap;
-use crate::{job, lower};
+use crate::verify::{self, Certificate};
+use crate::{job, lower, output};
 pub use library::DiskFiles;
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
@@ -66,8 +69,85 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
 
-    let _program: Program = stages.run("lower", || lower::lower(&job, sink))?;
+    let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
+    if let Some(name) = &options.post {
+        program.post = PostChoice { name: name.clone(), span: None };
+    }
+    let post = find_post(&program, sink)?;
+    let plan = stages.run("plan", || pipeline::run(&program, sink))?;
+    let (motion, certificate) = stages.run("verify", || verify::verify(&program, plan.motion, sink))?;
+
+    post.check(&program, motion.get(), sink);
+    if sink.has_errors() {
+        return Err(Aborted);
+    }
+    let header = header(&program, &certificate, sources);
+    let nc = stages.run("write", || post.emit(&program, &motion, &header).text());
+    let read = stages.run("read back", || post::read_back(post, &program, &motion, &nc)).map_err(|d| sink.push(d));
+    let Ok(read) = read else { return Err(Aborted) };
+    if emit == Some(Emit::Nc) {
+        *emitted = Some(nc);
+        return Ok(());
+    }
+    let mut text = certificate.text(&program, motion.get());
+    text.push_str(&format!(
+        "\n{} text read back: {} moves, tip within {:.6} mm, tool axis within {:.1e} rad of the motion\n",
+        post.name(),
+        read.moves,
+        read.tip,
+        read.axis
+    ));
+    if let Some(path) = &options.output {
+        output::write_whole(path, nc.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+        text.push_str(&format!("wrote {}: {} lines\n", path.display(), nc.lines().count()));
+    } else {
+        text.push_str("nothing written: no `-o FILE`\n");
+    }
+    *emitted = Some(text);
     Ok(())
+}
+
+/// The dialect of the job or of the command line.
+fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
+    let name = &program.post.name;
+    post::find(name).ok_or_else(|| {
+        let known: Vec<&str> = post::POSTS.iter().map(|p| p.name()).collect();
+        let mut diag = Diag::error(post_codes::UNKNOWN_POST, format!("there is no post `{name}`"))
+            .help(format!("the posts are {}", known.join(", ")));
+        if let Some(span) = program.post.span {
+            diag = diag.label(span, "asked for here");
+        }
+        sink.push(diag);
+        Aborted
+    })
+}
+
+/// Lines of the comment block at the head of the NC text.
+fn header(program: &Program, certificate: &Certificate, sources: &SourceMap) -> Vec<String> {
+    let mut hash = blake3::Hasher::new();
+    for file in sources.files() {
+        // Lengths keep texts apart; names are left out, so that the same job elsewhere hashes the same.
+        hash.update(&(file.text.len() as u64).to_le_bytes());
+        hash.update(file.text.as_bytes());
+    }
+    let mut lines = vec![
+        format!("impellerc {}, verified", env!("CARGO_PKG_VERSION")),
+        format!("inputs blake3 {}", hash.finalize()),
+        format!("part {}, machine {}, zero at the origin of the part frame, mm", program.name, program.machine.name),
+    ];
+    for c in &certificate.contracts {
+        lines.push(format!("{} {:.4} mm, asked for {:.4} mm", c.kind, c.found, c.bound));
+    }
+    for (_, tool) in program.tools.iter() {
+        lines.push(format!(
+            "tool {} number {}: {} radius {} mm",
+            tool.name,
+            tool.number,
+            tool.solid.cutter.keyword(),
+            tool.solid.radius()
+        ));
+    }
+    lines
 }
 
 /// Text of the job file.

@@ -20,6 +20,7 @@ pub mod ir;
 pub mod job;
 pub mod kin;
 pub mod lower;
+pub mod output;
 pub mod passes;
 pub mod post;
 pub mod source;

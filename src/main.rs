@@ -68,6 +68,8 @@ enum EmitArgument {
     Ast,
     /// Job with every default
     Job,
+    /// NC text
+    Nc,
 }
 
 fn main() -> ExitCode {
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
         emit: arguments.emit.map(|e| match e {
             EmitArgument::Ast => Emit::Ast,
             EmitArgument::Job => Emit::Job,
+            EmitArgument::Nc => Emit::Nc,
         }),
     };
     let terminal = std::io::stderr().is_terminal();

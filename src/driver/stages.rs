@@ -10,6 +10,8 @@ pub enum Emit {
     Ast,
     /// Job with every default.
     Job,
+    /// NC text.
+    Nc,
 }
 
 /// Times of the stages that ran.
