@@ -837,6 +837,7 @@ fn what_cannot_be_evaluated_is_refused() {
 /// `cargo test --release --test geom_oracles -- --ignored --nocapture` prints the time of one evaluation.
 #[test]
 #[ignore = "a measurement, not a check"]
+#[allow(clippy::print_stdout, reason = "it prints what it measures")]
 fn evaluation_speed() {
     let c = curve(&ROOT_PRESSURE);
     let ruled = RuledSurface { root: c.clone(), tip: curve(&TIP_PRESSURE) };

@@ -1,1 +1,68 @@
-//! Facts about the part before planning: channel width, twist, noisy data.
+//! Facts about the part, found before anything is planned: how wide the channel is, what reaches its floor, how far
+//! the faces twist, which data points break the pattern of the others.
+
+pub mod channel;
+pub mod ends;
+pub mod outliers;
+pub mod reach;
+pub mod throat;
+pub mod twist;
+
+use crate::diag::codes::geometry as codes;
+use crate::diag::{Diag, Sink};
+use crate::ir::{Program, Side};
+
+/// What is known about the part.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// Width of the channel between neighbouring vanes.
+    pub throat: throat::Throat,
+    /// Twist of the pressure and the suction face.
+    pub twists: [twist::Twist; 2],
+    /// How far the ends of the faces lie off hub and shroud.
+    pub ends: Vec<ends::EndGap>,
+    /// Points that break the pattern.
+    pub outliers: Vec<outliers::Outlier>,
+    /// What each operation's tool reaches.
+    pub reaches: Vec<reach::Reach>,
+}
+
+/// Finds the facts; reports those worth knowing, and as errors those that no plan can overcome.
+pub fn check(program: &Program, sink: &mut Sink) -> Facts {
+    let part = &program.part;
+    let throat = throat::measure(part, &program.data);
+    let twists = [Side::Pressure, Side::Suction].map(|side| twist::measure(part, side));
+    let ends = ends::measure(part);
+    let outliers = outliers::find(&program.data);
+    for outlier in &outliers {
+        outlier.report(&program.data, sink);
+    }
+    let narrow = &throat.narrowest;
+    sink.push(
+        Diag::remark(
+            codes::THROAT,
+            format!("the narrowest place between neighbouring vanes is {:.2} mm", narrow.distance),
+        )
+        .place(narrow.place(), narrow.point)
+        .note(format!(
+            "formula 8 of Wei 2021 measures arcs between the data points and gives {:.2} mm",
+            throat.formula_8
+        )),
+    );
+    for twist in &twists {
+        sink.push(
+            Diag::remark(
+                codes::TWIST,
+                format!(
+                    "the normal of the {} face turns by up to {:.1} deg along a ruling, {:.1} deg on average",
+                    twist.side.name(),
+                    twist.largest.to_degrees(),
+                    twist.mean.to_degrees()
+                ),
+            )
+            .note(format!("the rulings are {:.1} to {:.1} mm long", twist.ruling[0], twist.ruling[1])),
+        );
+    }
+    let reaches = reach::check(program, &throat, sink);
+    Facts { throat, twists, ends, outliers, reaches }
+}

@@ -13,4 +13,7 @@ crate::codes! {
     DIRECTION = "IMP0310", "curve runs the wrong way", include_str!("pages/IMP0310.md");
     AXIS = "IMP0311", "curve too near to the axis of rotation", include_str!("pages/IMP0311.md");
     OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
+    OUTLIER = "IMP0350", "data point breaks the pattern of the others", include_str!("pages/IMP0350.md");
+    THROAT = "IMP0351", "width of the channel", include_str!("pages/IMP0351.md");
+    TWIST = "IMP0352", "twist of a face", include_str!("pages/IMP0352.md");
 }

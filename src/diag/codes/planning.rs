@@ -13,4 +13,5 @@ Way out: a ball of at most twice the fillet radius in diameter, or a bigger fill
         "Along some ruling there is no place where a ball of this radius touches the face and the hub together: the \
 ruling is too short for the ball, or the face leans over the hub.\n\n\
 Way out: a smaller ball, or a smaller fillet.";
+    TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }

@@ -1,0 +1,154 @@
+//! The lower corners of the channel: where a rounded tool corner touches wall and hub together.
+
+use crate::geom::RuledSurface;
+use crate::ir::{Face, Part, Side};
+use nalgebra::Point3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Angle from one azimuth to another, in (-pi, pi].
+pub(crate) fn turn_between(from: f64, to: f64) -> f64 {
+    let turn = (to - from).rem_euclid(TAU);
+    if turn > PI { turn - TAU } else { turn }
+}
+
+/// The walls of channel 0.
+pub(crate) struct Channel<'a> {
+    part: &'a Part,
+    walls: [Face; 2],
+}
+
+/// Room between the walls at given distances from walls and hub.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room {
+    /// Distance between the two corner curves, mm; negative where they have crossed and nothing fits.
+    pub width: f64,
+    /// Where, along the first wall from inlet (0) to outlet (1); outside of that around its edge.
+    pub u: f64,
+    /// The middle of the narrowest place, in sector 0.
+    pub point: Point3<f64>,
+}
+
+/// Stations of a corner curve, less one: 20 around each edge, 60 on the face.
+const STATIONS: usize = 100;
+
+/// Ends of a corner curve: a right angle around the edges.
+const CURVE: [f64; 2] = [-1.0, 2.0];
+
+/// Parameter of a station.
+fn station(i: usize) -> f64 {
+    match i {
+        0..20 => i as f64 / 20.0 - 1.0,
+        20..80 => (i - 20) as f64 / 60.0,
+        _ => 1.0 + (i - 80) as f64 / 20.0,
+    }
+}
+
+impl<'a> Channel<'a> {
+    pub(crate) fn new(part: &'a Part) -> Self {
+        let other = match part.first_wall {
+            Side::Pressure => Side::Suction,
+            Side::Suction => Side::Pressure,
+        };
+        let second = part.face(other);
+        let surface: RuledSurface = second.surface.rotated(part.pitch());
+        let walls = [part.face(part.first_wall).clone(), Face { surface, orientation: second.orientation }];
+        Self { part, walls }
+    }
+
+    /// The point over a ruling that lies `wall` off the wall and `floor` off the hub; `None` where the ruling ends
+    /// below it or the wall leans over too far. `s` is u on the face; below 0 and above 1 the offset turns around the
+    /// inlet or outlet edge, by a right angle per unit, since the edge is as near there as the face. The distance to
+    /// the hub is close to linear along the ruling, so that the secant rule needs few steps.
+    fn corner(&self, side: usize, s: f64, wall: f64, floor: f64) -> Option<Point3<f64>> {
+        let face = &self.walls[side];
+        let u = s.clamp(0.0, 1.0);
+        let (sin, cos) = ((s - u) * FRAC_PI_2).sin_cos();
+        let at = |v: f64| {
+            let (point, su, sv) = face.surface.tangents(u, v);
+            let n = su.cross(&sv).normalize() * face.orientation;
+            // Along the flow, square to the ruling.
+            let flow = su - sv * (su.dot(&sv) / sv.norm_squared());
+            point + (n * cos + flow.normalize() * sin) * wall
+        };
+        let lack = |v: f64| self.part.hub.distance(&at(v)) - floor;
+        let (mut v0, mut v1) = (0.0, 0.25);
+        let (mut f0, mut f1) = (lack(v0), lack(v1));
+        for _ in 0..30 {
+            if f1.abs() < 1e-10 {
+                return (-0.5..=1.5).contains(&v1).then(|| at(v1));
+            }
+            let slope = (f1 - f0) / (v1 - v0);
+            if slope.is_nan() || slope <= 0.0 {
+                return None;
+            }
+            (v0, f0) = (v1, f1);
+            v1 = (v1 - f1 / slope).clamp(-1.0, 2.0);
+            if v1 == v0 {
+                return None;
+            }
+            f1 = lack(v1);
+        }
+        None
+    }
+
+    /// Narrowest room between the corner curves at these distances from the walls and from the hub. `None` when some
+    /// ruling has no such corner.
+    pub(crate) fn room(&self, wall: f64, floor: f64) -> Option<Room> {
+        let curve = |side: usize| -> Option<Vec<Point3<f64>>> {
+            (0..=STATIONS).map(|i| self.corner(side, station(i), wall, floor)).collect()
+        };
+        let (a, b) = (curve(0)?, curve(1)?);
+        if let Some(crossed) = self.crossing(&a[20..=80], &b[20..=80]) {
+            return Some(crossed);
+        }
+        let mut best = (f64::INFINITY, 0, 0);
+        for (i, p) in a.iter().enumerate() {
+            for (j, q) in b.iter().enumerate() {
+                let d = (p - q).norm();
+                if d < best.0 {
+                    best = (d, i, j);
+                }
+            }
+        }
+        let (mut d, mut u, mut w) = (best.0, station(best.1), station(best.2));
+        let mut ends = (a[best.1], b[best.2]);
+        let mut step = 0.03;
+        while step > 1e-6 {
+            let mut better = false;
+            for (du, dw) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, -1.0)] {
+                let (x, y) = ((u + du * step).clamp(CURVE[0], CURVE[1]), (w + dw * step).clamp(CURVE[0], CURVE[1]));
+                let (p, q) = (self.corner(0, x, wall, floor)?, self.corner(1, y, wall, floor)?);
+                if (p - q).norm() < d {
+                    (d, u, w, ends, better) = ((p - q).norm(), x, y, (p, q), true);
+                    break;
+                }
+            }
+            if !better {
+                step *= 0.5;
+            }
+        }
+        Some(Room { width: d, u, point: nalgebra::center(&ends.0, &ends.1) })
+    }
+
+    /// Where the curves have changed sides: the deepest place, its width as a negative arc.
+    fn crossing(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<Room> {
+        let along = |p: &Point3<f64>| self.part.hub.closest(nalgebra::Vector2::new(p.x.hypot(p.y), p.z)).0;
+        let stations: Vec<f64> = b.iter().map(along).collect();
+        let mut worst: Option<Room> = None;
+        for (i, p) in a.iter().enumerate() {
+            // The other curve at the same station of the meridian.
+            let s = along(p);
+            let k = stations.partition_point(|t| *t < s).clamp(1, stations.len() - 1);
+            let t = (s - stations[k - 1]) / (stations[k] - stations[k - 1]);
+            let q = b[k - 1] + (b[k] - b[k - 1]) * t;
+            // Measured around the pitch, so that it holds for few vanes too.
+            let pitch = self.part.pitch();
+            let gap = pitch + turn_between(p.y.atan2(p.x) + pitch, q.y.atan2(q.x));
+            let width = gap * p.x.hypot(p.y);
+            if width < 0.0 && worst.is_none_or(|w| width < w.width) {
+                worst = Some(Room { width, u: station(20 + i), point: nalgebra::center(p, &q) });
+            }
+        }
+        worst
+    }
+}

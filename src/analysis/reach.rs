@@ -1,0 +1,217 @@
+//! What each operation's tool reaches: whether it fits down to the floor of the channel with its allowances, and the
+//! largest tool of its kind that does.
+
+use super::channel::{Channel, Room};
+use super::throat::Throat;
+use crate::collide::Cutter;
+use crate::diag::codes::planning as codes;
+use crate::diag::{Diag, Sink};
+use crate::ir::{ContractKind, Operation, OperationId, OperationKind, Part, Program};
+use crate::units::trim;
+
+/// What one operation's tool reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Operation.
+    pub operation: OperationId,
+    /// Material that it leaves on the walls, mm.
+    pub allowance_vane: f64,
+    /// Material that it leaves on the hub, mm.
+    pub allowance_hub: f64,
+    /// Room for the flat part of the tool's end over that hub allowance, beyond what its corners take: it fits where
+    /// this is not less than the diameter less twice the corner radius. `None` where no such corner exists.
+    pub room: Option<Room>,
+    /// True when the tool fits over the hub allowance along the whole channel.
+    pub fits: bool,
+    /// Largest diameter of its kind (same corner radius, same taper) that fits, rounded down to 0.01 mm.
+    pub largest: f64,
+    /// True when the tool fits between the tips, so that it can rough upper layers.
+    pub fits_top: bool,
+}
+
+/// Allowances on vane and hub; finishing leaves nothing.
+fn allowances(kind: &OperationKind) -> [f64; 2] {
+    match kind {
+        OperationKind::Groove { allowance_vane, allowance_hub, .. }
+        | OperationKind::Expand { allowance_vane, allowance_hub, .. } => [allowance_vane.get(), allowance_hub.get()],
+        OperationKind::Flank { .. } | OperationKind::Channel { .. } => [0.0, 0.0],
+    }
+}
+
+/// The tool's shape as far as the floor sees it: a flat disc whose rim has a corner radius.
+#[derive(Clone, Copy)]
+struct End {
+    radius: f64,
+    corner: f64,
+}
+
+fn end(cutter: &Cutter) -> End {
+    match *cutter {
+        Cutter::Flat { radius } => End { radius, corner: 0.0 },
+        Cutter::Ball { radius } => End { radius, corner: radius },
+        Cutter::Bull { radius, corner } => End { radius, corner },
+        Cutter::TaperedBall { ball, .. } => End { radius: ball, corner: ball },
+    }
+}
+
+/// The cutter with another radius, its corner radius and taper as they are.
+fn resized(cutter: &Cutter, radius: f64) -> Cutter {
+    match *cutter {
+        Cutter::Flat { .. } => Cutter::Flat { radius },
+        Cutter::Ball { .. } => Cutter::Ball { radius },
+        Cutter::Bull { corner, .. } => Cutter::Bull { radius, corner },
+        Cutter::TaperedBall { half_angle, .. } => Cutter::TaperedBall { ball: radius, half_angle },
+    }
+}
+
+/// Finds what tools reach.
+struct Finder<'a> {
+    part: &'a Part,
+    channel: Channel<'a>,
+    throat: &'a Throat,
+}
+
+impl Finder<'_> {
+    /// Room for the flat of an end with this corner radius, whose lowest point is `hub` over the hub.
+    ///
+    /// The centre of the corner stays corner + vane off the wall and corner + hub off the hub. A fillet of radius r
+    /// is a hollow about a centre that lies r off both; within it, at the height of the corner's centre, the corner
+    /// comes nearer to the wall than that centre by a chord of the hollow, less the allowance.
+    fn room(&self, corner: f64, vane: f64, hub: f64) -> Option<Room> {
+        let plain = self.channel.room(corner + vane, corner + hub)?;
+        let Some(fillet) = self.part.fillet.map(|f| f.get()) else { return Some(plain) };
+        let hollow = fillet - vane - corner;
+        let below = fillet - corner - hub;
+        if hollow <= 0.0 || below <= 0.0 {
+            return Some(plain);
+        }
+        let mut round = self.channel.room(fillet, fillet)?;
+        round.width += 2.0 * (hollow * hollow - below * below).max(0.0).sqrt();
+        Some(if round.width < plain.width { round } else { plain })
+    }
+
+    /// True when the walls above the floor leave room: at each level the tool's radius at that height.
+    fn fits_above(&self, cutter: &Cutter, vane: f64, from: f64) -> bool {
+        self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
+            let face = &self.part.vane.pressure.surface;
+            let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
+            // An untapered tool has its full radius everywhere; a taper grows with the height.
+            let radius = match *cutter {
+                Cutter::TaperedBall { .. } => cutter.radius_at((level.v - from).max(0.0) * ruling),
+                _ => end(cutter).radius,
+            };
+            2.0 * (radius + vane) <= level.distance
+        })
+    }
+
+    fn fits(&self, cutter: &Cutter, vane: f64, hub: f64) -> bool {
+        let End { radius, corner } = end(cutter);
+        let flat = 2.0 * (radius - corner);
+        // The floor is measured over the allowance; levels from a quarter of the height up.
+        self.fits_above(cutter, vane, 0.25) && self.room(corner, vane, hub).is_some_and(|r| r.width >= flat)
+    }
+
+    /// Largest diameter of this kind, by halving.
+    fn largest(&self, cutter: &Cutter, vane: f64, hub: f64) -> f64 {
+        let End { corner, radius } = end(cutter);
+        let least = if corner < radius { corner } else { 0.0 };
+        let widest = self.throat.levels.iter().map(|l| l.distance).fold(0.0, f64::max);
+        let (mut lo, mut hi) = (least, 0.5 * widest + least);
+        while hi - lo > 1e-3 {
+            let mid = 0.5 * (lo + hi);
+            if self.fits(&resized(cutter, mid), vane, hub) {
+                lo = mid;
+            } else {
+                hi = mid;
+            }
+        }
+        if lo > least { (200.0 * lo).floor() / 100.0 } else { 0.0 }
+    }
+}
+
+/// Measures every operation, and reports those tools that cannot do what the job needs.
+pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
+    let finder = Finder { part: &program.part, channel: Channel::new(&program.part), throat };
+    let reaches: Vec<Reach> = program
+        .operations
+        .iter()
+        .map(|(id, operation)| {
+            let cutter = &program.tools[operation.tool].solid.cutter;
+            let [vane, hub] = allowances(&operation.kind);
+            Reach {
+                operation: id,
+                allowance_vane: vane,
+                allowance_hub: hub,
+                room: finder.room(end(cutter).corner, vane, hub),
+                fits: finder.fits(cutter, vane, hub),
+                largest: finder.largest(cutter, vane, hub),
+                fits_top: finder.fits_above(cutter, vane, 1.0),
+            }
+        })
+        .collect();
+    roughing(program, &finder, &reaches, sink);
+    for reach in reaches.iter().filter(|r| !r.fits && program.operations[r.operation].kind.finishes()) {
+        sink.push(too_large(program, throat, &[reach], "finish the channel"));
+    }
+    reaches
+}
+
+/// Roughing may leave the lower layers to a later, thinner tool; some tool has to reach the floor, or what the job
+/// lets the finishers meet.
+fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mut Sink) {
+    let rough: Vec<&Reach> = reaches.iter().filter(|r| !program.operations[r.operation].kind.finishes()).collect();
+    let rest = program.contracts.iter().find(|c| c.kind == ContractKind::Rest).map_or(0.0, |c| c.bound.get());
+    let reaches_floor = |r: &&Reach| {
+        let cutter = &program.tools[program.operations[r.operation].tool].solid.cutter;
+        r.fits || (rest > r.allowance_hub && finder.fits(cutter, r.allowance_vane, rest))
+    };
+    if !rough.is_empty() && !rough.iter().any(reaches_floor) {
+        sink.push(too_large(program, finder.throat, &rough, "reach the floor of the channel"));
+        return;
+    }
+    for reach in rough.iter().filter(|r| !r.fits_top) {
+        sink.push(too_large(program, finder.throat, &[reach], "enter the channel"));
+    }
+}
+
+/// The error for tools that are too large, told by the one that comes nearest to fitting.
+fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &str) -> Diag {
+    let diameter = |o: &Operation| 2.0 * end(&program.tools[o.tool].solid.cutter).radius;
+    let excess = |r: &Reach| diameter(&program.operations[r.operation]) - r.largest;
+    let Some(reach) = reaches.iter().min_by(|a, b| excess(a).total_cmp(&excess(b))) else {
+        return Diag::error(codes::TOOL_TOO_LARGE, format!("no tool can {purpose}"));
+    };
+    let operation = &program.operations[reach.operation];
+    let tool = &program.tools[operation.tool];
+    let size = trim(diameter(operation), 3);
+    let kind = tool.solid.cutter.keyword();
+    let narrow = &throat.narrowest;
+    let left = [trim(reach.allowance_vane, 3), trim(reach.allowance_hub, 3)];
+    let mut diag = Diag::error(
+        codes::TOOL_TOO_LARGE,
+        format!(
+            "the {size} mm {kind} tool is too large to {purpose}: the vanes stand {:.2} mm apart at the narrowest place",
+            narrow.distance
+        ),
+    )
+    .label(tool.span, format!("{size} mm in diameter"));
+    for r in reaches {
+        let o = &program.operations[r.operation];
+        diag = diag.label(o.span, format!("`{}` uses `{}`", o.name, program.tools[o.tool].name));
+    }
+    let fillet = program.part.fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
+    diag = diag.note(format!("it has to keep {} mm off both vanes and {} mm off the hub{fillet}", left[0], left[1]));
+    if let Some(room) = reach.room {
+        // What its rounded corners need comes off both sides as well; a ball is all corner.
+        let across = (room.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);
+        diag = diag.note(format!("at that height it has room for {across:.2} mm, allowances taken off"));
+    }
+    diag = diag
+        .note(format!("formula 8 of Wei 2021 measures arcs and gives {:.2} mm", throat.formula_8))
+        .place(narrow.place(), narrow.point);
+    if reach.largest > 0.0 {
+        diag.help(format!("use a {kind} tool of at most {:.2} mm", reach.largest))
+    } else {
+        diag.help(format!("no {kind} tool fits; take a ball or a bull tool, or smaller allowances"))
+    }
+}

@@ -1,0 +1,100 @@
+//! Width of the channel: true distance between neighbouring vanes.
+
+use crate::geom::RuledSurface;
+use crate::geom::proximity::Patch;
+use crate::ir::{DataCurve, Part, RulingEnd, Side};
+use nalgebra::Point3;
+
+/// Width of the channel, all by true distance in space.
+#[derive(Clone, Debug)]
+pub struct Throat {
+    /// The narrowest place of the whole channel.
+    pub narrowest: Narrow,
+    /// The narrowest place of each level: pressure face at this v to anywhere on the suction face.
+    pub levels: Vec<Narrow>,
+    /// Width along the channel, at hub, middle and tip of the pressure face.
+    pub profile: Vec<Station>,
+    /// Twice L_min of Wei's formula 8, mm: width as arcs between the root points.
+    pub formula_8: f64,
+}
+
+/// A narrow place, told on the pressure face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Narrow {
+    /// Along the pressure face, from inlet (0) to outlet (1).
+    pub u: f64,
+    /// From root (0) to tip (1).
+    pub v: f64,
+    /// Distance to the suction face across the channel, mm.
+    pub distance: f64,
+    /// Point of the pressure face of sector 0.
+    pub point: Point3<f64>,
+}
+
+impl Narrow {
+    /// In words.
+    pub fn place(&self) -> String {
+        let height = match self.v {
+            v if v < 1e-6 => "root".to_owned(),
+            v if v > 1.0 - 1e-6 => "tip".to_owned(),
+            v => format!("face, v = {v:.3},"),
+        };
+        format!("pressure {height} at u = {:.3}", self.u)
+    }
+}
+
+/// Width at one station of the pressure face, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// Along the face.
+    pub u: f64,
+    /// At the hub.
+    pub hub: f64,
+    /// Half way up.
+    pub mid: f64,
+    /// At the tip.
+    pub tip: f64,
+}
+
+/// Stations of the profile, less one.
+const STATIONS: usize = 80;
+
+/// Heights at which the narrowest place is found.
+const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Measures the channel.
+pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
+    let pressure = &part.vane.pressure.surface;
+    // The suction face on the other side of the channel that the pressure face of sector 0 looks into.
+    let towards = if part.first_wall == Side::Pressure { part.pitch() } else { -part.pitch() };
+    let suction = part.vane.suction.surface.rotated(towards);
+    let narrow = |patch: Patch| {
+        let pair = pressure.closest_pair(patch, &suction, Patch::WHOLE);
+        Narrow { u: pair.first.u, v: pair.first.v, distance: pair.distance, point: pair.first.point }
+    };
+    let width = |u: f64, v: f64| suction.closest(&pressure.point(u, v), Patch::WHOLE).distance;
+    let profile = (0..=STATIONS)
+        .map(|i| i as f64 / STATIONS as f64)
+        .map(|u| Station { u, hub: width(u, 0.0), mid: width(u, 0.5), tip: width(u, 1.0) })
+        .collect();
+    Throat {
+        narrowest: narrow(Patch::WHOLE),
+        levels: LEVELS.iter().map(|v| narrow(Patch { u: [0.0, 1.0], v: [*v, *v] })).collect(),
+        profile,
+        formula_8: formula_8(part, data),
+    }
+}
+
+/// Wei's formula 8 as a full width: least of 2 pi R_k / N - m_k over the points of the roots, with the radius R_k and
+/// the thickness m_k of the vane there. The formula itself has half of it. Without the data, on seven even stations.
+fn formula_8(part: &Part, data: &[DataCurve]) -> f64 {
+    let root = |side| data.iter().find(|c| c.side == side && c.end == RulingEnd::Root).map(|c| &c.points);
+    let stations = |s: &RuledSurface| (0..7).map(|i| s.point(f64::from(i) / 6.0, 0.0)).collect::<Vec<_>>();
+    let (p, s): (Vec<_>, Vec<_>) = match (root(Side::Pressure), root(Side::Suction)) {
+        (Some(p), Some(s)) if p.len() == s.len() => {
+            (p.iter().map(|d| d.point).collect(), s.iter().map(|d| d.point).collect())
+        }
+        _ => (stations(&part.vane.pressure.surface), stations(&part.vane.suction.surface)),
+    };
+    p.iter().zip(&s).map(|(p, s)| p.x.hypot(p.y) * part.pitch() - (p - s).norm()).fold(f64::INFINITY, f64::min)
+}

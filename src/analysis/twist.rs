@@ -1,0 +1,39 @@
+//! How far a face is from developable: the turn of its normal along each ruling.
+
+use crate::ir::{Part, Side};
+
+/// Twist of one face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist {
+    /// Face.
+    pub side: Side,
+    /// Largest angle between the normals at root and tip of a ruling, radians.
+    pub largest: f64,
+    /// Where it is, from inlet (0) to outlet (1).
+    pub at: f64,
+    /// Mean over the rulings.
+    pub mean: f64,
+    /// Shortest and longest ruling, mm.
+    pub ruling: [f64; 2],
+}
+
+/// Rulings looked at, less one.
+const RULINGS: usize = 400;
+
+/// Measures one face.
+pub fn measure(part: &Part, side: Side) -> Twist {
+    let face = &part.face(side).surface;
+    let mut twist = Twist { side, largest: 0.0, at: 0.0, mean: 0.0, ruling: [f64::INFINITY, 0.0] };
+    for i in 0..=RULINGS {
+        let u = i as f64 / RULINGS as f64;
+        let angle = face.normal(u, 0.0).angle(&face.normal(u, 1.0));
+        if angle > twist.largest {
+            (twist.largest, twist.at) = (angle, u);
+        }
+        // Trapezoidal rule.
+        twist.mean += angle * if i == 0 || i == RULINGS { 0.5 } else { 1.0 } / RULINGS as f64;
+        let length = (face.point(u, 1.0) - face.point(u, 0.0)).norm();
+        twist.ruling = [twist.ruling[0].min(length), twist.ruling[1].max(length)];
+    }
+    twist
+}
