@@ -7,6 +7,10 @@ use nalgebra::{Point3, Vector3};
 /// the rulings stand upright the axis would come near the pole of an A/C table, and C would have to turn through.
 const LEAST_LEAN: f64 = 0.2;
 
+/// Blend of the opposite wall's ruling that the axis keeps at a wall. Parallel to the ruling the side of the cutter
+/// would rest on the twisted wall far above the tip, and keep the tip away from the root.
+const AWAY_FROM_WALL: f64 = 0.12;
+
 /// Width over which the lean sets in, so that the axes stay smooth.
 const LEAN_SOFTNESS: f64 = 0.05;
 use std::f64::consts::TAU;
@@ -69,11 +73,12 @@ impl<'a> Chart<'a> {
     }
 
     /// Tool axis of a tool at (u, v, w) that stands `edge` away from a wall when it touches it: parallel to that wall
-    /// there, blended in between.
+    /// there but for [`AWAY_FROM_WALL`], blended in between.
     pub(super) fn axis(&self, u: f64, v: f64, w: f64, edge: f64) -> Vector3<f64> {
         // A channel narrower than the tool has no room to blend; the middle is the best that there is.
         let e = (edge / self.width(u, v)).min(0.49);
-        self.leaning(u, w, ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0))
+        let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
+        self.leaning(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
     }
 
     /// Blended ruling that leans outward, along the channel, at least by [`LEAST_LEAN`].

@@ -72,7 +72,12 @@ impl<'a> Roughing<'a> {
             chart: Chart::new(&program.part),
             obstacles,
             solid: &program.tools[operation.tool].solid,
-            keep: Keep { vane: vane.get(), hub: hub.get(), clearance: program.clearance.get() },
+            // The machine leaves the planned stations by up to the chord tolerance.
+            keep: Keep {
+                vane: vane.get() + program.tolerances.chord_rough.get(),
+                hub: hub.get() + program.tolerances.chord_rough.get(),
+                clearance: program.clearance.get(),
+            },
             depth: depth.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),

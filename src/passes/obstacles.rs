@@ -9,9 +9,17 @@ use nalgebra::{Point3, Vector3};
 const SPACING: f64 = 0.4;
 
 /// Samples of a surface see the true distance of a tool a little too large: a sample lies at most d = 0.71 spacings
-/// beside the closest point, so that the distance g is overestimated by at most sqrt(g^2 + d^2) - g for a sharp edge
-/// and d^2 / 2R for a round one. The planner keeps this much more than it is asked for.
-const MARGIN: f64 = 0.08;
+/// beside the closest point, so that a distance g is overestimated by at most sqrt(g^2 + d^2) - g at a sharp edge and
+/// by d^2 / 2R at a round one. The planner keeps this much more than it is asked for.
+const EDGE_MARGIN: f64 = 0.08;
+
+/// The same for tools with a rounded tip of a millimetre and more.
+const ROUND_MARGIN: f64 = 0.02;
+
+/// Margin of a cutter.
+fn margin(solid: &ToolSolid) -> f64 {
+    if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
+}
 
 /// Distances to keep, mm.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +53,16 @@ impl Obstacles {
 
     /// True when the tool keeps its distances to the hub.
     pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let lack = |rho: f64, s: f64| {
-            (solid.cutter_distance(rho, s) - keep.hub).min(solid.body_distance(rho, s) - keep.clearance)
-        };
-        self.hub.nearest(tip, axis, lack, MARGIN).is_none()
+        let (hub, body) = (keep.hub + margin(solid), keep.clearance + EDGE_MARGIN);
+        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
+        self.hub.nearest(tip, axis, lack, 0.0).is_none()
     }
 
     /// True when the tool keeps its distances to vanes and fillets.
     pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let lack = |rho: f64, s: f64| {
-            (solid.cutter_distance(rho, s) - keep.vane).min(solid.body_distance(rho, s) - keep.clearance)
-        };
-        self.walls.nearest(tip, axis, lack, MARGIN).is_none()
+        let (vane, body) = (keep.vane + margin(solid), keep.clearance + EDGE_MARGIN);
+        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
+        self.walls.nearest(tip, axis, lack, 0.0).is_none()
     }
 
     /// How far shank and holder are from their clearance to the part, where that is lacking; with `side_free` also the
@@ -80,8 +86,8 @@ impl Obstacles {
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
             body.min(side - keep.vane)
         };
-        let walls = self.walls.nearest(tip, axis, lack, MARGIN);
-        let hub = self.hub.nearest(tip, axis, lack, MARGIN);
+        let walls = self.walls.nearest(tip, axis, lack, EDGE_MARGIN);
+        let hub = self.hub.nearest(tip, axis, lack, EDGE_MARGIN);
         match (walls, hub) {
             (Some(a), Some(b)) => Some(a.0.min(b.0)),
             (a, b) => a.or(b).map(|x| x.0),
