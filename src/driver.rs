@@ -11,7 +11,7 @@ use crate::passes::pipeline;
 use crate::post::{self, Post};
 use crate::source::SourceMap;
 use crate::verify::{self, Certificate};
-use crate::{job, lower, output};
+use crate::{analysis, job, lower, output};
 pub use library::DiskFiles;
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
@@ -74,6 +74,11 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         program.post = PostChoice { name: name.clone(), span: None };
     }
     let post = find_post(&program, sink)?;
+    // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
+    stages.run("facts", || analysis::check(&program, sink));
+    if sink.has_errors() {
+        return Err(Aborted);
+    }
     let plan = stages.run("plan", || pipeline::run(&program, sink))?;
     let (motion, certificate) = stages.run("verify", || verify::verify(&program, plan.motion, sink))?;
 

@@ -7,6 +7,7 @@ mod support;
 use impellerc::analysis::{self, Facts, outliers, throat};
 use impellerc::collide::Cutter;
 use impellerc::diag::{Diag, Severity, Sink};
+use impellerc::driver::{Options, Stages, compile};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
 use impellerc::ir::{Contract, ContractKind, Guides, OperationKind, Part, Program, RulingEnd, Side};
@@ -260,4 +261,40 @@ fn a_finisher_that_does_not_fit_is_an_error() {
     let (_, diags) = check(&program);
     assert_eq!(errors(&diags).len(), 1, "{diags:?}");
     assert!(errors(&diags)[0].message.contains("14 mm ball"));
+}
+
+/// The job as the paper has it: one error, told under the tool, and nothing written.
+#[test]
+fn the_published_job_fails_with_this_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("part.nc");
+    let options = Options {
+        job: concat!(env!("CARGO_MANIFEST_DIR"), "/jobs/wei2021/as-published.imp").into(),
+        output: Some(output.clone()),
+        ..Options::default()
+    };
+    let outcome = compile(&options, &mut Stages::default());
+    let errors = errors(outcome.sink.diags());
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    let e = errors[0];
+    let text = |span: Span| outcome.sources.get(span.source).unwrap().text[span.range()].to_owned();
+    let mut lines = vec![format!("{} {}", e.code, e.message)];
+    lines.extend(e.labels.iter().map(|l| format!("{}: {}", text(l.span), l.text)));
+    lines.extend(e.notes.iter().cloned());
+    lines.extend(e.help.clone());
+    lines.extend(e.place.as_ref().map(|p| p.what.clone()));
+    let expected = [
+        "IMP0450 the 10 mm flat tool is too large to reach the floor of the channel: \
+         the vanes stand 8.98 mm apart at the narrowest place",
+        "tool t1: 10 mm in diameter",
+        "operation groove: `groove` uses `t1`",
+        "operation expand: `expand` uses `t1`",
+        "it has to keep 0.2 mm off both vanes and 0.5 mm off the hub",
+        "at that height it has room for 8.90 mm, allowances taken off",
+        "formula 8 of Wei 2021 measures arcs and gives 10.35 mm",
+        "use a flat tool of at most 8.89 mm",
+        "pressure root at u = 0.084",
+    ];
+    assert_eq!(lines, expected);
+    assert!(!output.exists());
 }
