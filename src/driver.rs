@@ -51,29 +51,15 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 }
 
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
+    let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted } = outcome;
     let emit = options.emit;
 
-    let text = read_job(&options.job, sink)?;
-    let source = sources.add(options.job.display().to_string(), text.clone());
-    let ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
-    if emit == Some(Emit::Ast) {
-        *emitted = Some(crate::syntax::print::print(&ast));
-        return Ok(());
-    }
-
-    let mut files = DiskFiles::new(&options.job, options.library.clone());
-    let job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
-    if emit == Some(Emit::Job) {
-        *emitted = Some(job::print::print(&job));
-        return Ok(());
-    }
-
-    let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
-    if let Some(name) = &options.post {
-        program.post = PostChoice { name: name.clone(), span: None };
-    }
     let post = find_post(&program, sink)?;
+    if let Some(path) = &options.output {
+        // Told before the minute that planning takes, not after it.
+        output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    }
     // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
     stages.run("facts", || analysis::check(&program, sink));
     if sink.has_errors() {
@@ -110,6 +96,35 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
     *emitted = Some(text);
     Ok(())
+}
+
+/// The stages from the text to the program; `None` when the stage value that is to be printed lies before it.
+///
+/// # Errors
+/// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
+pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<Option<Program>, Aborted> {
+    let Outcome { sources, sink, emitted } = outcome;
+
+    let text = read_job(&options.job, sink)?;
+    let source = sources.add(options.job.display().to_string(), text.clone());
+    let ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
+    if options.emit == Some(Emit::Ast) {
+        *emitted = Some(crate::syntax::print::print(&ast));
+        return Ok(None);
+    }
+
+    let mut files = DiskFiles::new(&options.job, options.library.clone());
+    let job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
+    if options.emit == Some(Emit::Job) {
+        *emitted = Some(job::print::print(&job));
+        return Ok(None);
+    }
+
+    let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
+    if let Some(name) = &options.post {
+        program.post = PostChoice { name: name.clone(), span: None };
+    }
+    Ok(Some(program))
 }
 
 /// The dialect of the job or of the command line.

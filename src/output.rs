@@ -4,30 +4,45 @@ use crate::diag::{Diag, codes::files};
 use std::io::Write;
 use std::path::Path;
 
+/// Tells whether a path can be written, without touching what is there.
+///
+/// # Errors
+/// A path that cannot be written, with the reason of the system.
+pub fn check(path: &Path) -> Result<(), Diag> {
+    temporary(path).map(drop)
+}
+
 /// Writes a file in one step: to a temporary file in the same folder, which then takes the place of the old one. On
 /// any failure an existing file stays as it was.
 ///
 /// # Errors
 /// A path that cannot be written, with the reason of the system.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diag> {
-    let failed = |reason: String| {
-        Diag::error(files::CANNOT_WRITE, format!("{} cannot be written: {reason}", path.display()))
-            .note("nothing was written; an existing file is as it was")
-            .help("give `-o` a file in a folder that exists and that you may write to")
-    };
+    let mut file = temporary(path)?;
+    file.write_all(bytes)
+        .and_then(|()| file.as_file().sync_all())
+        .and_then(|()| readable(path, file.as_file()))
+        .map_err(|e| failed(path, &e.to_string()))?;
+    file.persist(path).map_err(|e| failed(path, &e.error.to_string()))?;
+    Ok(())
+}
+
+/// An empty file beside the output; it goes away when it is dropped.
+fn temporary(path: &Path) -> Result<tempfile::NamedTempFile, Diag> {
     if path.is_dir() {
-        return Err(failed("it is a folder".to_owned()));
+        return Err(failed(path, "it is a folder"));
     }
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let mut file =
-        tempfile::Builder::new().prefix(".impellerc-").tempfile_in(folder).map_err(|e| failed(e.to_string()))?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(|e| failed(e.to_string()))?;
-    readable(path, file.as_file()).map_err(|e| failed(e.to_string()))?;
-    file.persist(path).map_err(|e| failed(e.error.to_string()))?;
-    Ok(())
+    tempfile::Builder::new().prefix(".impellerc-").tempfile_in(folder).map_err(|e| failed(path, &e.to_string()))
+}
+
+fn failed(path: &Path, reason: &str) -> Diag {
+    Diag::error(files::CANNOT_WRITE, format!("{} cannot be written: {reason}", path.display()))
+        .note("nothing was written; an existing file is as it was")
+        .help("give `-o` a file in a folder that exists and that you may write to")
 }
 
 /// Temporary files are private; the output gets the rights of the file that it replaces, or the usual ones.

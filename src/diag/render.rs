@@ -5,7 +5,7 @@ use crate::source::{SourceMap, Span};
 use crate::units::trim;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 use serde_json::{Value, json};
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// Most diagnostics of a severity that the human report shows.
 const SHOWN: usize = 100;
@@ -19,7 +19,6 @@ struct Report<'a> {
     diag: &'a Diag,
     source: Option<NamedSource<String>>,
     labels: Vec<LabeledSpan>,
-    footer: String,
 }
 
 impl fmt::Display for Report<'_> {
@@ -44,7 +43,7 @@ impl miette::Diagnostic for Report<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        (!self.footer.is_empty()).then(|| Box::new(&self.footer) as Box<dyn fmt::Display>)
+        self.diag.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
@@ -70,6 +69,7 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
             if handler.render_report(&mut out, &report(diag, sources)).is_err() {
                 out.push_str(&diag.message);
             }
+            out.push_str(&facts(diag, sources));
             out.push('\n');
         }
         if all.len() > SHOWN {
@@ -89,35 +89,42 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
     out
 }
 
-/// One diagnostic; labels in other files than that of the first label become lines of the footer.
+/// One diagnostic with the labels that lie in the file of the first one.
 fn report<'a>(diag: &'a Diag, sources: &SourceMap) -> Report<'a> {
     let primary = diag.labels.first().map(|l| l.span.source);
-    let file = primary.and_then(|id| sources.get(id));
+    let Some(file) = primary.and_then(|id| sources.get(id)) else {
+        return Report { diag, source: None, labels: Vec::new() };
+    };
     let mut labels = Vec::new();
-    let mut footer: Vec<String> = diag.help.iter().cloned().collect();
-    if let Some(place) = &diag.place {
-        let [x, y, z] = [place.point.x, place.point.y, place.point.z].map(|v| trim(v, 4));
-        footer.push(format!("place: {} at ({x}, {y}, {z}) mm", place.what));
-    }
-    footer.extend(diag.notes.iter().map(|n| format!("note: {n}")));
-    for (i, label) in diag.labels.iter().enumerate() {
-        if Some(label.span.source) != primary {
-            let name = sources.get(label.span.source).map_or("?", |f| f.name.as_str());
-            let (line, column) = sources.line_column(label.span);
-            footer.push(format!("{name}:{line}:{column}: {}", label.text));
-            continue;
-        }
-        let Some(file) = file else { continue };
+    for label in diag.labels.iter().filter(|l| Some(l.span.source) == primary) {
         let range = inside(label.span, &file.text);
         let text = Some(label.text.clone());
-        labels.push(if i == 0 {
+        labels.push(if labels.is_empty() {
             LabeledSpan::new_primary_with_span(text, range)
         } else {
             LabeledSpan::new_with_span(text, range)
         });
     }
-    let source = file.map(|f| NamedSource::new(&f.name, f.text.clone()));
-    Report { diag, source, labels, footer: footer.join("\n") }
+    Report { diag, source: Some(NamedSource::new(&file.name, file.text.clone())), labels }
+}
+
+/// Lines below the report: the place on the part, labels in other files, notes.
+fn facts(diag: &Diag, sources: &SourceMap) -> String {
+    let mut out = String::new();
+    if let Some(place) = &diag.place {
+        let [x, y, z] = [place.point.x, place.point.y, place.point.z].map(|v| trim(v, 4));
+        let _ = writeln!(out, "  place: {} at ({x}, {y}, {z}) mm", place.what);
+    }
+    let primary = diag.labels.first().map(|l| l.span.source);
+    for label in diag.labels.iter().filter(|l| Some(l.span.source) != primary) {
+        let name = sources.get(label.span.source).map_or("?", |f| f.name.as_str());
+        let (line, column) = sources.line_column(label.span);
+        let _ = writeln!(out, "  {name}:{line}:{column}: {}", label.text);
+    }
+    for note in &diag.notes {
+        let _ = writeln!(out, "  note: {note}");
+    }
+    out
 }
 
 /// A range that lies in the text, on character boundaries.

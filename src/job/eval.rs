@@ -228,6 +228,9 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
             diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(span, near)
         }
         None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
+        None if diag.code == codes::NOT_IN_LANGUAGE => {
+            diag.label(span, "not built").help(format!("what exists: {}", known.join(", ")))
+        }
         None => diag.label(span, "not known").help(format!("there are: {}", known.join(", "))),
     }
 }

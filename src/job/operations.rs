@@ -18,6 +18,15 @@ use std::f64::consts::PI;
 const KINDS: [&str; 4] = ["groove", "expand", "flank", "channel"];
 const COMMON: [&str; 7] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "sectors"];
 
+/// Least step between layers, mm: chips of a thousandth of it are dust.
+const LEAST_DEPTH: f64 = 0.01;
+
+/// Least height between roughing lines, mm.
+const LEAST_RESIDUAL: f64 = 0.001;
+
+/// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
+const LEAST_SCALLOP: f64 = 1e-4;
+
 /// Largest feed, mm/min; machines limit it further.
 const MAX_FEED: Range = Range::Positive(1e5);
 
@@ -30,7 +39,6 @@ pub(super) fn resolve(
 ) -> Vec<OperationSpec> {
     let mut out = Vec::new();
     let mut used: Vec<(String, Span)> = Vec::new();
-    let mut used_tools: Vec<String> = Vec::new();
     let mut layers: Option<Layers> = None;
     let mut any = false;
     for item in &file.items {
@@ -43,7 +51,7 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let mut reader = Reader { name, tools, machine, vanes, used_tools: &mut used_tools, groove: layers };
+        let mut reader = Reader { name, tools, machine, vanes, groove: layers };
         let operation = reader.read(item, cx);
         if let Some(OperationKind::Groove(l)) = operation.as_ref().map(|o| &o.kind) {
             layers = Some(*l);
@@ -54,13 +62,6 @@ pub(super) fn resolve(
         cx.sink.push(
             Diag::error(codes::MISSING_ITEM, "the job has no operation")
                 .help("add `operation groove { ... }`; operations are groove, expand, flank and channel"),
-        );
-    }
-    for tool in tools.iter().filter(|t| !used_tools.contains(&t.name.text)) {
-        cx.sink.push(
-            Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
-                .label(tool.name.span, "declared here")
-                .help("remove it, or use it in an operation"),
         );
     }
     out
@@ -101,7 +102,6 @@ struct Reader<'a> {
     tools: &'a [Declared],
     machine: Option<&'a MachineSpec>,
     vanes: Option<u32>,
-    used_tools: &'a mut Vec<String>,
     groove: Option<Layers>,
 }
 
@@ -167,7 +167,6 @@ impl Reader<'_> {
             }
             return None;
         };
-        self.used_tools.push(word.text.clone());
         let declared = self.tools.get(at)?;
         let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
         let needed: &[&str] = match kind.text.as_str() {
@@ -254,7 +253,7 @@ impl Reader<'_> {
     }
 
     fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
-        let count = self.vanes.unwrap_or(500);
+        let count = self.vanes.unwrap_or(10_000);
         if !p.has("sectors") {
             return Some((0..count).collect());
         }
@@ -278,12 +277,13 @@ impl Reader<'_> {
             "groove" => self.layers(false, tool, p).map(OperationKind::Groove),
             "expand" => {
                 let layers = self.layers(true, tool, p);
-                let residual = p.required("residual", Dimension::LENGTH, Range::Positive(radius), "residual 0.5 mm");
+                let range = Range::Between(LEAST_RESIDUAL, radius);
+                let residual = p.required("residual", Dimension::LENGTH, range, "residual 0.5 mm");
                 Some(OperationKind::Expand(layers?, Mm(residual?.0)))
             }
             "flank" => flank(p),
             _ => {
-                let range = Range::Positive(radius);
+                let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
                 Some(OperationKind::Channel(Mm(scallop?.0)))
             }
@@ -296,7 +296,10 @@ impl Reader<'_> {
         let deepest = tool.map_or(1000.0, |t| t.flute.get());
         let depth = match before {
             Some(before) if !p.has("depth") => Some(before.depth),
-            _ => p.required("depth", Dimension::LENGTH, Range::Positive(deepest), "depth 1.5 mm").map(|d| Mm(d.0)),
+            _ => {
+                let range = Range::Between(LEAST_DEPTH, deepest);
+                p.required("depth", Dimension::LENGTH, range, "depth 1.5 mm").map(|d| Mm(d.0))
+            }
         };
         let example = "allowance vane 0.2 mm, hub 0.5 mm";
         let given = p.has("allowance");

@@ -12,8 +12,8 @@ use crate::source::Span;
 use crate::syntax::ast::{Block, Name, Path, Spline, SplinePoints, Text, Value};
 use crate::units::Mm;
 
-/// Most vanes of any impeller; more is a slip of the pen, whatever the size.
-const MAX_VANES: u32 = 500;
+/// Bound of the number that is read; how many vanes have room is found from their thickness.
+const MAX_VANES: u32 = 10_000;
 
 /// Points of one curve. Splines of measured blades have hundreds.
 const MAX_POINTS: usize = 20_000;

@@ -25,6 +25,8 @@ pub(super) struct Properties<'a, 'c> {
 pub(super) enum Range {
     /// Above zero, at most the bound.
     Positive(f64),
+    /// Between two bounds.
+    Between(f64, f64),
     /// From zero to the bound.
     NotNegative(f64),
     /// Any, up to the bound on both sides.
@@ -35,6 +37,7 @@ impl Range {
     fn holds(self, value: f64) -> bool {
         match self {
             Self::Positive(max) => value > 0.0 && value <= max,
+            Self::Between(min, max) => (min..=max).contains(&value),
             Self::NotNegative(max) => (0.0..=max).contains(&value),
             Self::Within(max) => value.abs() <= max,
         }
@@ -43,6 +46,7 @@ impl Range {
     fn text(self, unit: &str) -> String {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
+            Self::Between(min, max) => format!("from {min} to {max}{unit}"),
             Self::Positive(max) => format!("above 0 and at most {max}{unit}"),
             Self::NotNegative(max) => format!("from 0 to {max}{unit}"),
             Self::Within(max) => format!("from -{max} to {max}{unit}"),
@@ -91,6 +95,8 @@ impl<'a, 'c> Properties<'a, 'c> {
         if bare && nearest(&name.text, known.iter().copied()).is_none() {
             self.sink.push(unknown_unit(name));
             self.damaged = true;
+            // The number before it has a unit, though an unknown one.
+            self.entries.retain(|(n, _)| before.is_none_or(|b| n.span != b.name.span));
             return;
         }
         let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("{} has no property `{}`", self.owner, name.text));
@@ -129,7 +135,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         self.sink.push(
             Diag::error(codes::OUT_OF_RANGE, format!("`{name}` of {} must be {range}", self.owner))
                 .label(span, "out of range")
-                .help(format!("give a value {range}")),
+                .help(if range.starts_with("a ") { format!("give {range}") } else { format!("give a value {range}") }),
         );
     }
 

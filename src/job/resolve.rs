@@ -45,7 +45,10 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
     let (chord, chord_rough) = tolerances(file, &mut cx);
     let contracts = contracts(file, &mut cx);
     let post = post(file, &mut cx);
-    cx.scope.warn_unused(cx.sink);
+    if !cx.sink.has_errors() && !file.damaged {
+        cx.scope.warn_unused(cx.sink);
+        tools::warn_unused(&tools, &operations, cx.sink);
+    }
     let unfinished = cx.sink.has_errors() || file.damaged;
     let (Some(machine), Some(part), Some(stock), Some(post), false) = (machine, part, stock, post, unfinished) else {
         return Err(Aborted);

@@ -2,12 +2,12 @@
 
 use super::eval::{suggest, unknown};
 use super::library::{ToolLibrary, shape_fault};
-use super::model::{CutterKind, ToolSpec};
+use super::model::{CutterKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::resolve::{Context, head};
-use crate::diag::Diag;
 use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
 use crate::source::Span;
 use crate::syntax::ast::{Block, File, ItemKind, Name, ToolSource, Value};
 use crate::units::{Mm, Rad};
@@ -75,6 +75,19 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
         );
     }
     tools
+}
+
+/// Warns of tools that no operation uses.
+pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink: &mut Sink) {
+    for (at, tool) in tools.iter().enumerate() {
+        if operations.iter().all(|o| o.tool != at) {
+            sink.push(
+                Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
+                    .label(tool.name.span, "declared here")
+                    .help("remove it, or use it in an operation"),
+            );
+        }
+    }
 }
 
 fn shape(
@@ -151,7 +164,6 @@ fn shape(
 }
 
 /// Outer `None`: faulty; inner `None`: the tool has no holder.
-#[expect(clippy::option_option, reason = "absent and faulty are two things")]
 fn holder(library: &ToolLibrary, p: &mut Properties<'_, '_>) -> Option<Option<(String, Vec<[Mm; 3]>)>> {
     let Some((word, values)) = p.take("holder") else { return Some(None) };
     let [Value::Text(text)] = values.as_slice() else {

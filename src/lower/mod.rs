@@ -24,6 +24,9 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     let part = part(job, sink)?;
     let stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
     checks::stock(job, &part, sink);
+    if !sink.has_errors() {
+        checks::off_hub(&job.part, &part, sink);
+    }
     let mut tools: PrimaryMap<ToolId, Tool> = PrimaryMap::new();
     for spec in &job.tools {
         tools.push(tool(spec));
@@ -67,7 +70,6 @@ fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
     checks::heights(spec, &part, sink)?;
     checks::faces(spec, &part, sink)?;
     checks::overlap(spec, &part, sink)?;
-    checks::off_hub(spec, &part, sink);
     Ok(part)
 }
 

@@ -4,7 +4,7 @@ use super::ast::{
     Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Spline, SplinePoints, Text,
     ToolSource, Value,
 };
-use super::scan::{self, ITEMS, Piece};
+use super::scan::{self, ITEMS, MAX_FAULTS, Piece};
 use crate::diag::codes::syntax as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, Span};
@@ -18,9 +18,6 @@ struct JobParser;
 
 /// Larger texts are refused: a job is some kilobytes, a curve file some megabytes.
 const MAX_BYTES: usize = 16 << 20;
-
-/// Faults of the text that one run reports.
-const MAX_FAULTS: usize = 50;
 
 /// Reads a job. Every fault of the text goes to the sink; what could be read is returned.
 pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
@@ -161,7 +158,7 @@ impl Builder<'_> {
 
     /// Reports where the parser stopped; `base` is where `input` begins in the item.
     fn fault(&mut self, error: &Error<Rule>, base: usize, input: &str) {
-        if self.quiet {
+        if self.quiet || self.sink.diags().len() >= MAX_FAULTS {
             return;
         }
         let at = match error.location {

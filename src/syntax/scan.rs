@@ -12,6 +12,9 @@ use std::ops::Range;
 /// Deepest nesting of brackets. The language needs 5; the bound keeps the parser's recursion small.
 const MAX_DEPTH: usize = 64;
 
+/// Faults of the text that one run reports; a text with more is no job.
+pub(super) const MAX_FAULTS: usize = 50;
+
 /// Words that begin an item.
 pub(super) const ITEMS: &[&str] =
     &["edition", "use", "let", "part", "stock", "tool", "operation", "tolerance", "require", "post"];
@@ -40,7 +43,7 @@ struct Scanner<'a> {
     unreadable: bool,
 }
 
-/// Cuts the text into items. `None` when it is nested too deeply to go on.
+/// Cuts the text into items. `None` when it is nested too deeply, or has too many faults, to go on.
 pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<Vec<Piece>> {
     let mut scanner = Scanner {
         text,
@@ -70,6 +73,9 @@ impl Scanner<'_> {
                 if self.begins_item(i) {
                     self.finish(i);
                     self.start = Some(i);
+                }
+                if self.sink.diags().len() >= MAX_FAULTS {
+                    return false;
                 }
             }
             match byte {
@@ -137,6 +143,13 @@ impl Scanner<'_> {
     }
 
     fn close(&mut self, byte: u8, i: usize) {
+        // One wrong bracket leaves all that follow in its item without meaning.
+        if self.unreadable {
+            if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == char::from(byte)) {
+                self.open.truncate(outer);
+            }
+            return;
+        }
         let (close, expected) = (char::from(byte), self.open.last().map(|(b, at)| (closer(*b), *at)));
         match expected {
             Some((right, _)) if right == close => {
@@ -184,7 +197,7 @@ impl Scanner<'_> {
         let unreadable = std::mem::take(&mut self.unreadable);
         let open = std::mem::take(&mut self.open);
         let Some(start) = self.start.take() else { return };
-        if let Some((bracket, at)) = open.last() {
+        if let Some((bracket, at)) = open.last().filter(|_| !unreadable) {
             let next = end < self.text.len();
             let mut diag = Diag::error(
                 codes::BRACKET_OPEN,

@@ -1,0 +1,279 @@
+//! The job language: what is read, what is refused, and in which words.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use impellerc::diag::{Code, Sink, codes, render};
+use impellerc::job::files::shipped;
+use impellerc::job::model::{CutterKind, OperationKind};
+use impellerc::job::{self, Files, Found, Job, Missing};
+use impellerc::source::{SourceId, SourceMap};
+use impellerc::syntax;
+use proptest::prelude::*;
+
+const JOB: &str = include_str!("../jobs/wei2021/wei2021.imp");
+const REDUCED: &str = include_str!("../jobs/reduced/reduced.imp");
+
+/// The shipped library and the curves of the reduced job.
+struct Memory;
+
+impl Files for Memory {
+    fn machine(&mut self, name: &str) -> Result<Found, Missing> {
+        find(name, shipped::MACHINES)
+    }
+
+    fn tools(&mut self, name: &str) -> Result<Found, Missing> {
+        find(name, shipped::TOOLS)
+    }
+
+    fn curves(&mut self, path: &str) -> Result<Found, Missing> {
+        find(path, &[("vane_curves.csv", include_str!("../jobs/reduced/vane_curves.csv"))])
+    }
+}
+
+fn find(name: &str, files: &[(&str, &str)]) -> Result<Found, Missing> {
+    let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
+    match files.iter().find(|f| f.0 == name) {
+        Some((name, text)) => Ok(Found { name: (*name).to_owned(), text: (*text).to_owned() }),
+        None => Err(Missing { reason: "not in memory".to_owned(), known }),
+    }
+}
+
+struct Read {
+    sources: SourceMap,
+    sink: Sink,
+    job: Option<Job>,
+}
+
+fn read(text: &str) -> Read {
+    let mut sources = SourceMap::default();
+    let mut sink = Sink::default();
+    let source = sources.add("job.imp", text);
+    let ast = syntax::parse(text, source, &mut sink);
+    let job = job::resolve(&ast, &mut Memory, &mut sources, &mut sink).ok();
+    Read { sources, sink, job }
+}
+
+impl Read {
+    fn codes(&self) -> Vec<Code> {
+        self.sink.diags().iter().map(|d| d.code).collect()
+    }
+}
+
+/// A job with one change; the change must occur.
+fn changed(from: &str, to: &str) -> String {
+    assert!(JOB.contains(from), "{from} is not in the job");
+    JOB.replacen(from, to, 1)
+}
+
+#[test]
+fn the_main_job_reads_as_it_is_written() {
+    let read = read(JOB);
+    assert_eq!(read.codes(), []);
+    let job = read.job.unwrap();
+    assert_eq!(job.part.vanes.0, 8);
+    assert_eq!(job.part.fillet.get(), 3.0);
+    assert_eq!(job.part.pressure.tip.points[0], [15.0578, -38.5221, 0.0]);
+    assert_eq!(job.part.suction.root.points[6], [-3.9268, -58.9631, -32.5]);
+    let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
+    assert_eq!(job.operations[0].speed.get(), 4500.0);
+    assert_eq!(job.operations[0].feed.get(), 150.0);
+    assert_eq!(job.operations[5].kind, OperationKind::Channel(impellerc::units::Mm(0.01)));
+    assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!((job.chord.get(), job.clearance.get()), (0.001, 0.5));
+    assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
+    assert!((job.machine.turn.speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
+    assert_eq!(job.post.0, "siemens-840d");
+}
+
+#[test]
+fn curves_from_a_file_are_the_curves_of_the_main_job() {
+    let (main, reduced) = (read(JOB).job.unwrap(), read(REDUCED).job.unwrap());
+    assert_eq!(main.part.pressure.tip.points, reduced.part.pressure.tip.points);
+    assert_eq!(main.part.suction.root.points, reduced.part.suction.root.points);
+    assert_eq!(reduced.operations[0].sectors, [0]);
+}
+
+#[test]
+fn expand_takes_the_layers_of_the_groove_before_it() {
+    let job = read(REDUCED).job.unwrap();
+    let (OperationKind::Groove(groove), OperationKind::Expand(expand, _)) =
+        (&job.operations[0].kind, &job.operations[1].kind)
+    else {
+        panic!("the reduced job begins with groove and expand");
+    };
+    assert_eq!(groove, expand);
+}
+
+#[test]
+fn independent_faults_are_reported_in_one_run() {
+    let text = changed("fillet 3 mm", "fillet 3")
+        .replacen("scallop 10 um", "scalop 10 um", 1)
+        .replacen("tool t1  speed 4500 rpm", "tool t9  speed 4500 rpm", 1)
+        .replacen("strips 6", "strips = 6", 1)
+        .replacen("require rest      <= 1 mm", "require rest      >= 1 mm", 1);
+    let mut ids: Vec<&str> = read(&text).sink.diags().iter().map(|d| d.code.id()).collect();
+    ids.sort_unstable();
+    assert_eq!(ids, ["IMP0107", "IMP0203", "IMP0204", "IMP0206", "IMP0216"]);
+}
+
+/// A fix that is applied removes its diagnostic.
+#[test]
+fn fixes_mend_what_they_are_offered_for() {
+    let cases = [
+        ("fillet 3 mm", "fillet 3", codes::job::NO_UNIT),
+        ("scallop 10 um", "scalop 10 um", codes::job::UNKNOWN_PROPERTY),
+        ("operation flank", "opration flank", codes::syntax::UNKNOWN_ITEM),
+        ("edition 2026", "edition 2027", codes::job::EDITION),
+        ("require gouge     <=", "require gouge     >=", codes::job::RELATION),
+        ("\"5mc850-c\"", "\"5mc850c\"", codes::files::NOT_IN_LIBRARY),
+        ("holder \"er16-mini\"", "holder \"er16mini\"", codes::job::UNKNOWN_NAME),
+        ("diameter 8 mm", "diameter 8 nm", codes::job::UNKNOWN_UNIT),
+        ("feed 150 mm/min", "feed 150", codes::job::NO_UNIT),
+    ];
+    for (right, wrong, code) in cases {
+        let text = changed(right, wrong);
+        let faulty = read(&text);
+        assert_eq!(faulty.codes(), [code], "for {wrong}");
+        let fix = faulty.sink.diags()[0].fix.clone().unwrap_or_else(|| panic!("no fix for {wrong}"));
+        let mut mended = text.clone();
+        mended.replace_range(fix.span.range(), &fix.replacement);
+        assert_eq!(read(&mended).codes(), [], "after the fix of {wrong}");
+    }
+}
+
+#[test]
+fn units_are_converted_and_checked() {
+    let job = |text: String| read(&text).job.unwrap_or_else(|| panic!("faulty"));
+    assert_eq!(job(changed("fillet 3 mm", "fillet 0.25 in")).part.fillet.get(), 6.35);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 3000 um")).part.fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.fillet.get(), 3.0);
+    // A cutting speed of 100 m/min at 8 mm, and 0.01 mm a tooth.
+    let job = job(changed("speed 4500 rpm  feed 150 mm/min", "speed 100 m/min  feed 0.01 mm/tooth"));
+    let rpm = 100_000.0 / (std::f64::consts::PI * 8.0);
+    assert!((job.operations[0].speed.get() - rpm).abs() < 1e-9);
+    assert!((job.operations[0].feed.get() - 0.01 * 4.0 * rpm).abs() < 1e-9);
+}
+
+#[test]
+fn wrong_dimensions_are_refused() {
+    for value in ["3 deg", "3 rpm", "3 mm * 1 mm", "3 mm / 1 mm * 1 s", "2 mm/min"] {
+        let read = read(&changed("fillet 3 mm", &format!("fillet {value}")));
+        assert_eq!(read.codes(), [codes::job::WRONG_DIMENSION], "for {value}");
+    }
+    assert_eq!(read(&changed("fillet 3 mm", "fillet 3 mm + 1 deg")).codes(), [codes::job::WRONG_DIMENSION]);
+    assert_eq!(read(&changed("fillet 3 mm", "fillet 6 mm / 2 mm")).codes(), [codes::job::NO_UNIT]);
+}
+
+#[test]
+fn tools_of_each_kind_are_read() {
+    let with = |tool: &str| {
+        let text = changed("operation groove", &format!("tool t4 = {tool}\noperation groove"));
+        read(&text).job.unwrap_or_else(|| panic!("{tool} is faulty")).tools.pop().unwrap()
+    };
+    let size = "flutes 4  flute 20 mm  reach 40 mm";
+    assert_eq!(with(&format!("flat {{ diameter 6 mm  {size} }}")).kind, CutterKind::Flat);
+    let bull = with(&format!("bull {{ diameter 6 mm  corner 2 mm  {size}  number 12 }}"));
+    assert_eq!((bull.kind, bull.number), (CutterKind::Bull(impellerc::units::Mm(2.0)), 12));
+    let taper = with(&format!("tapered-ball {{ diameter 4 mm  angle 3 deg  {size}  shank 6 mm }}"));
+    assert_eq!((taper.kind, taper.shank.get()), (CutterKind::TaperedBall(impellerc::units::Rad::from_deg(3.0)), 6.0));
+    let library = with("\"ball-6\"");
+    assert_eq!((library.name.as_str(), library.number, library.shank.get()), ("t4", 4, 6.0));
+    assert_eq!(library.holder.unwrap().0, "er16-mini");
+}
+
+#[test]
+fn what_is_not_built_is_refused_by_name() {
+    for (right, wrong, exists) in [
+        ("method two-point", "method minimax", "two-point"),
+        ("operation channel", "operation splitter", "groove, expand, flank, channel"),
+        ("stock turned", "stock casting", "turned"),
+        ("pressure ruled", "pressure lofted", "ruled"),
+        ("use tools  ", "use import ", "machine, tools"),
+    ] {
+        let read = read(&changed(right, wrong));
+        let diag = &read.sink.diags()[0];
+        assert_eq!(diag.code, codes::job::NOT_IN_LANGUAGE, "for {wrong}");
+        assert!(diag.help.as_ref().unwrap().contains(exists), "{:?} for {wrong}", diag.help);
+    }
+}
+
+#[test]
+fn an_open_block_does_not_swallow_the_next_item() {
+    let text =
+        changed("scallop 10 um\n  lead-in 8 mm  lead-out 8 mm\n}", "scallop 10 um\n  lead-in 8 mm  lead-out 8 mm\n");
+    let read = read(&text);
+    assert_eq!(read.codes(), [codes::syntax::BRACKET_OPEN]);
+}
+
+#[test]
+fn json_has_lines_columns_and_the_fix() {
+    let read = read(&changed("fillet 3 mm", "fillet 3"));
+    let text = render::json(&read.sink, &read.sources);
+    let value: serde_json::Value = serde_json::from_str(text.trim_end()).unwrap();
+    let line = JOB.lines().position(|l| l.contains("fillet 3 mm")).unwrap() + 1;
+    assert_eq!(value["code"], "IMP0206");
+    assert_eq!(value["severity"], "error");
+    assert_eq!(value["labels"][0]["line"], line);
+    assert_eq!(value["labels"][0]["column"], 12);
+    assert_eq!(value["labels"][0]["file"], "job.imp");
+    assert_eq!(value["fix"]["replacement"], " mm");
+    assert_eq!(value["fix"]["start"], value["fix"]["end"]);
+}
+
+/// Everything that a text goes through, printed as well.
+fn survive(text: &str) {
+    let mut sink = Sink::default();
+    let ast = syntax::parse(text, SourceId(0), &mut sink);
+    let _ = syntax::print::print(&ast);
+    let read = read(text);
+    if let Some(job) = &read.job {
+        let _ = job::print::print(job);
+        let mut sink = Sink::default();
+        let _ = impellerc::lower::lower(job, &mut sink);
+    } else {
+        assert!(read.sink.has_errors(), "no job and no error");
+    }
+    let _ = render::json(&read.sink, &read.sources);
+    // The human form is slow; a few diagnostics show its ways of failing as well as many.
+    if read.sink.diags().len() < 5 {
+        let _ = render::human(&read.sink, &read.sources, false);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in any::<String>()) {
+        survive(&text);
+    }
+
+    #[test]
+    fn no_words_make_the_reader_panic(
+        words in prop::collection::vec(
+            prop::sample::select(vec![
+                "let", "part", "tool", "operation", "groove", "post", "use", "machine", "x", "t1", "vane", "hub",
+                "spline", "from", "curve", "revolve", "ruled", "{", "}", "(", ")", "[", "]", "=", "<=", ",", "+", "-",
+                "*", "/", "3", "0.5", "1e999", "mm", "rpm", "%", "\"", "\"a\"", "//", "\n", "\n", "é",
+            ]),
+            0..60,
+        )
+    ) {
+        survive(&words.join(" "));
+    }
+
+    /// A piece of a valid job is cut out, doubled, or replaced.
+    #[test]
+    fn no_change_of_a_job_makes_the_reader_panic(
+        at in 0..REDUCED.len(),
+        length in 0_usize..40,
+        patch in prop::sample::select(vec!["", " ", "{", "}", "\"", "0", "-1", "1e300", "mm", "9999999999", "\n", "x"]),
+    ) {
+        let mut text = REDUCED.as_bytes().to_vec();
+        let end = (at + length).min(text.len());
+        text.splice(at..end, patch.bytes());
+        survive(&String::from_utf8_lossy(&text));
+    }
+}
