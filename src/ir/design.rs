@@ -9,6 +9,7 @@
 
 use crate::collide::CloudPoint;
 use crate::geom::Revolution;
+use crate::geom::proximity::Patch;
 use crate::ir::part::{Part, Side};
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -136,6 +137,26 @@ impl Part {
             (b, fb) = (next, gap(next));
         }
         b
+    }
+}
+
+/// The point of a face or of the hub that is closest to a point near it, with its normal; other surfaces give `None`.
+pub fn project(part: &Part, surface: SurfaceId, near: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
+    match surface.kind {
+        SurfaceKind::Hub => {
+            let r = near.x.hypot(near.y);
+            let (u, _) = part.hub.closest(Vector2::new(r, near.z));
+            let azimuth = near.y.atan2(near.x);
+            let u = u.clamp(0.0, 1.0);
+            Some((part.hub.point(u, azimuth), part.hub.normal(u, azimuth)))
+        }
+        SurfaceKind::Face(side) => {
+            let turn = part.sector_rotation(surface.sector);
+            let face = part.face(side);
+            let foot = face.surface.closest(&(turn.inverse() * near), Patch { u: [0.0, 1.0], v: [-0.1, 1.1] });
+            Some((turn * face.surface.point(foot.u, foot.v), turn * face.normal(foot.u, foot.v)))
+        }
+        _ => None,
     }
 }
 

@@ -131,16 +131,16 @@ impl Certificate {
                 "  {:<26} {:>8} {:>9}  {:<30} {:>11}  {:<30}",
                 s.surface,
                 s.samples,
-                um(-s.gouge.value.min(0.0) + 0.0),
+                um(s.gouge.depth),
                 at(s.gouge.point),
                 um(s.excess.value),
                 at(s.excess.point)
             )?;
         }
         let worst = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
-        if let Some(s) = worst(&|s| -s.gouge.value) {
+        if let Some(s) = worst(&|s| s.gouge.depth) {
             let place = describe(program, motion, s.gouge.at);
-            writeln!(t, "  deepest cut {} um on {}: {place}", um(-s.gouge.value.min(0.0) + 0.0), s.surface)?;
+            writeln!(t, "  deepest cut {} um on {}: {place}", um(s.gouge.depth), s.surface)?;
         }
         if let Some(s) = worst(&|s| s.excess.value) {
             let place = describe(program, motion, s.excess.at);

@@ -48,7 +48,11 @@ fn measure(kind: ContractKind, certificate: &Certificate) -> Option<Found> {
         Some(Found { value: (sign * w.value).max(0.0), what: s.surface.clone(), point: w.point, at: w.at })
     };
     match kind {
-        ContractKind::Gouge => on_surface(|s| &s.gouge, -1.0),
+        ContractKind::Gouge => {
+            let s = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth))?;
+            let (value, w) = (s.gouge.depth, &s.gouge);
+            Some(Found { value, what: s.surface.clone(), point: w.point, at: w.at })
+        }
         ContractKind::Excess => on_surface(|s| &s.excess, 1.0),
         ContractKind::Clearance => {
             let near = |c: &Clearance, what: &str| Found {

@@ -74,7 +74,8 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
     let deviations = surface::deviations(&milled, &sweeps);
-    let surfaces = surface::reports(&milled, &deviations);
+    let mut surfaces = surface::reports(&milled, &deviations);
+    surfaces.par_iter_mut().for_each(|s| surface::refine(&program.part, s, &sweeps, SPACING));
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let stock_cloud = Cloud::new(stock_points(program));
     let operations =
