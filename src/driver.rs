@@ -11,7 +11,7 @@ use crate::passes::pipeline;
 use crate::post::{self, Post};
 use crate::source::SourceMap;
 use crate::verify::{self, Certificate};
-use crate::{analysis, job, lower, output};
+use crate::{analysis, export, job, lower, output};
 pub use library::DiskFiles;
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
@@ -27,6 +27,8 @@ pub struct Options {
     pub library: Option<PathBuf>,
     /// Dialect instead of the job's.
     pub post: Option<String>,
+    /// Where to write a picture of part and paths.
+    pub picture: Option<PathBuf>,
     /// Print this stage value and stop there.
     pub emit: Option<Emit>,
 }
@@ -79,6 +81,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if emit == Some(Emit::Nc) {
         *emitted = Some(nc);
         return Ok(());
+    }
+    if let Some(path) = &options.picture {
+        let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
+        output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
     let mut text = certificate.text(&program, motion.get());
     text.push_str(&format!(

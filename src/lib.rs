@@ -15,6 +15,7 @@ pub mod collide;
 pub mod diag;
 pub mod driver;
 pub mod entity;
+pub mod export;
 pub mod geom;
 pub mod ir;
 pub mod job;

@@ -36,6 +36,10 @@ struct Arguments {
     #[arg(long, value_enum, value_name = "STAGE")]
     emit: Option<EmitArgument>,
 
+    /// Write a picture of the part and the paths
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+
     /// Print the time of each stage
     #[arg(long)]
     timings: bool,
@@ -82,6 +86,7 @@ fn main() -> ExitCode {
         output: arguments.output,
         library: arguments.library,
         post: arguments.post,
+        picture: arguments.picture,
         emit: arguments.emit.map(|e| match e {
             EmitArgument::Ast => Emit::Ast,
             EmitArgument::Job => Emit::Job,

@@ -34,7 +34,7 @@ fn texts_read_back_as_the_motion_within_the_word_quantum() {
     let (program, motion) = &*PROGRAM;
     for post in post::POSTS {
         let text = written(*post).text();
-        let found = post::read_back(*post, program, motion, &text).expect(post.name());
+        let found = post::read_back(*post, program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
         assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
         assert!(found.tip <= 0.5e-4 + 1e-10, "{}: {}", post.name(), found.tip);
         assert!(found.axis <= 2e-7, "{}: {}", post.name(), found.axis);

@@ -17,6 +17,12 @@ const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0,
 /// Distance that the side of the cutter keeps from walls that its ball alone touches, mm.
 const SIDE_CLEARANCE: f64 = 0.1;
 
+/// Clear points of a pass with the lean that they took, degrees.
+type Cleared = (Vec<ClPoint>, f64);
+
+/// Station at which a pass is not clear, and the distance there.
+type Miss = (usize, f64);
+
 /// Repairs axes, or says where it cannot.
 ///
 /// # Errors
@@ -29,14 +35,14 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         // The part looks the same from every sector: what clears a pass in the first one clears it in all.
         let sectors = operation.sectors.len().max(1);
         let per_sector = planned.passes.len() / sectors;
-        let first: Vec<Result<f64, (usize, f64)>> = planned
+        let first: Vec<Result<f64, Miss>> = planned
             .passes
             .par_iter()
             .zip(&oriented.passes)
             .take(per_sector)
             .map(|(cc, cl)| clearing_lean(program, obstacles, operation, cc, &cl.points))
             .collect();
-        let repaired: Vec<Result<(Vec<ClPoint>, f64), (usize, f64)>> = planned
+        let repaired: Vec<Result<Cleared, Miss>> = planned
             .passes
             .par_iter()
             .zip(&oriented.passes)
@@ -94,7 +100,7 @@ fn clearing_lean(
     operation: &Operation,
     cc: &CcPass,
     points: &[ClPoint],
-) -> Result<f64, (usize, f64)> {
+) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
     let on_hub = cc.drive == Drive::Hub;

@@ -95,7 +95,7 @@ pub(super) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], ep
     // Data points a few millimetres apart carry the shape; all stations would carry the noise of the lifts.
     let stride = (positions.len() / 16).max(1);
     let mut data: Vec<Point3<f64>> = positions.iter().step_by(stride).copied().collect();
-    if (positions.len() - 1) % stride != 0 {
+    if !(positions.len() - 1).is_multiple_of(stride) {
         data.extend(positions.last());
     }
     let Ok(curve) = interpolate(&data, 3.min(data.len().saturating_sub(1))) else { return points.to_vec() };

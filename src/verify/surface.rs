@@ -77,10 +77,9 @@ fn deviation(
     guess: Option<(usize, u32)>,
 ) -> (f64, Option<At>, Option<(usize, u32)>) {
     let mut best = (FAR, None, None);
-    if let Some((sweep, piece)) = guess {
-        if let Some(n) = sweeps.get(sweep).and_then(|s| s.distance_to_piece(piece, p)).filter(|n| n.distance < FAR) {
-            best = (n.distance, Some(n.at), guess);
-        }
+    let near = guess.and_then(|(sweep, piece)| sweeps.get(sweep)?.distance_to_piece(piece, p));
+    if let Some(n) = near.filter(|n| n.distance < FAR) {
+        best = (n.distance, Some(n.at), guess);
     }
     // The last operations come nearest: with them first the others are soon out of the question.
     for (index, sweep) in sweeps.iter().enumerate().rev() {
@@ -178,13 +177,13 @@ fn climb(
 /// Rounds of the search: some twenty to the finest step and walks over some millimetres.
 const SEARCH_ROUNDS: usize = 100;
 
-/// True where no fillet takes the place of the surface.
+/// True where no fillet takes the place of the surface, and below the tips.
 fn on_sampled(part: &Part, id: SurfaceId, p: &Point3<f64>) -> bool {
     let Some((_, normal)) = design::project(part, id, p) else { return false };
-    let Some(radius) = part.fillet.map(crate::units::Mm::get) else { return true };
+    let radius = part.fillet.map_or(0.0, crate::units::Mm::get);
     let centre = p + normal * radius;
     match id.kind {
-        SurfaceKind::Face(_) => part.hub.distance(&centre) >= radius,
+        SurfaceKind::Face(_) => part.hub.distance(&centre) >= radius && part.shroud.distance(p) <= 1e-9,
         _ => [Side::Pressure, Side::Suction].into_iter().all(|side| {
             (0..part.vane_count).all(|sector| {
                 let face = SurfaceId { kind: SurfaceKind::Face(side), sector };
