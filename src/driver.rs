@@ -5,6 +5,7 @@ mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::{Aborted, Diag, Sink};
+use crate::ir::print::{self, Detail};
 use crate::ir::{PostChoice, Program};
 use crate::job::Job;
 use crate::passes::pipeline;
@@ -56,6 +57,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted } = outcome;
     let emit = options.emit;
+    if emit == Some(Emit::Ir) {
+        *emitted = Some(print::program(&program));
+        return Ok(());
+    }
 
     let post = find_post(&program, sink)?;
     if let Some(path) = &options.output {
@@ -68,6 +73,16 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Err(Aborted);
     }
     let plan = stages.run("plan", || pipeline::run(&program, sink))?;
+    let planned = match emit {
+        Some(Emit::Cc) => Some(print::cc(&program, &plan.cc, Detail::Full)),
+        Some(Emit::Cl) => Some(print::cl(&program, &plan.cl, Detail::Full)),
+        Some(Emit::Motion) => Some(print::motion(&program, &plan.motion, Detail::Full)),
+        _ => None,
+    };
+    if planned.is_some() {
+        *emitted = planned;
+        return Ok(());
+    }
     let (motion, certificate) = stages.run("verify", || verify::verify(&program, plan.motion, sink))?;
 
     post.check(&program, motion.get(), sink);
@@ -82,10 +97,6 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = Some(nc);
         return Ok(());
     }
-    if let Some(path) = &options.picture {
-        let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
-        output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-    }
     let mut text = certificate.text(&program, motion.get());
     text.push_str(&format!(
         "\n{} text read back: {} moves, tip within {:.6} mm, tool axis within {:.1e} rad of the motion\n",
@@ -99,6 +110,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         text.push_str(&format!("wrote {}: {} lines\n", path.display(), nc.lines().count()));
     } else {
         text.push_str("nothing written: no `-o FILE`\n");
+    }
+    if let Some(path) = &options.picture {
+        let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
+        output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
     *emitted = Some(text);
     Ok(())

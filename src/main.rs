@@ -72,6 +72,14 @@ enum EmitArgument {
     Ast,
     /// Job with every default
     Job,
+    /// Lowered program
+    Ir,
+    /// Contact points
+    Cc,
+    /// Cutter locations
+    Cl,
+    /// Joint motion
+    Motion,
     /// NC text
     Nc,
 }
@@ -90,6 +98,10 @@ fn main() -> ExitCode {
         emit: arguments.emit.map(|e| match e {
             EmitArgument::Ast => Emit::Ast,
             EmitArgument::Job => Emit::Job,
+            EmitArgument::Ir => Emit::Ir,
+            EmitArgument::Cc => Emit::Cc,
+            EmitArgument::Cl => Emit::Cl,
+            EmitArgument::Motion => Emit::Motion,
             EmitArgument::Nc => Emit::Nc,
         }),
     };

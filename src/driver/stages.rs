@@ -10,6 +10,14 @@ pub enum Emit {
     Ast,
     /// Job with every default.
     Job,
+    /// Lowered program.
+    Ir,
+    /// Contact points.
+    Cc,
+    /// Cutter locations.
+    Cl,
+    /// Joint motion.
+    Motion,
     /// NC text.
     Nc,
 }

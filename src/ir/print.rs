@@ -1,1 +1,212 @@
-//! Text form of the stage values, for `--emit` and the goldens.
+//! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
+
+use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationKind, Program, Side};
+use nalgebra::Point3;
+use std::fmt::Write as _;
+
+/// How much of a plan is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// Every point.
+    Full,
+    /// Counts, and the first and last point of every pass.
+    Summary,
+}
+
+fn at(p: &Point3<f64>) -> String {
+    let f = |x: f64| crate::units::trim(x, 4);
+    format!("({}, {}, {})", f(p.x), f(p.y), f(p.z))
+}
+
+/// The program: one line an entity.
+pub fn program(program: &Program) -> String {
+    let mut t = String::new();
+    let part = &program.part;
+    let _ = writeln!(t, "program {}", program.name);
+    let _ = writeln!(
+        t,
+        "part vanes {} pitch {:.4} deg, first wall {}",
+        part.vane_count,
+        part.pitch().to_degrees(),
+        part.first_wall.name()
+    );
+    for side in [Side::Pressure, Side::Suction] {
+        let s = &part.face(side).surface;
+        let _ = writeln!(
+            t,
+            "face {} = ruled root {} .. {} tip {} .. {} orientation {:+}",
+            side.name(),
+            at(&s.root.point(0.0)),
+            at(&s.root.point(1.0)),
+            at(&s.tip.point(0.0)),
+            at(&s.tip.point(1.0)),
+            part.face(side).orientation
+        );
+    }
+    for (name, s) in [("hub", &part.hub), ("shroud", &part.shroud)] {
+        let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
+        let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
+    }
+    let _ = writeln!(t, "fillet {}", part.fillet.map_or("none".to_owned(), |f| f.to_string()));
+    let s = &program.stock;
+    let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
+    for (id, tool) in program.tools.iter() {
+        let _ = writeln!(
+            t,
+            "{id} = {} {} number {} radius {:.4} flute {:.4} length {:.4}",
+            tool.name,
+            tool.solid.cutter.keyword(),
+            tool.number,
+            tool.solid.radius(),
+            tool.solid.flute_length,
+            tool.solid.length()
+        );
+    }
+    for (id, o) in program.operations.iter() {
+        let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
+        let _ = writeln!(
+            t,
+            "{id} = {} {} {} at {}, feed {}, link feed {}, lead {} / {}, sectors {}",
+            o.name,
+            kind(&o.kind),
+            o.tool,
+            o.speed,
+            o.feed,
+            o.link_feed,
+            o.lead_in,
+            o.lead_out,
+            sectors.join(" ")
+        );
+    }
+    for c in &program.contracts {
+        let _ = writeln!(t, "require {:?} {}", c.kind, c.bound);
+    }
+    let _ = writeln!(t, "machine {}", program.machine.name);
+    let _ = writeln!(
+        t,
+        "tolerance chord {} rough {}, clearance {}",
+        program.tolerances.chord, program.tolerances.chord_rough, program.clearance
+    );
+    let _ = writeln!(t, "post {}", program.post.name);
+    t
+}
+
+fn kind(kind: &OperationKind) -> String {
+    match kind {
+        OperationKind::Groove { depth, allowance_vane, allowance_hub } => {
+            format!("groove depth {depth} vane {allowance_vane} hub {allowance_hub}")
+        }
+        OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
+            format!("expand depth {depth} vane {allowance_vane} hub {allowance_hub} residual {residual}")
+        }
+        OperationKind::Flank { faces, strips } => {
+            let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
+            format!("flank two-point {} strips {strips}", faces.join(" "))
+        }
+        OperationKind::Channel { scallop } => format!("channel scallop {scallop}"),
+    }
+}
+
+/// Indices that are printed of a run of points.
+fn shown(count: usize, detail: Detail) -> Vec<usize> {
+    match detail {
+        Detail::Full => (0..count).collect(),
+        Detail::Summary if count > 1 => vec![0, count - 1],
+        Detail::Summary => (0..count).collect(),
+    }
+}
+
+/// Contact points.
+pub fn cc(program: &Program, plan: &CcPlan, detail: Detail) -> String {
+    let mut t = String::new();
+    for operation in &plan.operations {
+        let _ = writeln!(t, "{} {}", operation.operation, program.operations[operation.operation].name);
+        for note in &operation.notes {
+            let _ = writeln!(t, "  note {note}");
+        }
+        for pass in &operation.passes {
+            let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
+            cc_points(pass, detail, &mut t);
+        }
+    }
+    t
+}
+
+fn cc_points(pass: &CcPass, detail: Detail, t: &mut String) {
+    for i in shown(pass.points.len(), detail) {
+        let p = &pass.points[i];
+        let _ = writeln!(t, "    {i} u {:.5} v {:.5} w {:.5} {}", p.u, p.v, p.w, at(&p.position));
+    }
+}
+
+fn location(p: &ClPoint) -> String {
+    format!("{} axis ({:.6}, {:.6}, {:.6})", at(&p.tip), p.axis.x + 0.0, p.axis.y + 0.0, p.axis.z + 0.0)
+}
+
+/// Cutter locations; with all detail the moves, else the passes.
+pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
+    let mut t = String::new();
+    for operation in &plan.operations {
+        let name = &program.operations[operation.operation].name;
+        let _ = writeln!(t, "{} {name}: {} moves", operation.operation, operation.moves.len());
+        for note in &operation.notes {
+            let _ = writeln!(t, "  note {note}");
+        }
+        match detail {
+            Detail::Full => {
+                for (i, m) in operation.moves.iter().enumerate() {
+                    let feed = m.feed.map_or(String::new(), |f| format!(" feed {f:.3}"));
+                    let _ = writeln!(t, "  {i} {} {}{feed}", word(m.kind), location(&m.to));
+                }
+            }
+            Detail::Summary => {
+                for pass in &operation.passes {
+                    let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
+                    for i in shown(pass.points.len(), detail) {
+                        let _ = writeln!(t, "    {i} {}", location(&pass.points[i]));
+                    }
+                }
+            }
+        }
+    }
+    t
+}
+
+fn word(kind: MoveKind) -> &'static str {
+    match kind {
+        MoveKind::Rapid => "rapid",
+        MoveKind::Link => "link",
+        MoveKind::Cut => "cut",
+    }
+}
+
+/// Joint motion: every move, or the first of each pass.
+pub fn motion(program: &Program, motion: &Motion, detail: Detail) -> String {
+    let mut t = String::new();
+    for operation in &motion.operations {
+        let name = &program.operations[operation.operation].name;
+        let time: f64 = operation.moves.iter().map(|m| m.time).sum();
+        let _ = writeln!(t, "{} {name}: {} moves, {time:.3} s", operation.operation, operation.moves.len());
+        let mut last = None;
+        for (i, m) in operation.moves.iter().enumerate() {
+            if detail == Detail::Summary && last == Some(m.pass) {
+                continue;
+            }
+            last = Some(m.pass);
+            let j = &m.joints;
+            let feed = m.feed.map_or("rapid".to_owned(), |f| format!("feed {f:.3}"));
+            let _ = writeln!(
+                t,
+                "  {i} {} X {:.4} Y {:.4} Z {:.4} A {:.4} C {:.4} {feed} time {:.4}",
+                word(m.kind),
+                j.xyz.x + 0.0,
+                j.xyz.y + 0.0,
+                j.xyz.z + 0.0,
+                j.a.to_degrees(),
+                j.c.to_degrees(),
+                m.time
+            );
+        }
+    }
+    t
+}
