@@ -160,6 +160,19 @@ pub fn project(part: &Part, surface: SurfaceId, near: &Point3<f64>) -> Option<(P
     }
 }
 
+/// Most samples that are made of a part: a few gigabytes with all that is built on them.
+pub const MOST_SAMPLES: f64 = 1.5e7;
+
+/// Rough number of samples of a part at a spacing.
+pub fn estimate(part: &Part, spacing: f64) -> f64 {
+    let outlet = part.hub.meridian(1.0).point.x.max(part.hub.meridian(0.0).point.x);
+    let length = guide_length(part, Side::Pressure).max(guide_length(part, Side::Suction));
+    let height =
+        [0.0, 0.5, 1.0].map(|u| part.vane.pressure.surface.tangents(u, 0.0).2.norm()).into_iter().fold(0.0, f64::max);
+    let area = std::f64::consts::TAU * outlet * length + f64::from(part.vane_count) * 2.0 * length * height;
+    area * UNEVEN / (spacing * spacing)
+}
+
 /// Samples all design surfaces of all sectors so that neighbours lie at most `spacing` apart, in a fixed order.
 ///
 /// What lies outside of the turned blank is not there: fillets end at the inlet cone and the outlet cylinder.

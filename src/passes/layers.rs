@@ -100,9 +100,14 @@ impl<'a> Roughing<'a> {
         CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
     }
 
+    /// Number of layers from a level down to the hub.
+    pub(super) fn layer_count(&self, top: f64) -> f64 {
+        (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0)
+    }
+
     /// Layers from `top` (a level already cleared, 1 for the shroud) down, and why they end.
     pub(super) fn layers(&self, top: f64) -> (Vec<Layer>, End) {
-        let count = (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0);
+        let count = self.layer_count(top);
         let mut layers = Vec::new();
         for number in 1..=count as usize {
             let level = top * (1.0 - number as f64 / count);

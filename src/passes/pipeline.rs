@@ -6,6 +6,7 @@ use super::{
     plan_groove, sample_to_tolerance, solve_kinematics, time_feeds,
 };
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::design;
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
 
 /// What a pass may look at, and where it reports.
@@ -18,7 +19,12 @@ pub(super) struct PassContext<'a> {
 impl<'a> PassContext<'a> {
     /// Room finder of a roughing operation.
     pub(super) fn roughing(&mut self, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
-        Roughing::new(self.program, operation, self.obstacles).ok_or_else(|| {
+        let roughing = Roughing::new(self.program, operation, self.obstacles);
+        if let Some(roughing) = &roughing {
+            // A layer takes some ten thousand looks at the part: as long as that many points.
+            check_points(self, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
+        }
+        roughing.ok_or_else(|| {
             self.sink.push(Diag::error(
                 planning::NO_ROOM,
                 format!("`{}` has no layers: it is no roughing operation", operation.name),
@@ -27,6 +33,9 @@ impl<'a> PassContext<'a> {
         })
     }
 }
+
+/// Distance queries that measuring a layer takes.
+const LOOKS_PER_LAYER: f64 = 1e4;
 
 /// Values of the planning stages.
 #[derive(Clone, Debug)]
@@ -63,6 +72,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
 /// # Errors
 /// Any pass that cannot do its work; all operations are tried before giving up, and the reasons are in the sink.
 pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
+    check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part);
     let mut cx = PassContext { program, obstacles: &obstacles, sink };
     let cc = plan(&mut cx)?;
@@ -74,6 +84,49 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
     time_feeds::run(program, &mut motion);
     Ok(Plan { cc, cl, motion })
+}
+
+/// Refuses parts that cannot be sampled.
+fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+    let samples = design::estimate(&program.part, FINEST_SPACING);
+    if samples <= design::MOST_SAMPLES {
+        return Ok(());
+    }
+    let outlet = program.part.hub.meridian(1.0).point.x;
+    sink.push(
+        Diag::error(
+            planning::TOO_LARGE,
+            format!(
+                "a part of {outlet:.0} mm radius needs {samples:.1e} samples; at most {:.1e} are made",
+                design::MOST_SAMPLES
+            ),
+        )
+        .help("check the units of the points"),
+    );
+    Err(Aborted)
+}
+
+/// Spacing of the samples that verification will need, mm.
+const FINEST_SPACING: f64 = 0.25;
+
+/// Most points of the plan of one operation.
+const MOST_POINTS: f64 = 2e7;
+
+/// Refuses an operation whose plan would have too many points.
+pub(super) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
+    let points = points * operation.sectors.len() as f64;
+    if points <= MOST_POINTS {
+        return Ok(());
+    }
+    cx.sink.push(
+        Diag::error(
+            planning::TOO_FINE,
+            format!("`{}` would have {points:.1e} points; at most {MOST_POINTS:.1e} are planned", operation.name),
+        )
+        .label(operation.span, "this operation steps too finely")
+        .help("a bigger `depth`, `residual` or `scallop`, or fewer `sectors`"),
+    );
+    Err(Aborted)
 }
 
 /// The `plan-*` passes, in the order of the operations. Roughing goes on from the level that earlier roughing of the

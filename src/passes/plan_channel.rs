@@ -4,7 +4,7 @@
 //! roll in the fillets. Their number is the least that keeps the scallop height everywhere by the exact law with the
 //! curvature of the hub across the line.
 
-use super::pipeline::PassContext;
+use super::pipeline::{PassContext, check_points};
 use super::plan_flank::STATIONS;
 use super::scallop;
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -79,6 +79,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         }
     }
     let count = count.ceil();
+    check_points(cx, operation, count * grid.len() as f64)?;
     let lines: Vec<Vec<CcPoint>> = (0..=count as usize)
         .map(|j| {
             let share = j as f64 / count;

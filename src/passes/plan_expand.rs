@@ -5,7 +5,7 @@
 //! a step apart everywhere and none crowd at the narrow inlet. Order: from the groove outward to the walls.
 
 use super::layers::{Layer, Roughing};
-use super::pipeline::PassContext;
+use super::pipeline::{PassContext, check_points};
 use super::plan_groove::{check_room, describe, per_sector};
 use super::scallop;
 use crate::diag::Aborted;
@@ -29,6 +29,10 @@ pub(super) fn plan(
     let step = scallop::formula_9_step(solid.radius(), residual.get());
     let mut notes = vec![describe(&layers, &end, top)];
     let mut lines = Vec::new();
+    let widest =
+        layers.iter().flat_map(|l| l.stations.iter().map(|s| roughing.chart.width(s.u, l.level))).fold(0.0, f64::max);
+    let stations: usize = layers.iter().map(|l| l.stations.len()).sum();
+    check_points(cx, operation, widest / step * stations as f64)?;
     for layer in &layers {
         let count = v_lines(&roughing, layer, step, &mut lines);
         if layer.number == layers.len() {

@@ -13,7 +13,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Spacing of the grid, mm: an island that stays unseen is thinner than this.
-pub const GRID: f64 = 1.0;
+const GRID: f64 = 1.0;
+
+/// Most points of the grid; on a larger part they stand farther apart.
+const MOST_POINTS: f64 = 4e6;
 
 /// Share of the samples that is asked: with 0.25 mm between samples, rows stay a quarter, columns nearly three millimetres apart.
 const STRIDE: usize = 11;
@@ -45,13 +48,14 @@ fn room(program: &Program, design: &Cloud) -> Vec<(Point3<f64>, f64)> {
     for p in profile {
         (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
     }
-    let steps = |length: f64| (length / GRID).floor() as i64;
+    let grid = GRID.max((4.0 * r_max * r_max * (high - low) / MOST_POINTS).cbrt());
+    let steps = |length: f64| (length / grid).floor() as i64;
     let n = steps(r_max);
     (0..=steps(high - low))
         .into_par_iter()
         .flat_map_iter(|k| {
-            let z = low + k as f64 * GRID;
-            (-n..=n).flat_map(move |i| (-n..=n).map(move |j| Point3::new(i as f64 * GRID, j as f64 * GRID, z)))
+            let z = low + k as f64 * grid;
+            (-n..=n).flat_map(move |i| (-n..=n).map(move |j| Point3::new(i as f64 * grid, j as f64 * grid, z)))
         })
         .filter_map(|p| {
             let r = p.x.hypot(p.y);

@@ -9,6 +9,14 @@ Way out: a thinner tool, a longer reach, a slimmer holder, or smaller allowances
         "The ball that finishes the root of a vane leaves a fillet of its own radius. A ball bigger than the declared \
 fillet leaves material where the design has none.\n\nExample: `fillet 2 mm` with a ball of 6 mm diameter.\n\n\
 Way out: a ball of at most twice the fillet radius in diameter, or a bigger fillet.";
+    TOO_FINE = "IMP0404", "more passes than can be planned",
+        "The step between layers or lines is so small against the part that the plan would have more points than a \
+control would ever run, or memory could hold.\n\nExample: `depth 0.01 mm` on a channel 26 mm deep in eight sectors.\n\n\
+Way out: a bigger `depth`, `residual` or `scallop`, or fewer `sectors` a job.";
+    TOO_LARGE = "IMP0405", "the part is too large to be checked",
+        "Planner and verifier look at samples of the design surfaces at a fixed spacing. On this part there would be more \
+of them than memory can hold. Most often a length has the wrong unit.\n\n\
+Way out: check the units of the points.";
     NO_FILLET = "IMP0403", "the ball touches vane and hub nowhere",
         "Along some ruling there is no place where a ball of this radius touches the face and the hub together: the \
 ruling is too short for the ball, or the face leans over the hub.\n\n\
