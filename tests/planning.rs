@@ -37,24 +37,3 @@ fn one_sector_of_the_paper_part_is_planned() {
     }
     assert_eq!(plan.motion.operations.len(), 6);
 }
-
-#[test]
-#[ignore = "slow: the whole part; run with --release"]
-fn whole_part_is_verified() {
-    let sectors: Vec<u32> = match std::env::var("SECTORS") {
-        Ok(n) => (0..n.parse().unwrap()).collect(),
-        Err(_) => (0..8).collect(),
-    };
-    let program = support::wei_program(&sectors);
-    let mut sink = Sink::default();
-    let start = std::time::Instant::now();
-    let plan = pipeline::run(&program, &mut sink).expect("a plan");
-    println!("planned in {:?}", start.elapsed());
-    let start = std::time::Instant::now();
-    let certificate = impellerc::verify::certify(&program, &plan.motion, &mut sink).expect("a certificate");
-    println!("verified in {:?}", start.elapsed());
-    println!("{}", certificate.text(&program, &plan.motion));
-    for d in sink.diags() {
-        println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
-    }
-}

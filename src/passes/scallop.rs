@@ -21,8 +21,9 @@ pub fn curved_step(radius: f64, h: f64, curvature: f64) -> f64 {
     let rho = 1.0 / curvature;
     // For a hollow surface rho is negative, and so are all lengths from its centre.
     let (centre, ridge) = (rho + radius, rho + h);
-    let cos = (centre * centre + ridge * ridge - radius * radius) / (2.0 * centre * ridge);
-    2.0 * rho.abs() * cos.clamp(-1.0, 1.0).acos()
+    // Law of cosines for the quarter angle: without the cancellation of an arc cosine near one.
+    let quarter = ((2.0 * radius * h - h * h) / (4.0 * centre * ridge)).clamp(0.0, 1.0).sqrt().asin();
+    4.0 * rho.abs() * quarter
 }
 
 #[cfg(test)]
