@@ -98,6 +98,12 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
     let mut text = certificate.text(&program, motion.get());
+    text.push_str("\nhow the operations were planned\n");
+    for planned in &plan.cl.operations {
+        for note in &planned.notes {
+            text.push_str(&format!("  {:<12} {note}\n", program.operations[planned.operation].name));
+        }
+    }
     text.push_str(&format!(
         "\n{} text read back: {} moves, tip within {:.6} mm, tool axis within {:.1e} rad of the motion\n",
         post.name(),
