@@ -51,6 +51,8 @@ fn end(cutter: &Cutter) -> End {
         Cutter::Ball { radius } => End { radius, corner: radius },
         Cutter::Bull { radius, corner } => End { radius, corner },
         Cutter::TaperedBall { ball, .. } => End { radius: ball, corner: ball },
+        Cutter::Barrel { tip, .. } => End { radius: tip, corner: tip },
+        Cutter::Lollipop { radius } => End { radius, corner: radius },
     }
 }
 
@@ -61,6 +63,12 @@ fn resized(cutter: &Cutter, radius: f64) -> Cutter {
         Cutter::Ball { .. } => Cutter::Ball { radius },
         Cutter::Bull { corner, .. } => Cutter::Bull { radius, corner },
         Cutter::TaperedBall { half_angle, .. } => Cutter::TaperedBall { ball: radius, half_angle },
+        // A smaller tool of the kind keeps its proportions.
+        Cutter::Barrel { radius: r, barrel, tip } => {
+            let scale = radius / tip;
+            Cutter::Barrel { radius: r * scale, barrel: barrel * scale, tip: radius }
+        }
+        Cutter::Lollipop { .. } => Cutter::Lollipop { radius },
     }
 }
 
@@ -95,9 +103,11 @@ impl Finder<'_> {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
             let face = &self.part.vane.pressure.surface;
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
-            // An untapered tool has its full radius everywhere; a taper grows with the height.
+            // An untapered tool has its full radius everywhere; a taper or a barrel grows with the height.
             let radius = match *cutter {
-                Cutter::TaperedBall { .. } => cutter.radius_at((level.v - from).max(0.0) * ruling),
+                Cutter::TaperedBall { .. } | Cutter::Barrel { .. } => {
+                    cutter.radius_at((level.v - from).max(0.0) * ruling)
+                }
                 _ => end(cutter).radius,
             };
             2.0 * (radius + vane) <= level.distance

@@ -1,7 +1,9 @@
 //! Distances between tool solids and part surfaces. Knows nothing of jobs, IR or diagnostics.
 
 pub mod cloud;
+pub mod cutter;
 pub mod tool;
 
 pub use cloud::{Cloud, CloudPoint};
-pub use tool::{Cutter, Section, ToolSolid};
+pub use cutter::{Cutter, Slope};
+pub use tool::{Section, ToolSolid};

@@ -3,112 +3,8 @@
 //! A point is given by its distance `rho` from the axis and its height `s` over the tip. Distances are signed,
 //! negative inside.
 
+use super::cutter::{Cutter, Slope, norm};
 use nalgebra::{Point3, Vector3};
-
-/// Cutting part; it goes up to the end of the flutes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cutter {
-    /// Flat end mill.
-    Flat {
-        /// Radius.
-        radius: f64,
-    },
-    /// Ball end mill.
-    Ball {
-        /// Radius.
-        radius: f64,
-    },
-    /// Bull nose end mill.
-    Bull {
-        /// Radius.
-        radius: f64,
-        /// Corner radius, below the radius.
-        corner: f64,
-    },
-    /// Tapered ball end mill.
-    TaperedBall {
-        /// Radius of the ball.
-        ball: f64,
-        /// Angle between axis and side, radians, in (0, pi/4).
-        half_angle: f64,
-    },
-}
-
-impl Cutter {
-    /// Signed distance to the cutter, its side continued upward without end. Exact inside and outside.
-    pub fn distance(&self, rho: f64, s: f64) -> f64 {
-        match *self {
-            Self::Flat { radius } => rounded_box(rho, s, radius, 0.0),
-            Self::Bull { radius, corner } => rounded_box(rho, s, radius, corner),
-            Self::Ball { radius } => {
-                if s < radius {
-                    norm(rho, s - radius) - radius
-                } else {
-                    rho - radius
-                }
-            }
-            Self::TaperedBall { ball, half_angle } => {
-                // Side line through the tangent point of the ball; its region begins at the normal of the ball there.
-                let (sin, cos) = half_angle.sin_cos();
-                let height = s - ball;
-                if height * cos + rho * sin > 0.0 { rho * cos - height * sin - ball } else { norm(rho, height) - ball }
-            }
-        }
-    }
-
-    /// Radius at a height over the tip, zero below it.
-    pub fn radius_at(&self, s: f64) -> f64 {
-        if s < 0.0 {
-            return 0.0;
-        }
-        match *self {
-            Self::Flat { radius } => radius,
-            Self::Ball { radius } => cap(radius, s),
-            Self::Bull { radius, corner } => radius - corner + cap(corner, s),
-            Self::TaperedBall { ball, half_angle } => {
-                let tangent = ball * (1.0 - half_angle.sin());
-                if s < tangent { cap(ball, s) } else { (ball + (s - ball) * half_angle.sin()) / half_angle.cos() }
-            }
-        }
-    }
-
-    /// Radius of the rounding that meets the floor: the ball radius, or the corner radius; zero for a flat end.
-    pub fn tip_radius(&self) -> f64 {
-        match *self {
-            Self::Flat { .. } => 0.0,
-            Self::Ball { radius } => radius,
-            Self::Bull { corner, .. } => corner,
-            Self::TaperedBall { ball, .. } => ball,
-        }
-    }
-
-    /// Name in the job language.
-    pub fn keyword(&self) -> &'static str {
-        match self {
-            Self::Flat { .. } => "flat",
-            Self::Ball { .. } => "ball",
-            Self::Bull { .. } => "bull",
-            Self::TaperedBall { .. } => "tapered-ball",
-        }
-    }
-}
-
-/// Length of a vector of moderate size: several times as fast as `hypot`, which guards against overflow.
-fn norm(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
-}
-
-/// Radius of a ball of this radius at height s over its lowest point, its own radius above the centre.
-fn cap(radius: f64, s: f64) -> f64 {
-    if s < radius { (s * (2.0 * radius - s)).max(0.0).sqrt() } else { radius }
-}
-
-/// Cylinder over s >= 0, open upward, with a rounded lower corner.
-fn rounded_box(rho: f64, s: f64, radius: f64, corner: f64) -> f64 {
-    let out = rho - (radius - corner);
-    let below = corner - s;
-    norm(out.max(0.0), below.max(0.0)) + out.max(below).min(0.0) - corner
-}
 
 /// A frustum of the non-cutting part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,14 +57,32 @@ impl ToolSolid {
         self.cutter.radius_at(self.flute_length)
     }
 
-    /// Signed distance to the cutting part; above the end of the flutes it is closed by a plane.
+    /// Signed distance to the cutting part, closed by a plane at the end of the flutes. Exact inside and outside, so
+    /// that it is convex and changes no faster than the point moves.
     pub fn cutter_distance(&self, rho: f64, s: f64) -> f64 {
+        // Far below the end of the flutes the side decides, which is nearly every call.
         let side = self.cutter.distance(rho, s);
-        if s <= self.flute_length {
+        if s + side.abs() < self.flute_length { side } else { self.capped(self.cutter.slope(rho, s), rho, s).value }
+    }
+
+    /// [`Self::cutter_distance`] with its gradient.
+    pub fn cutter_slope(&self, rho: f64, s: f64) -> Slope {
+        let side = self.cutter.slope(rho, s);
+        if s + side.value.abs() < self.flute_length { side } else { self.capped(side, rho, s) }
+    }
+
+    fn capped(&self, side: Slope, rho: f64, s: f64) -> Slope {
+        let over = s - self.flute_length;
+        let foot = s - side.value * side.s;
+        if foot <= self.flute_length && side.value >= over {
             return side;
         }
-        // Above the plane: distance to the disc at the end of the flutes.
-        norm((rho - self.radius()).max(0.0), s - self.flute_length)
+        let out = rho - self.radius();
+        if out <= 0.0 || (over <= 0.0 && side.value <= 0.0) {
+            return Slope { value: over, rho: 0.0, s: 1.0 };
+        }
+        let value = norm(out, over);
+        Slope { value, rho: out / value, s: over / value }
     }
 
     /// Signed distance to shank and holder.

@@ -1,0 +1,307 @@
+//! The cutting part of a tool as a convex body of revolution.
+//!
+//! A point is given by its distance `rho` from the axis and its height `s` over the tip. The signed distance to a
+//! convex body is convex, which the verifier's proof between samples rests on.
+
+/// Cutting part; it goes up to the end of the flutes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cutter {
+    /// Flat end mill.
+    Flat {
+        /// Radius.
+        radius: f64,
+    },
+    /// Ball end mill.
+    Ball {
+        /// Radius.
+        radius: f64,
+    },
+    /// Bull nose end mill.
+    Bull {
+        /// Radius.
+        radius: f64,
+        /// Corner radius, below the radius.
+        corner: f64,
+    },
+    /// Tapered ball end mill.
+    TaperedBall {
+        /// Radius of the ball.
+        ball: f64,
+        /// Angle between axis and side, radians, in (0, pi/4).
+        half_angle: f64,
+    },
+    /// Barrel: a ball tip, tangent to it an arc that bulges to the largest radius, a cylinder above.
+    Barrel {
+        /// Largest radius.
+        radius: f64,
+        /// Radius of the arc, above the largest radius.
+        barrel: f64,
+        /// Radius of the ball tip, below the largest radius.
+        tip: f64,
+    },
+    /// Lollipop: a ball on a thinner neck. The ball ends where the neck begins, see [`Cutter::neck_height`].
+    Lollipop {
+        /// Radius of the ball.
+        radius: f64,
+    },
+}
+
+/// A signed distance with its gradient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Signed distance.
+    pub value: f64,
+    /// Change with the distance from the axis.
+    pub rho: f64,
+    /// Change with the height.
+    pub s: f64,
+}
+
+impl Cutter {
+    /// Signed distance to the cutter, its side continued upward without end. Exact inside and outside.
+    pub fn distance(&self, rho: f64, s: f64) -> f64 {
+        match *self {
+            Self::Flat { radius } => rounded_box(rho, s, radius, 0.0),
+            Self::Bull { radius, corner } => rounded_box(rho, s, radius, corner),
+            Self::Ball { radius } => {
+                if s < radius {
+                    norm(rho, s - radius) - radius
+                } else {
+                    rho - radius
+                }
+            }
+            _ => self.slope(rho, s).value,
+        }
+    }
+
+    /// [`Self::distance`] with its gradient; at a kink one of the slopes beside it.
+    pub fn slope(&self, rho: f64, s: f64) -> Slope {
+        let side = |value: f64| Slope { value, rho: 1.0, s: 0.0 };
+        match *self {
+            Self::Flat { radius } => rounded_box_slope(rho, s, radius, 0.0),
+            Self::Bull { radius, corner } => rounded_box_slope(rho, s, radius, corner),
+            Self::Ball { radius } if s >= radius => side(rho - radius),
+            Self::Ball { radius } | Self::Lollipop { radius } => from_centre(rho, s - radius, radius),
+            Self::TaperedBall { ball, half_angle } => {
+                // Side line through the tangent point of the ball; its region begins at the normal of the ball there.
+                let (sin, cos) = half_angle.sin_cos();
+                let height = s - ball;
+                if height * cos + rho * sin > 0.0 {
+                    Slope { value: rho * cos - height * sin - ball, rho: cos, s: -sin }
+                } else {
+                    from_centre(rho, height, ball)
+                }
+            }
+            Self::Barrel { radius, barrel, tip } => {
+                let (inward, height) = (barrel - radius, barrel_height(radius, barrel, tip));
+                if s >= height {
+                    side(rho - radius)
+                } else if (rho + inward) * (tip - height) < (s - height) * inward {
+                    // Above the line from the centre of the arc through that of the ball, where both are tangent.
+                    from_centre(rho + inward, s - height, barrel)
+                } else {
+                    from_centre(rho, s - tip, tip)
+                }
+            }
+        }
+    }
+
+    /// Radius at a height over the tip, zero below it.
+    pub fn radius_at(&self, s: f64) -> f64 {
+        if s < 0.0 {
+            return 0.0;
+        }
+        match *self {
+            Self::Flat { radius } => radius,
+            Self::Ball { radius } => cap(radius, s),
+            Self::Bull { radius, corner } => radius - corner + cap(corner, s),
+            Self::TaperedBall { ball, half_angle } => {
+                let tangent = ball * (1.0 - half_angle.sin());
+                if s < tangent { cap(ball, s) } else { (ball + (s - ball) * half_angle.sin()) / half_angle.cos() }
+            }
+            Self::Barrel { radius, barrel, tip } => {
+                let height = barrel_height(radius, barrel, tip);
+                // The ball ends on the line through both centres.
+                let tangent = tip - tip * (height - tip) / (barrel - tip);
+                if s < tangent {
+                    cap(tip, s)
+                } else if s < height {
+                    ((barrel - (height - s)) * (barrel + (height - s))).max(0.0).sqrt() - (barrel - radius)
+                } else {
+                    radius
+                }
+            }
+            Self::Lollipop { radius } => (s * (2.0 * radius - s)).max(0.0).sqrt(),
+        }
+    }
+
+    /// Largest radius below a height.
+    pub fn widest_below(&self, s: f64) -> f64 {
+        match *self {
+            Self::Lollipop { radius } => self.radius_at(s.min(radius)),
+            _ => self.radius_at(s),
+        }
+    }
+
+    /// Radius of the rounding that meets the floor: the ball radius, or the corner radius; zero for a flat end.
+    pub fn tip_radius(&self) -> f64 {
+        match *self {
+            Self::Flat { .. } => 0.0,
+            Self::Ball { radius } | Self::Lollipop { radius } => radius,
+            Self::Bull { corner, .. } => corner,
+            Self::TaperedBall { ball, .. } => ball,
+            Self::Barrel { tip, .. } => tip,
+        }
+    }
+
+    /// Least radius of curvature anywhere on the cutter below the end of the flutes, zero with a sharp edge.
+    pub fn least_curvature_radius(&self) -> f64 {
+        self.tip_radius()
+    }
+
+    /// Height at which a neck of a radius leaves the ball of a lollipop; `None` for other cutters or too thick a neck.
+    pub fn neck_height(&self, neck: f64) -> Option<f64> {
+        match *self {
+            Self::Lollipop { radius } if neck > 0.0 && neck < radius => {
+                Some(radius + ((radius - neck) * (radius + neck)).sqrt())
+            }
+            _ => None,
+        }
+    }
+
+    /// Height over the tip at which a barrel has its largest radius; `None` for other cutters.
+    pub fn barrel_height(&self) -> Option<f64> {
+        match *self {
+            Self::Barrel { radius, barrel, tip } => Some(barrel_height(radius, barrel, tip)),
+            _ => None,
+        }
+    }
+
+    /// Name in the job language.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Flat { .. } => "flat",
+            Self::Ball { .. } => "ball",
+            Self::Bull { .. } => "bull",
+            Self::TaperedBall { .. } => "tapered-ball",
+            Self::Barrel { .. } => "barrel",
+            Self::Lollipop { .. } => "lollipop",
+        }
+    }
+}
+
+/// Length of a vector of moderate size: several times as fast as `hypot`, which guards against overflow.
+pub(super) fn norm(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Radius of a ball of this radius at height s over its lowest point, its own radius above the centre.
+fn cap(radius: f64, s: f64) -> f64 {
+    if s < radius { (s * (2.0 * radius - s)).max(0.0).sqrt() } else { radius }
+}
+
+/// Height of the centre of the arc of a barrel: arc and ball touch from inside.
+fn barrel_height(radius: f64, barrel: f64, tip: f64) -> f64 {
+    let (between, inward) = (barrel - tip, barrel - radius);
+    tip + ((between - inward) * (between + inward)).max(0.0).sqrt()
+}
+
+/// Distance to a circle about a centre, by the position relative to it.
+fn from_centre(rho: f64, height: f64, radius: f64) -> Slope {
+    let length = norm(rho, height);
+    // At the centre itself any direction is a slope.
+    let (r, s) = if length > 0.0 { (rho / length, height / length) } else { (0.0, -1.0) };
+    Slope { value: length - radius, rho: r, s }
+}
+
+/// Cylinder over s >= 0, open upward, with a rounded lower corner.
+fn rounded_box(rho: f64, s: f64, radius: f64, corner: f64) -> f64 {
+    let out = rho - (radius - corner);
+    let below = corner - s;
+    norm(out.max(0.0), below.max(0.0)) + out.max(below).min(0.0) - corner
+}
+
+fn rounded_box_slope(rho: f64, s: f64, radius: f64, corner: f64) -> Slope {
+    let out = rho - (radius - corner);
+    let below = corner - s;
+    if out > 0.0 && below > 0.0 {
+        let length = norm(out, below);
+        Slope { value: length - corner, rho: out / length, s: -below / length }
+    } else if out >= below {
+        Slope { value: out - corner, rho: 1.0, s: 0.0 }
+    } else {
+        Slope { value: below - corner, rho: 0.0, s: -1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::ToolSolid;
+
+    fn solids() -> Vec<ToolSolid> {
+        let solid = |cutter, flute_length| ToolSolid { cutter, flute_length, shank: Vec::new(), holder: Vec::new() };
+        let lollipop = Cutter::Lollipop { radius: 3.0 };
+        vec![
+            solid(Cutter::Flat { radius: 4.0 }, 12.0),
+            solid(Cutter::Ball { radius: 3.0 }, 12.0),
+            solid(Cutter::Bull { radius: 4.0, corner: 1.0 }, 12.0),
+            solid(Cutter::TaperedBall { ball: 1.5, half_angle: 0.1 }, 12.0),
+            solid(Cutter::Barrel { radius: 5.0, barrel: 40.0, tip: 1.0 }, 14.0),
+            solid(lollipop, lollipop.neck_height(2.0).unwrap()),
+        ]
+    }
+
+    /// Dense points of the outline of a solid in the half plane, from its radius alone.
+    fn outline(solid: &ToolSolid) -> Vec<(f64, f64)> {
+        let n = 60_000;
+        let top = solid.flute_length;
+        // Heights crowd at the tip, where the radius grows fastest.
+        let side = (0..=n).map(|i| top * (f64::from(i) / f64::from(n)).powi(2)).map(|s| (solid.cutter.radius_at(s), s));
+        let lid = (0..=n).map(|i| (solid.radius() * f64::from(i) / f64::from(n), top));
+        let floor = (0..=n).map(|i| (solid.cutter.radius_at(0.0) * f64::from(i) / f64::from(n), 0.0));
+        side.chain(lid).chain(floor).collect()
+    }
+
+    #[test]
+    fn distances_equal_the_nearest_point_of_the_outline() {
+        for solid in solids() {
+            let outline = outline(&solid);
+            for k in 0..400 {
+                let (rho, s) = (f64::from(k % 20) * 0.45 + 0.01, f64::from(k / 20) * 0.95 - 2.0);
+                let brute = outline.iter().map(|(r, h)| norm(rho - r, s - h)).fold(f64::INFINITY, f64::min);
+                let inside = s > 0.0 && s < solid.flute_length && rho < solid.cutter.radius_at(s);
+                let expected = if inside { -brute } else { brute };
+                let found = solid.cutter_distance(rho, s);
+                assert!((found - expected).abs() < 2e-3, "{:?} {rho} {s}: {found} {expected}", solid.cutter);
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_equal_differences_and_carry_the_body() {
+        for solid in solids() {
+            let mut checked = 0;
+            for k in 0..400 {
+                let (rho, s) = (f64::from(k % 20) * 0.45 + 0.013, f64::from(k / 20) * 0.95 - 2.017);
+                let at = solid.cutter_slope(rho, s);
+                assert!((at.value - solid.cutter_distance(rho, s)).abs() < 1e-12);
+                let h = 1e-6;
+                let difference = |a: f64, b: f64| (a - b) / (2.0 * h);
+                let dr = difference(solid.cutter_distance(rho + h, s), solid.cutter_distance(rho - h, s));
+                let ds = difference(solid.cutter_distance(rho, s + h), solid.cutter_distance(rho, s - h));
+                if (dr - at.rho).abs() < 1e-4 && (ds - at.s).abs() < 1e-4 {
+                    checked += 1;
+                }
+                // Convex: the tangent lies below everywhere.
+                for j in 0..400 {
+                    let (r2, s2) = (f64::from(j % 20) * 0.47, f64::from(j / 20) * 0.9 - 1.9);
+                    let tangent = at.value + at.rho * (r2 - rho) + at.s * (s2 - s);
+                    assert!(solid.cutter_distance(r2, s2) >= tangent - 1e-12, "{:?}", solid.cutter);
+                }
+            }
+            // Kinks of the inside have no slope of their own.
+            assert!(checked > 380, "{:?} {checked}", solid.cutter);
+        }
+    }
+}
