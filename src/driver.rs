@@ -1,6 +1,7 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage, and the only place that reads files.
 
 mod library;
+mod nc_check;
 mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
@@ -11,9 +12,10 @@ use crate::job::Job;
 use crate::passes::pipeline;
 use crate::post::{self, Post};
 use crate::source::SourceMap;
-use crate::verify::{self, Certificate};
+use crate::verify::Certificate;
 use crate::{analysis, export, job, lower, output};
 pub use library::DiskFiles;
+pub use nc_check::{NcCheck, verify};
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
 
@@ -83,7 +85,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = planned;
         return Ok(());
     }
-    let (motion, certificate) = stages.run("verify", || verify::verify(&program, plan.motion, sink))?;
+    let (motion, certificate) = stages.run("verify", || crate::verify::verify(&program, plan.motion, sink))?;
 
     post.check(&program, motion.get(), sink);
     if sink.has_errors() {
@@ -169,17 +171,22 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
     })
 }
 
-/// Lines of the comment block at the head of the NC text.
-fn header(program: &Program, certificate: &Certificate, sources: &SourceMap) -> Vec<String> {
+/// Hash of all texts that take part, hexadecimal.
+fn inputs_hash(sources: &SourceMap) -> String {
     let mut hash = blake3::Hasher::new();
     for file in sources.files() {
         // Lengths keep texts apart; names are left out, so that the same job elsewhere hashes the same.
         hash.update(&(file.text.len() as u64).to_le_bytes());
         hash.update(file.text.as_bytes());
     }
+    hash.finalize().to_string()
+}
+
+/// Lines of the comment block at the head of the NC text.
+fn header(program: &Program, certificate: &Certificate, sources: &SourceMap) -> Vec<String> {
     let mut lines = vec![
         format!("impellerc {}, verified", env!("CARGO_PKG_VERSION")),
-        format!("inputs blake3 {}", hash.finalize()),
+        format!("inputs blake3 {}", inputs_hash(sources)),
         format!("part {}, machine {}, zero at the origin of the part frame, mm", program.name, program.machine.name),
     ];
     for c in &certificate.contracts {

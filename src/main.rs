@@ -4,7 +4,7 @@
 
 use clap::{Parser, Subcommand, ValueEnum};
 use impellerc::diag::{Code, render};
-use impellerc::driver::{self, Emit, Options, Stages};
+use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, Stages};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,6 +56,35 @@ enum Command {
         /// The code
         code: String,
     },
+    /// Measures NC text of any origin against a job
+    Verify {
+        /// NC text
+        nc: PathBuf,
+
+        /// Job that the text must fulfil
+        #[arg(long, value_name = "FILE")]
+        job: Option<PathBuf>,
+
+        /// Dialect of the text instead of the job's
+        #[arg(long, value_name = "NAME")]
+        post: Option<String>,
+
+        /// Folder with `machines` and `tools` that is searched first
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+
+        /// Certificate that the text must belong to
+        #[arg(long, value_name = "FILE")]
+        certificate: Option<PathBuf>,
+
+        /// Print the time of each stage
+        #[arg(long)]
+        timings: bool,
+
+        /// How to report faults
+        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+        error_format: ErrorFormat,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -86,37 +115,48 @@ enum EmitArgument {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    if let Some(Command::Explain { code }) = &arguments.command {
-        return explain(code);
+    match arguments.command {
+        Some(Command::Explain { code }) => explain(&code),
+        Some(Command::Verify { nc, job, post, library, certificate, timings, error_format }) => {
+            let check = NcCheck { nc, job, library, post, certificate };
+            finish(error_format, timings, |stages| driver::verify(&check, stages))
+        }
+        None => {
+            let options = Options {
+                job: arguments.job.unwrap_or_default(),
+                output: arguments.output,
+                library: arguments.library,
+                post: arguments.post,
+                picture: arguments.picture,
+                emit: arguments.emit.map(|e| match e {
+                    EmitArgument::Ast => Emit::Ast,
+                    EmitArgument::Job => Emit::Job,
+                    EmitArgument::Ir => Emit::Ir,
+                    EmitArgument::Cc => Emit::Cc,
+                    EmitArgument::Cl => Emit::Cl,
+                    EmitArgument::Motion => Emit::Motion,
+                    EmitArgument::Nc => Emit::Nc,
+                }),
+            };
+            finish(arguments.error_format, arguments.timings, |stages| driver::compile(&options, stages))
+        }
     }
-    let options = Options {
-        job: arguments.job.unwrap_or_default(),
-        output: arguments.output,
-        library: arguments.library,
-        post: arguments.post,
-        picture: arguments.picture,
-        emit: arguments.emit.map(|e| match e {
-            EmitArgument::Ast => Emit::Ast,
-            EmitArgument::Job => Emit::Job,
-            EmitArgument::Ir => Emit::Ir,
-            EmitArgument::Cc => Emit::Cc,
-            EmitArgument::Cl => Emit::Cl,
-            EmitArgument::Motion => Emit::Motion,
-            EmitArgument::Nc => Emit::Nc,
-        }),
-    };
+}
+
+/// Runs the work and reports what it found.
+fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> Outcome) -> ExitCode {
     let terminal = std::io::stderr().is_terminal();
-    let human = arguments.error_format == ErrorFormat::Human;
+    let human = format == ErrorFormat::Human;
     let mut stages = Stages::default();
     stages.progress = terminal && human;
-    let outcome = driver::compile(&options, &mut stages);
+    let outcome = work(&mut stages);
     let colour = terminal && std::env::var_os("NO_COLOR").is_none();
     say(&if human {
         render::human(&outcome.sink, &outcome.sources, colour)
     } else {
         render::json(&outcome.sink, &outcome.sources)
     });
-    if arguments.timings {
+    if timings {
         say(&stages.report());
     }
     let written = outcome.emitted.is_none_or(|text| print(&text));

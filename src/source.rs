@@ -78,6 +78,16 @@ impl SourceMap {
         &self.files
     }
 
+    /// The span of a line, from 1, without its end and the blanks around it; `None` when there is no such line.
+    pub fn line_span(&self, id: SourceId, line: usize) -> Option<Span> {
+        let text = &self.get(id)?.text;
+        let found = text.lines().nth(line.checked_sub(1)?)?;
+        let start = found.as_ptr() as usize - text.as_ptr() as usize;
+        let trimmed = found.trim();
+        let start = start + (found.len() - found.trim_start().len());
+        Some(Span::new(id, start..start + trimmed.len()))
+    }
+
     /// One-based line and column (in characters) of the start of a span.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let Some(file) = self.get(span.source) else { return (1, 1) };

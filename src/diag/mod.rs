@@ -39,6 +39,8 @@ pub struct Place {
     pub what: String,
     /// Position in mm.
     pub point: Point3<f64>,
+    /// Operation of the motion and its move, where the place lies on the path.
+    pub block: Option<(u32, u32)>,
 }
 
 /// A change of the text that mends the fault.
@@ -131,7 +133,17 @@ impl Diag {
     /// Sets the place on the part.
     #[must_use]
     pub fn place(mut self, what: impl Into<String>, point: Point3<f64>) -> Self {
-        self.place = Some(Place { what: what.into(), point });
+        self.place = Some(Place { what: what.into(), point, block: None });
+        self
+    }
+
+    /// Adds to the place the operation of the motion and the index of its move, so that the block of an NC text that
+    /// was read can be named. Without a place this does nothing.
+    #[must_use]
+    pub fn block(mut self, operation: u32, index: u32) -> Self {
+        if let Some(place) = &mut self.place {
+            place.block = Some((operation, index));
+        }
         self
     }
 }
@@ -148,6 +160,11 @@ impl Sink {
         if !self.diags.contains(&diag) {
             self.diags.push(diag);
         }
+    }
+
+    /// Changes every diagnostic, in the order of their discovery.
+    pub fn map(&mut self, change: impl FnMut(Diag) -> Diag) {
+        self.diags = std::mem::take(&mut self.diags).into_iter().map(change).collect();
     }
 
     /// True when at least one error is there.

@@ -47,7 +47,7 @@ impl Post for LinuxCnc {
         emit(program, motion.get(), header)
     }
 
-    fn read(&self, text: &str, _machine: &Machine) -> Result<Vec<NcMove>, ReadError> {
+    fn read(&self, text: &str, _machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
         read_linuxcnc::read(text)
     }
 }

@@ -5,9 +5,11 @@
 //! nothing with the writer and compares it with the motion (V5).
 
 mod linuxcnc;
+pub mod motion_of;
 mod read_back;
 mod read_linuxcnc;
 mod read_siemens_840d;
+mod read_state;
 mod siemens_840d;
 pub mod words;
 
@@ -18,6 +20,7 @@ use crate::ir::{Motion, Program};
 use crate::kin::Machine;
 use crate::verify::Verified;
 use nalgebra::{Point3, Vector3};
+use std::sync::Arc;
 
 /// A dialect.
 pub trait Post: Sync {
@@ -32,8 +35,8 @@ pub trait Post: Sync {
     /// The moves of a text in this dialect.
     ///
     /// # Errors
-    /// The first line that is not understood.
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, ReadError>;
+    /// The lines that are not understood, at least one; a text with many of them is not read to its end.
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>>;
 }
 
 /// The dialects that are built.
@@ -102,9 +105,11 @@ pub struct NcMove {
     /// Feed in mm/min; `None` at rapid.
     pub feed: Option<f64>,
     /// Tool: its name or number as the dialect says it.
-    pub tool: String,
+    pub tool: Arc<str>,
     /// Spindle speed, rpm.
     pub speed: f64,
+    /// How far the control may leave the path to smooth it, mm.
+    pub smoothing: f64,
 }
 
 /// A line that a reader does not understand.

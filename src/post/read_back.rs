@@ -29,9 +29,10 @@ fn half_step(decimals: usize) -> f64 {
 /// # Errors
 /// A line that is not understood, or that says something else than the motion.
 pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
-    let moves = post
-        .read(text, &program.machine)
-        .map_err(|e| Diag::error(post::NOT_UNDERSTOOD, format!("line {} of the NC text: {}", e.line, e.reason)))?;
+    let moves = post.read(text, &program.machine).map_err(|faults| {
+        let first = faults.first().map_or(String::new(), |e| format!("line {} of the NC text: {}", e.line, e.reason));
+        Diag::error(post::NOT_UNDERSTOOD, first).help("report the job file: this is a fault of the compiler")
+    })?;
     let mut found = moves.iter();
     let mut result = ReadBack { moves: moves.len(), tip: 0.0, axis: 0.0 };
     for operation in &motion.get().operations {
@@ -53,8 +54,8 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, 
     }
 }
 
-fn says_tool(read: &NcMove, tool: &Tool) -> bool {
-    read.tool == tool.name || read.tool == tool.number.to_string()
+pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
+    *read.tool == *tool.name || *read.tool == *tool.number.to_string()
 }
 
 fn differs(line: usize, why: String) -> Diag {

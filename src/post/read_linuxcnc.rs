@@ -1,49 +1,31 @@
-//! Reader of the LinuxCNC dialect: interprets lines with their modal state. Shares nothing with the writer.
+//! Reader of the LinuxCNC dialect: words of lines. Shares nothing with the writer.
+//!
+//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks mean nothing.
 
-use super::{Direction, NcMove, ReadError};
-use nalgebra::Point3;
+use super::read_state::{self, Block, Fault, State, number, once};
+use super::{NcMove, ReadError};
 
 /// Longest line of the interpreter, without its end.
 const LONGEST_LINE: usize = 252;
 
-/// Modal state.
-#[derive(Default)]
-struct Control {
-    transformation: bool,
-    rapid: Option<bool>,
-    feed: Option<f64>,
-    tool: String,
-    speed: f64,
-    ended: bool,
-    /// Rotary positions said with the transformation off, radians, ISO.
-    parked: Option<(f64, f64)>,
-    moves: Vec<NcMove>,
-}
+/// Widest tolerance of G64, mm.
+const WIDEST: f64 = 10.0;
 
 /// Reads a program.
-pub(super) fn read(text: &str) -> Result<Vec<NcMove>, ReadError> {
-    let mut control = Control::default();
-    for (i, line) in text.lines().enumerate() {
-        let fault = |reason: String| ReadError { line: i + 1, reason };
+pub(super) fn read(text: &str) -> Result<Vec<NcMove>, Vec<ReadError>> {
+    read_state::read(text, "M2", |line, state| {
         if line.len() > LONGEST_LINE {
-            return Err(fault(format!("longer than {LONGEST_LINE} characters")));
+            return Err(Fault::Words(format!("longer than {LONGEST_LINE} characters")));
         }
-        let code = without_comments(line).map_err(fault)?;
-        if code.trim().is_empty() {
-            continue;
+        let code = without_comments(line).map_err(Fault::Words)?;
+        if code.is_empty() {
+            return Ok(None);
         }
-        if control.ended {
-            return Err(fault("text after the end of the program".to_owned()));
-        }
-        control.line(&code, i + 1).map_err(fault)?;
-    }
-    if !control.ended {
-        let line = text.lines().count();
-        return Err(ReadError { line, reason: "the program does not end with M2".to_owned() });
-    }
-    Ok(control.moves)
+        block(&code, state)
+    })
 }
 
+/// A line without comments and blanks.
 fn without_comments(line: &str) -> Result<String, String> {
     let mut code = String::with_capacity(line.len());
     let mut inside = false;
@@ -54,6 +36,7 @@ fn without_comments(line: &str) -> Result<String, String> {
             (true, ')') => inside = false,
             (true, '(') => return Err("a comment inside a comment".to_owned()),
             (false, ')') => return Err("a comment ends that did not begin".to_owned()),
+            (false, c) if c.is_whitespace() => {}
             (false, c) => code.push(c),
             (true, _) => {}
         }
@@ -61,125 +44,117 @@ fn without_comments(line: &str) -> Result<String, String> {
     if inside { Err("a comment does not end".to_owned()) } else { Ok(code) }
 }
 
-/// Letter and number pairs of a line, blanks ignored.
-fn words(code: &str) -> Result<Vec<(char, f64, String)>, String> {
-    let mut words = Vec::new();
-    let code: String = code.chars().filter(|c| !c.is_whitespace()).collect();
-    let mut rest = code.as_str();
-    while let Some(letter) = rest.chars().next() {
-        if !letter.is_ascii_alphabetic() {
-            return Err(format!("`{letter}` where a word begins"));
-        }
-        let tail = &rest[letter.len_utf8()..];
-        let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
-        let (number, next) = tail.split_at(end);
-        let value: f64 = number.parse().map_err(|_| format!("`{letter}{number}` is not a number"))?;
-        words.push((letter.to_ascii_uppercase(), value, number.to_owned()));
-        rest = next;
+/// First word of a text without blanks: its letter, its number as written, and the rest.
+fn first_word(code: &str) -> Result<(char, &str, &str), String> {
+    let letter = code.chars().next().unwrap_or(' ');
+    if !letter.is_ascii_alphabetic() {
+        return Err(format!("`{letter}` where a word begins"));
     }
-    Ok(words)
+    let tail = &code[letter.len_utf8()..];
+    let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
+    let (number, rest) = tail.split_at(end);
+    Ok((letter.to_ascii_uppercase(), number, rest))
 }
 
-impl Control {
-    fn line(&mut self, code: &str, line: usize) -> Result<(), String> {
-        let mut coordinates: [Option<f64>; 5] = [None; 5];
-        let mut machine_frame = false;
-        let mut tool_change = None;
-        let mut length = None;
-        let mut seen = String::new();
-        for (letter, value, text) in words(code)? {
-            if !matches!(letter, 'G' | 'M') {
-                if seen.contains(letter) {
-                    return Err(format!("`{letter}` stands twice on one line"));
-                }
-                seen.push(letter);
-            }
-            let slot = match letter {
-                'X' => 0,
-                'Y' => 1,
-                'Z' => 2,
-                'A' => 3,
-                'C' => 4,
-                'F' if value > 0.0 => {
-                    self.feed = Some(value);
-                    continue;
-                }
-                'S' if value >= 0.0 => {
-                    self.speed = value;
-                    continue;
-                }
-                'T' => {
-                    tool_change = Some(text);
-                    continue;
-                }
-                'H' => {
-                    length = Some(text);
-                    continue;
-                }
-                'P' | 'Q' => continue,
-                'G' => {
-                    match text.as_str() {
-                        "0" => self.rapid = Some(true),
-                        "1" => self.rapid = Some(false),
-                        "53" => machine_frame = true,
-                        "21" | "17" | "90" | "40" | "49" | "80" | "94" | "54" | "64" | "43" => {}
-                        _ => return Err(format!("G{text} is not understood")),
-                    }
-                    continue;
-                }
-                'M' => {
-                    match text.as_str() {
-                        "428" => self.transformation = true,
-                        "429" => {
-                            self.transformation = false;
-                            self.parked = None;
-                        }
-                        "2" => self.ended = true,
-                        "3" | "5" | "6" | "8" | "9" => {}
-                        _ => return Err(format!("M{text} is not understood")),
-                    }
-                    continue;
-                }
-                _ => return Err(format!("`{letter}{text}` is not understood")),
-            };
-            coordinates[slot] = Some(value);
-        }
-        if let Some(tool) = tool_change {
-            self.tool = tool;
-        }
-        if length.is_some_and(|h| h != self.tool) {
-            return Err("the length of another tool".to_owned());
-        }
-        self.moved(coordinates, machine_frame, line)
-    }
+/// Words that belong to a code of the same line.
+#[derive(Default)]
+struct Parameters {
+    length_of: Option<u32>,
+    p: Option<f64>,
+    q: Option<f64>,
+    blends: bool,
+    takes_length: bool,
+}
 
-    fn moved(&mut self, at: [Option<f64>; 5], machine_frame: bool, line: usize) -> Result<(), String> {
-        if machine_frame {
-            return Ok(());
+fn block(code: &str, state: &State) -> Result<Option<Block>, Fault> {
+    let mut block = Block::default();
+    let mut parameters = Parameters::default();
+    let mut rest = code;
+    let mut first = true;
+    let mut empty = true;
+    while !rest.is_empty() {
+        let (letter, text, next) = first_word(rest).map_err(Fault::Words)?;
+        rest = next;
+        if !(first && letter == 'N' && count(text).is_ok()) {
+            empty = false;
+            word(letter, text, &mut block, &mut parameters).map_err(Fault::Words)?;
         }
-        // The words have the opposite of the ISO sense.
-        match at {
-            [None, None, None, None, None] => Ok(()),
-            [None, None, None, Some(a), Some(c)] if !self.transformation => {
-                self.parked = Some((-a.to_radians(), -c.to_radians()));
-                Ok(())
-            }
-            [Some(x), Some(y), Some(z), Some(a), Some(c)] if self.transformation => {
-                let rapid = self.rapid.ok_or("a move before any G0 or G1")?;
-                let feed = if rapid { None } else { Some(self.feed.ok_or("G1 without a feed")?) };
-                self.moves.push(NcMove {
-                    line,
-                    rapid,
-                    tip: Point3::new(x, y, z),
-                    direction: Direction::Rotary(-a.to_radians(), -c.to_radians()),
-                    start: self.parked.take(),
-                    feed,
-                    tool: self.tool.clone(),
-                    speed: self.speed,
-                });
-                Ok(())
-            }
-            _ => Err("a move needs X Y Z A C, with M428 on".to_owned()),
-        }
+        first = false;
     }
+    if empty {
+        return Ok(None);
+    }
+    let words = |reason: &str| Fault::Words(reason.to_owned());
+    match (parameters.blends, parameters.p) {
+        (true, Some(p)) if (0.0..=WIDEST).contains(&p) => block.smoothing = Some(p),
+        (true, Some(_)) => return Err(words("the tolerance P of G64 is out of range")),
+        (true, None) => return Err(words("G64 without P: how far the path is left is not known")),
+        (false, None) if parameters.q.is_none() => {}
+        (false, _) => return Err(words("P or Q without G64")),
+    }
+    if parameters.takes_length != parameters.length_of.is_some() {
+        return Err(words("G43 and H belong together"));
+    }
+    let wanted = parameters.length_of.map(|h| h.to_string());
+    let changed = block.tool.as_deref().filter(|_| block.change);
+    if wanted.is_some() && wanted.as_deref() != changed.or(state.tool()) {
+        return Err(Fault::State("the length of another tool".to_owned()));
+    }
+    Ok(Some(block))
+}
+
+fn count(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit())).ok_or(format!("`{text}` is not a count"))
+}
+
+fn word(letter: char, text: &str, block: &mut Block, parameters: &mut Parameters) -> Result<(), String> {
+    let value = || number(text).map_err(|reason| format!("`{letter}{text}`: {reason}"));
+    match letter {
+        'X' => block.coordinate(0, value()?),
+        'Y' => block.coordinate(1, value()?),
+        'Z' => block.coordinate(2, value()?),
+        // The rotary words have the opposite of the ISO sense.
+        'A' => block.angle(0, value()?, -1.0),
+        'C' => block.angle(1, value()?, -1.0),
+        'F' => block.set_feed(value()?),
+        'S' => block.set_speed(value()?),
+        'T' => once(&mut block.tool, "T", count(text)?.to_string().into()),
+        'H' => once(&mut parameters.length_of, "H", count(text)?),
+        'P' => once(&mut parameters.p, "P", value()?),
+        'Q' => once(&mut parameters.q, "Q", value()?),
+        'G' => match text {
+            "0" | "00" => once(&mut block.motion, "G0", true),
+            "1" | "01" => once(&mut block.motion, "G1", false),
+            "53" => flag(&mut block.machine_frame),
+            "21" => flag(&mut block.modes[0]),
+            "90" => flag(&mut block.modes[1]),
+            "94" => flag(&mut block.modes[2]),
+            "54" => once(&mut block.offset, "G54", true),
+            "43" => {
+                parameters.takes_length = true;
+                once(&mut block.length, "G43", true)
+            }
+            "49" => once(&mut block.length, "G49", false),
+            "64" => flag(&mut parameters.blends),
+            "17" | "40" | "80" => Ok(()),
+            _ => Err(format!("`G{text}` is not understood")),
+        },
+        'M' => match text {
+            "428" => once(&mut block.transformation, "M428", true),
+            "429" => once(&mut block.transformation, "M429", false),
+            "2" | "02" => flag(&mut block.end),
+            "3" | "03" => once(&mut block.spindle, "M3", true),
+            "5" | "05" => once(&mut block.spindle, "M5", false),
+            "6" | "06" => flag(&mut block.change),
+            "8" | "08" | "9" | "09" => Ok(()),
+            _ => Err(format!("`M{text}` is not understood")),
+        },
+        _ => Err(format!("`{letter}{text}` is not understood")),
+    }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "stands among words that can be refused")]
+fn flag(flag: &mut bool) -> Result<(), String> {
+    *flag = true;
+    Ok(())
 }

@@ -1,177 +1,116 @@
-//! Reader of the 840D dialect: interprets blocks with their modal state. Shares nothing with the writer.
+//! Reader of the 840D dialect: words of blocks. Shares nothing with the writer.
+//!
+//! Modal: G0 and G1, X Y Z, F, S, the direction as a whole. A vector is taken with all three components only: on the
+//! control a missing one counts as 0, which nobody means.
 
-use super::{Direction, NcMove, ReadError};
+use super::read_state::{self, Block, Fault, State, number, once};
+use super::{NcMove, ReadError};
 use crate::kin::Machine;
-use nalgebra::{Point3, Vector3};
 
-/// Modal state.
-struct Control<'a> {
-    machine: &'a Machine,
-    transformation: bool,
-    rapid: Option<bool>,
-    feed: Option<f64>,
-    tool: String,
-    speed: f64,
-    running: bool,
-    /// Rotary positions said with the transformation off, radians, ISO.
-    parked: Option<(f64, f64)>,
-    moves: Vec<NcMove>,
-}
+/// Longest block of the control.
+const LONGEST_BLOCK: usize = 512;
 
-/// Words of one block.
-#[derive(Default)]
-struct Block {
-    tip: [Option<f64>; 3],
-    vector: [Option<f64>; 3],
-    rotary: [Option<f64>; 2],
-    machine_frame: bool,
-    motion: Option<bool>,
-}
+/// Largest tolerance of CYCLE832, mm and degrees.
+const WIDEST: f64 = 10.0;
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcMove>, ReadError> {
-    let mut control = Control {
-        machine,
-        transformation: false,
-        rapid: None,
-        feed: None,
-        tool: String::new(),
-        speed: 0.0,
-        running: true,
-        parked: None,
-        moves: Vec::new(),
-    };
-    for (i, line) in text.lines().enumerate() {
-        let fault = |reason: String| ReadError { line: i + 1, reason };
+pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
+    read_state::read(text, "M30", |line, _: &State| {
         let code = line.split(';').next().unwrap_or_default().trim();
         if code.is_empty() {
-            continue;
+            return Ok(None);
         }
-        if !control.running {
-            return Err(fault("text after the end of the program".to_owned()));
+        if line.len() > LONGEST_BLOCK {
+            return Err(Fault::Words(format!("longer than {LONGEST_BLOCK} characters")));
         }
-        control.block(code, i + 1).map_err(fault)?;
-    }
-    if control.running {
-        let line = text.lines().count();
-        return Err(ReadError { line, reason: "the program does not end with M30".to_owned() });
-    }
-    Ok(control.moves)
+        let mut block = Block::default();
+        let mut numbered = false;
+        for (i, word) in code.split_whitespace().enumerate() {
+            if i == 0 && word.strip_prefix('N').is_some_and(is_count) {
+                numbered = true;
+                continue;
+            }
+            self::word(word, machine, &mut block).map_err(Fault::Words)?;
+        }
+        let empty = numbered && code.split_whitespace().count() == 1;
+        Ok((!empty).then_some(block))
+    })
 }
 
-impl Control<'_> {
-    fn block(&mut self, code: &str, line: usize) -> Result<(), String> {
-        let mut block = Block::default();
-        for word in code.split_whitespace() {
-            self.word(word, &mut block)?;
-        }
-        self.moved(&block, line)
-    }
+fn is_count(text: &str) -> bool {
+    (1..=9).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit())
+}
 
-    fn word(&mut self, word: &str, block: &mut Block) -> Result<(), String> {
-        match word {
-            "TRAORI" => self.transformation = true,
-            "TRAFOOF" => {
-                self.transformation = false;
-                self.parked = None;
-            }
-            "SUPA" => block.machine_frame = true,
-            "G0" => block.motion = Some(true),
-            "G1" => block.motion = Some(false),
-            "G17" | "G710" | "G90" | "G94" | "G40" | "G500" | "G54" | "ORIWKS" | "ORIAXES" | "D0" | "D1" | "M3"
-            | "M5" | "M6" | "M8" | "M9" => {}
-            "M30" => self.running = false,
-            _ => return self.valued_word(word, block),
-        }
-        Ok(())
+fn word(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String> {
+    match word {
+        "TRAORI" => return once(&mut block.transformation, "TRAORI", true),
+        "TRAFOOF" => return once(&mut block.transformation, "TRAFOOF", false),
+        "SUPA" => block.machine_frame = true,
+        "G0" => return once(&mut block.motion, "G0", true),
+        "G1" => return once(&mut block.motion, "G1", false),
+        "G710" => block.modes[0] = true,
+        "G90" => block.modes[1] = true,
+        "G94" => block.modes[2] = true,
+        "G500" => return once(&mut block.offset, "G500", false),
+        "G54" => return once(&mut block.offset, "G54", true),
+        "D0" => return once(&mut block.length, "D0", false),
+        "D1" => return once(&mut block.length, "D1", true),
+        "M3" => return once(&mut block.spindle, "M3", true),
+        "M5" => return once(&mut block.spindle, "M5", false),
+        "M6" => block.change = true,
+        "ORIAXES" => block.axes_linear = true,
+        "G17" | "G40" | "ORIWKS" | "M8" | "M9" => {}
+        "M30" => block.end = true,
+        _ => return valued(word, machine, block),
     }
+    Ok(())
+}
 
-    fn valued_word(&mut self, word: &str, block: &mut Block) -> Result<(), String> {
-        if word.starts_with("CYCLE832(") && word.ends_with(')') {
-            return Ok(());
-        }
-        if let Some(name) = word.strip_prefix("T=\"").and_then(|w| w.strip_suffix('"')) {
-            name.clone_into(&mut self.tool);
-            return Ok(());
-        }
-        let (address, value) = match word.split_once('=') {
-            Some(pair) => pair,
-            None => word.split_at(word.char_indices().nth(1).map_or(word.len(), |c| c.0)),
-        };
-        let number = || -> Result<f64, String> {
-            let plain = value.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+'));
-            value.parse().ok().filter(|x: &f64| plain && x.is_finite()).ok_or(format!("`{word}` is not a number"))
-        };
-        let slot = match address {
-            "N" => return number().map(|_| ()),
-            "F" => {
-                self.feed = Some(number()?);
-                return Ok(());
-            }
-            "S" => {
-                self.speed = number()?;
-                return Ok(());
-            }
-            "X" => &mut block.tip[0],
-            "Y" => &mut block.tip[1],
-            "Z" => &mut block.tip[2],
-            "A3" => &mut block.vector[0],
-            "B3" => &mut block.vector[1],
-            "C3" => &mut block.vector[2],
-            "A" => &mut block.rotary[0],
-            "C" => &mut block.rotary[1],
-            _ => return Err(format!("`{word}` is not understood")),
-        };
-        if slot.replace(number()?).is_some() {
-            return Err(format!("`{address}` stands twice in one block"));
-        }
-        Ok(())
+fn valued(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String> {
+    if let Some(arguments) = word.strip_prefix("CYCLE832(").and_then(|w| w.strip_suffix(')')) {
+        return once(&mut block.smoothing, "CYCLE832", smoothing(arguments)?);
     }
+    if let Some(name) = word.strip_prefix("T=\"").and_then(|w| w.strip_suffix('"')) {
+        return once(&mut block.tool, "T", name.into());
+    }
+    let (address, value) = match word.split_once('=') {
+        Some(pair) => pair,
+        None => word.split_at(word.char_indices().nth(1).map_or(word.len(), |c| c.0)),
+    };
+    let value = || number(value).map_err(|reason| format!("`{}`: {reason}", shown(word)));
+    match address {
+        "F" => block.set_feed(value()?),
+        "S" => block.set_speed(value()?),
+        "X" => block.coordinate(0, value()?),
+        "Y" => block.coordinate(1, value()?),
+        "Z" => block.coordinate(2, value()?),
+        "A3" => block.component(0, value()?),
+        "B3" => block.component(1, value()?),
+        "C3" => block.component(2, value()?),
+        "A" => block.angle(0, value()?, machine.tilt.word_sign),
+        "C" => block.angle(1, value()?, machine.turn.word_sign),
+        _ => Err(format!("`{}` is not understood", shown(word))),
+    }
+}
 
-    fn moved(&mut self, block: &Block, line: usize) -> Result<(), String> {
-        if block.motion.is_some() {
-            self.rapid = block.motion;
-        }
-        if block.machine_frame {
-            return Ok(());
-        }
-        let iso = |a: f64, c: f64| {
-            (a.to_radians() * self.machine.tilt.word_sign, c.to_radians() * self.machine.turn.word_sign)
-        };
-        let direction = match (block.vector, block.rotary) {
-            ([None, None, None], [None, None]) => None,
-            ([Some(x), Some(y), Some(z)], [None, None]) => {
-                let axis = Vector3::new(x, y, z);
-                Some(Direction::Axis(axis.try_normalize(1e-6).ok_or("a direction vector of length 0")?))
-            }
-            ([None, None, None], [Some(a), Some(c)]) => {
-                let (a, c) = iso(a, c);
-                Some(Direction::Rotary(a, c))
-            }
-            _ => return Err("an incomplete direction: A3 B3 C3 or A C must stand together".to_owned()),
-        };
-        match (block.tip, direction) {
-            ([None, None, None], None) => Ok(()),
-            ([None, None, None], Some(Direction::Rotary(a, c))) if !self.transformation => {
-                self.parked = Some((a, c));
-                Ok(())
-            }
-            ([Some(x), Some(y), Some(z)], Some(direction)) if self.transformation => {
-                let rapid = self.rapid.ok_or("a move before any G0 or G1")?;
-                let feed = if rapid { None } else { Some(self.feed.ok_or("G1 without a feed")?) };
-                self.moves.push(NcMove {
-                    line,
-                    rapid,
-                    tip: Point3::new(x, y, z),
-                    direction,
-                    start: self.parked.take(),
-                    feed,
-                    tool: self.tool.clone(),
-                    speed: self.speed,
-                });
-                Ok(())
-            }
-            _ => Err("a move needs X Y Z and a direction, with TRAORI on".to_owned()),
-        }
+/// A word as a message shows it.
+fn shown(word: &str) -> String {
+    word.chars().take(40).collect()
+}
+
+/// Tolerance of CYCLE832(tolerance, mode, orientation tolerance).
+fn smoothing(arguments: &str) -> Result<f64, String> {
+    let parts: Vec<&str> = arguments.split(',').collect();
+    let &[tolerance, mode, turn] = parts.as_slice() else {
+        return Err("CYCLE832 needs a tolerance, a mode and a tolerance of the direction".to_owned());
+    };
+    let (tolerance, turn) = (number(tolerance)?, number(turn)?);
+    if !(0.0..=WIDEST).contains(&tolerance) || !(0.0..=WIDEST).contains(&turn) {
+        return Err(format!("a tolerance of CYCLE832 beyond 0..{WIDEST}"));
+    }
+    match mode {
+        "_OFF" => Ok(0.0),
+        "_ORI_FINISH" | "_ORI_ROUGH" => Ok(tolerance),
+        _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode))),
     }
 }

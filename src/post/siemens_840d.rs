@@ -61,7 +61,7 @@ impl Post for Siemens840d {
         emit(program, motion.get(), header)
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, ReadError> {
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
         read_siemens_840d::read(text, machine)
     }
 }

@@ -122,6 +122,9 @@ fn failure(program: &Program, motion: &Motion, contract: &Contract, found: &Foun
         .label(contract.span, "this contract fails")
         .place(describe(program, motion, found.at), Point3::from(found.point))
         .help(help);
+    if let Some(at) = found.at {
+        diag = diag.block(at.operation, at.index);
+    }
     if let Some(operation) = found.at.and_then(|at| motion.operations.get(at.operation as usize)) {
         diag = diag.label(program.operations[operation.operation].span, "in this operation");
     }

@@ -207,7 +207,10 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
                 format!("axis {} goes to {:.3}, beyond its travel to {:.3}", f.axis, f.value, f.bound),
             )
         };
-        let mut diag = Diag::error(code, text).place(what, point).help("see `impellerc explain` for this code");
+        let mut diag = Diag::error(code, text)
+            .place(what, point)
+            .block(f.at.operation, f.at.index)
+            .help("see `impellerc explain` for this code");
         if let Some(o) = motion.operations.get(f.at.operation as usize) {
             diag = diag.label(program.operations[o.operation].span, "in this operation");
         }
@@ -220,6 +223,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
                 format!("at rapid the tool is {:.3} mm inside the stock", -c.distance),
             )
             .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
+            .block(c.at.operation, c.at.index)
             .help("a longer lead-in or lead-out, so that passes begin and end outside of the stock"),
         );
     }

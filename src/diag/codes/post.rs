@@ -23,4 +23,38 @@ it does not know. Nothing was written.\n\nWay out: report the job file.";
 word. Here they differ. Nothing was written.\n\nWay out: report the job file.";
     UNKNOWN_POST = "IMP0807", "an unknown post",
         "The job or `--post` names a dialect that is not built.\n\nWay out: one of the posts that the message lists.";
+    NC_FILE = "IMP0820", "NC file that cannot be read",
+        "`impellerc verify` takes NC text: plain UTF-8 of at most 256 MB. Anything else is refused before it is looked at, \
+so that memory stays bounded.\n\nWay out: give the text that the control would run, split by operations if it is larger.";
+    NC_BLOCK = "IMP0821", "a block of NC text that is not understood",
+        "The text is read strictly, as the control would run it: an unknown word, a number that is none, a value beyond all \
+measure, a word given twice, a position that nobody said, a move with the transformation off, or a text that ends early. \
+Such a block is never skipped, since what it does at the machine is not known.\n\n\
+Example: `G1 XNAN Y0.0000` or a move between TRAFOOF and TRAORI.\n\n\
+Way out: correct the block, or name the dialect of the text with `--post`.";
+    NC_OPERATIONS = "IMP0822", "NC text that does not follow the job",
+        "The operations of the text are those between switching the transformation on and off. They must be the \
+operations of the job, in its order, each with its tool and spindle speed: otherwise the text would be measured with the \
+wrong cutter.\n\nWay out: give the job that the text was made from, or change tools, speeds and order in one of both.";
+    NC_FEED = "IMP0823", "a feed above the job's",
+        "A block is faster than both the process feed and the link feed of its operation. In material it would break the \
+tool.\n\nWay out: lower the feed, or raise `feed` or `link-feed` in the job.";
+    NC_POSITIONING = "IMP0824", "an operation that begins unsafely",
+        "An operation begins with a rapid to a place outside of the stock, with A and C already where they have to be. \
+Otherwise the table turns, or the tool cuts, while it comes down from the tool change, on a way that nobody can check.\n\n\
+Way out: A and C before TRAORI or M428 as in the first move; a rapid as first move.";
+    NC_SMOOTHING = "IMP0825", "smoothing wider than the job allows",
+        "CYCLE832 or G64 P lets the control leave the path by more than the chord tolerance of the job. The text would be \
+measured as it stands, and the machine would do something else.\n\n\
+Way out: a smaller tolerance in the text, or a wider `tolerance chord` in the job.";
+    CERTIFICATE_FORM = "IMP0826", "not a certificate",
+        "The file given with `--certificate` is no certificate of this compiler, or its form is one that this version does \
+not know. Its form is in docs/certificate.md.\n\nWay out: give the JSON file that `--certificate` wrote beside the NC text.";
+    CERTIFICATE_OTHER = "IMP0827", "NC text and certificate do not belong together",
+        "A certificate holds the hash of the NC text that it was written for. Here text and certificate differ: the text was \
+edited, or one of both is from another run. What the certificate proves is not proved of this text.\n\n\
+Way out: `impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew.";
+    USAGE = "IMP0828", "nothing to verify against",
+        "`impellerc verify` measures NC text against a job, or compares it with a certificate; it needs one of both.\n\n\
+Way out: `--job job.imp`, `--certificate part.json`, or both.";
 }

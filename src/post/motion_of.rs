@@ -1,0 +1,326 @@
+//! From the moves that a reader found to the motion of the machine.
+//!
+//! The other way round than in compilation: the operations of the job are found again in the order of the text, each by
+//! its tool and its spindle speed; the rotary axes stand where the control would turn them; times follow from feeds and
+//! axis speeds. Nothing is mended: what the job does not allow is a fault with its line.
+
+use super::read_back::says_tool;
+use super::{Direction, NcMove};
+use crate::diag::{Code, Diag, Sink, codes::post};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
+use crate::kin::{Joints, Machine, inverse};
+use crate::source::Span;
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A motion with the lines that say it.
+#[derive(Clone, Debug, Default)]
+pub struct NcMotion {
+    /// The motion; its labels name the lines at which passes begin.
+    pub motion: Motion,
+    /// Line of every move, from 1, by operation.
+    pub lines: Vec<Vec<usize>>,
+}
+
+impl NcMotion {
+    /// Line of a move of the motion.
+    pub fn line(&self, operation: u32, index: u32) -> Option<usize> {
+        self.lines.get(operation as usize)?.get(index as usize).copied()
+    }
+}
+
+/// Feed and spindle speed above the job's that is rounding, as a share.
+const ROUNDING: f64 = 1e-6;
+
+/// Turn of the table while the tool comes down to the first move that is rounding of words, radians.
+const PARKED: f64 = 1e-5;
+
+/// Rotary moves of less are standstill; tips that move less stand still. Radians and mm.
+const STILL: (f64, f64) = (1e-6, 1e-4);
+
+/// Places inside a move at which axis speeds are looked at.
+const PLACES: usize = 16;
+
+/// Error of a time that comes from the last digits of the words of a block: of a length (mm, over the feed) and of an
+/// angle (radians, over the speed of the axis, with room for C near the pole).
+const QUANTUM: (f64, f64) = (2e-4, 1e-6);
+
+/// Makes the motion of the moves. Faults go to the sink under the spans of their lines; `span` gives the span of a
+/// line. `None` when there are faults with which no motion can be measured.
+pub fn motion_of(
+    program: &Program,
+    moves: &[NcMove],
+    span: &dyn Fn(usize) -> Span,
+    sink: &mut Sink,
+) -> Option<NcMotion> {
+    let sections = sections(moves);
+    let mut reader = Interpreter { program, span, sink, sound: true };
+    let mut result = NcMotion::default();
+    let mut before = (0.0, 0.0);
+    let operations: Vec<(OperationId, &Operation)> = program.operations.iter().collect();
+    for (k, section) in sections.iter().enumerate() {
+        let first = section.first()?;
+        let Some((id, operation)) = operations.get(k) else {
+            reader.fatal(
+                post::NC_OPERATIONS,
+                first.line,
+                format!("the text has {} operations; the job has {}", sections.len(), operations.len()),
+                "take out what the job does not ask for, or add the operation to the job",
+            );
+            break;
+        };
+        if reader.belongs(section, *id, operation, k) {
+            let (moves, lines) = reader.section(section, *id, operation, &mut before);
+            result.motion.operations.push(moves);
+            result.lines.push(lines);
+        }
+    }
+    if sections.len() < operations.len() {
+        let line = moves.last().map_or(1, |m| m.line);
+        let missing: Vec<String> = operations[sections.len()..].iter().map(|(_, o)| format!("`{}`", o.name)).collect();
+        reader.fatal(
+            post::NC_OPERATIONS,
+            line,
+            format!("after this block the text ends without the operations {}", missing.join(", ")),
+            "give the whole program: every operation of the job, in its order",
+        );
+    }
+    reader.sound.then_some(result)
+}
+
+/// Cuts the moves where the transformation was switched on.
+fn sections(moves: &[NcMove]) -> Vec<&[NcMove]> {
+    let mut sections = Vec::new();
+    let mut from = 0;
+    for i in 1..=moves.len() {
+        if i == moves.len() || moves[i].start.is_some() {
+            sections.push(&moves[from..i]);
+            from = i;
+        }
+    }
+    sections
+}
+
+struct Interpreter<'a> {
+    program: &'a Program,
+    span: &'a dyn Fn(usize) -> Span,
+    sink: &'a mut Sink,
+    sound: bool,
+}
+
+impl Interpreter<'_> {
+    fn fault(&mut self, code: Code, line: usize, text: String, help: &str) -> Diag {
+        Diag::error(code, text).label((self.span)(line), "this block").help(help)
+    }
+
+    /// A fault with which the rest cannot be measured.
+    fn fatal(&mut self, code: Code, line: usize, text: String, help: &str) {
+        let diag = self.fault(code, line, text, help);
+        self.sink.push(diag);
+        self.sound = false;
+    }
+
+    /// Whether a section is made with the tool and the speed of an operation of the job.
+    fn belongs(&mut self, section: &[NcMove], id: OperationId, operation: &Operation, number: usize) -> bool {
+        let tool = &self.program.tools[operation.tool];
+        let fits = |m: &NcMove| {
+            says_tool(m, tool) && (m.speed - operation.speed.get()).abs() <= 0.5 + ROUNDING * operation.speed.get()
+        };
+        let Some(wrong) = section.iter().find(|m| !fits(m)) else { return true };
+        let known = self.program.tools.iter().any(|(_, t)| says_tool(wrong, t));
+        let text = if known {
+            format!(
+                "operation {} of the text uses tool {} at {:.0} rpm here; `{}` of the job has {} at {:.0} rpm",
+                number + 1,
+                wrong.tool,
+                wrong.speed,
+                operation.name,
+                tool.name,
+                operation.speed.get()
+            )
+        } else {
+            format!("the job has no tool {}", wrong.tool)
+        };
+        let span = self.program.operations[id].span;
+        let diag = self
+            .fault(
+                post::NC_OPERATIONS,
+                wrong.line,
+                text,
+                "bring tools, speeds and order of the operations of text and job together",
+            )
+            .label(span, "the operation of the job");
+        self.sink.push(diag);
+        self.sound = false;
+        false
+    }
+
+    fn section(
+        &mut self,
+        section: &[NcMove],
+        id: OperationId,
+        operation: &Operation,
+        before: &mut (f64, f64),
+    ) -> (MotionOperation, Vec<usize>) {
+        let machine = &self.program.machine;
+        let mut made = MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.len()) };
+        let mut last: Option<&NcMove> = None;
+        for m in section {
+            if let Some(start) = m.start {
+                *before = start;
+            }
+            let (a, c) = match m.direction {
+                Direction::Rotary(a, c) => (a, c),
+                Direction::Axis(axis) => nearest(&axis, *before),
+            };
+            self.check_turn(m, *before, (a, c));
+            if last.is_none_or(|l| m.rapid && !l.rapid) {
+                made.labels.push(format!("blocks from line {}", m.line));
+            }
+            if last.is_none_or(|l| l.smoothing < m.smoothing) {
+                self.check_smoothing(m, operation);
+            }
+            let kind = self.kind(m, operation, last.is_none());
+            let joints = machine.joints(&m.tip, a, c);
+            let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
+            let mut next = JointMove { kind, joints, feed: m.feed, time: 0.0, pass };
+            if let (Some(l), Some(from)) = (last, made.moves.last()) {
+                next.time = time(machine, &[l.tip, m.tip], &from.joints, &next);
+                let turn = (a - from.joints.a).abs().max((c - from.joints.c).abs());
+                if m.feed.is_some() && (m.tip - l.tip).norm() < STILL.1 && turn > STILL.0 {
+                    let text = "a block at feed turns the tool without moving its tip".to_owned();
+                    let diag = self.fault(
+                        post::STANDSTILL,
+                        m.line,
+                        text,
+                        "move the tip with the turn, or turn at rapid outside of the stock",
+                    );
+                    self.sink.push(diag);
+                }
+            }
+            made.moves.push(next);
+            *before = (a, c);
+            last = Some(m);
+        }
+        (made, section.iter().map(|m| m.line).collect())
+    }
+
+    /// Rotary positions that nobody can be sure of, and turns while the tool comes down.
+    fn check_turn(&mut self, m: &NcMove, before: (f64, f64), to: (f64, f64)) {
+        if m.start.is_some() && (to.0 - before.0).abs().max((to.1 - before.1).abs()) > PARKED {
+            let text = "the table turns while the tool comes down to the first position".to_owned();
+            let help = "turn A and C to the positions of the first move before the transformation is switched on";
+            let diag = self.fault(post::NC_POSITIONING, m.line, text, help);
+            self.sink.push(diag);
+        }
+        let unsure = (to.1 - before.1).abs() >= FRAC_PI_2 || to.0 * before.0 < 0.0;
+        if matches!(m.direction, Direction::Axis(_)) && unsure {
+            let turn = (to.1 - before.1).to_degrees().abs();
+            let text = format!("this direction turns C by {turn:.1} deg in one block, or runs through the pole");
+            let diag = self
+                .fault(post::AMBIGUOUS_VECTOR, m.line, text, "more blocks between the directions, or A= C= at rapid")
+                .note("a direction vector fits two rotary positions; the control takes the nearer one");
+            self.sink.push(diag);
+        }
+    }
+
+    fn check_smoothing(&mut self, m: &NcMove, operation: &Operation) {
+        let t = &self.program.tolerances;
+        let finish = t.chord.get();
+        let allowed = if operation.kind.finishes() { finish } else { finish.max(t.chord_rough.get()) };
+        // Half a step of the word.
+        if m.smoothing > allowed + 0.51e-4 {
+            let text = format!(
+                "the control may leave the path by {} mm from here on; the job allows {} mm",
+                m.smoothing, allowed
+            );
+            let diag = self
+                .fault(post::NC_SMOOTHING, m.line, text, "smooth within the chord tolerance of the job")
+                .label(operation.span, "the operation of the job");
+            self.sink.push(diag);
+        }
+    }
+
+    /// Kind by the feed: what is faster than the process feed can only be a link.
+    fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool) -> MoveKind {
+        let Some(feed) = m.feed else { return MoveKind::Rapid };
+        if first {
+            self.fatal(
+                post::NC_POSITIONING,
+                m.line,
+                format!("`{}` begins with a move at feed", operation.name),
+                "begin with a rapid to a place outside of the stock",
+            );
+        }
+        if feed <= operation.feed.get() * (1.0 + ROUNDING) {
+            return MoveKind::Cut;
+        }
+        if feed > operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING) {
+            self.fatal(
+                post::NC_FEED,
+                m.line,
+                format!(
+                    "a feed of {feed} mm/min; `{}` of the job cuts at {} and links at {} mm/min",
+                    operation.name,
+                    operation.feed.get(),
+                    operation.link_feed.get()
+                ),
+                "lower the feed, or raise `feed` or `link-feed` of the operation in the job",
+            );
+        }
+        MoveKind::Link
+    }
+}
+
+/// The rotary position of a direction that the control takes: of both that fit, with any whole turns, the nearest.
+fn nearest(axis: &Vector3<f64>, before: (f64, f64)) -> (f64, f64) {
+    let way = |p: &(f64, f64)| (p.0 - before.0).hypot(p.1 - before.1);
+    let [one, other] = inverse(axis, before.1).map(|(a, c)| (a, c + TAU * ((before.1 - c) / TAU).round()));
+    if way(&other) < way(&one) { other } else { one }
+}
+
+/// Time of a move, s. At feed it is that of the feed even where an axis cannot follow, so that the check of the axes
+/// finds it; but what the last digits of the words make is not held against the text.
+fn time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, m: &JointMove) -> f64 {
+    let length = (tips[1] - tips[0]).norm();
+    let least = least_time(machine, tips, from, &m.joints);
+    let Some(feed) = m.feed else { return least.max(length / machine.rapid) };
+    let wanted = length / feed * 60.0;
+    let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.tilt.speed.min(machine.turn.speed);
+    if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
+}
+
+/// Least time in which every axis can follow a move.
+fn least_time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, to: &Joints) -> f64 {
+    let mut least = ((to.a - from.a).abs() / machine.tilt.speed).max((to.c - from.c).abs() / machine.turn.speed);
+    let mut last = from.xyz;
+    for k in 1..=PLACES {
+        let t = k as f64 / PLACES as f64;
+        let tip = tips[0] + (tips[1] - tips[0]) * t;
+        let next = machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t).xyz;
+        for axis in 0..3 {
+            least = least.max((next[axis] - last[axis]).abs() * PLACES as f64 / machine.linear[axis].speed);
+        }
+        last = next;
+    }
+    least
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kin::transform::axis_at;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Within a quarter turn of C, and away from the pole, a vector leads to the position that was meant.
+        #[test]
+        fn a_vector_comes_back_as_the_near_position(
+            a in 0.1..1.6_f64, c in -9.0..9.0_f64, da in -0.05..0.05_f64, dc in -1.4..1.4_f64, branch in any::<bool>()
+        ) {
+            let a = if branch { -a } else { a };
+            let (found_a, found_c) = nearest(&axis_at(a + da, c + dc), (a, c));
+            prop_assert!((found_a - a - da).abs() < 1e-9 && (found_c - c - dc).abs() < 1e-8);
+        }
+    }
+}
