@@ -25,6 +25,7 @@ pub mod output;
 pub mod passes;
 pub mod post;
 pub mod source;
+pub mod stock;
 pub mod syntax;
 pub mod units;
 pub mod verify;

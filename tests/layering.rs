@@ -13,13 +13,14 @@ const MAY: &[(&str, &[&str])] = &[
     ("geom", &[]),
     ("kin", &[]),
     ("collide", &[]),
+    ("stock", &["collide"]),
     ("syntax", &[]),
     ("job", &["syntax"]),
     ("ir", &["geom", "kin", "collide"]),
     ("lower", &["job", "ir", "geom", "kin", "collide"]),
     ("analysis", &["ir", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "geom", "kin", "collide"]),
-    ("verify", &["ir", "geom", "kin", "collide"]),
+    ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "geom", "kin"]),
     ("output", &[]),
@@ -29,7 +30,7 @@ const MAY: &[(&str, &[&str])] = &[
 const FOUNDATION: &[&str] = &["units", "entity", "source", "diag", "entity_id", "codes"];
 
 /// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "kin", "collide"];
+const ENGINES: &[&str] = &["geom", "kin", "collide", "stock"];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 

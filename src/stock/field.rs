@@ -1,0 +1,224 @@
+//! The tri-dexel field: rays along X, Y and Z through the centres of a grid of cubes, with the solid intervals on them.
+
+use super::tile::{SIDE, Tile};
+use rayon::prelude::*;
+
+/// Most rays of a field, all families together: about two gigabytes.
+pub const MOST_RAYS: f64 = 3e7;
+
+/// Share of a cell by which a size may exceed a whole number of cells from rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Why a field cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldError {
+    /// The cell is not a positive number.
+    BadCell,
+    /// The profile has no room inside, or numbers that are not finite.
+    BadProfile,
+    /// It would need more than [`MOST_RAYS`].
+    TooFine {
+        /// Rays that it would need.
+        rays: f64,
+        /// Least cell that is possible, mm, a little rounded up.
+        least_cell: f64,
+    },
+}
+
+/// Stock as three families of parallel rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    pub(super) cell: f64,
+    /// Lower corner of the grid.
+    pub(super) low: [f64; 3],
+    /// Cells along each axis.
+    pub(super) count: [usize; 3],
+    /// Rays along X, Y, Z.
+    pub(super) families: [Family; 3],
+}
+
+/// Rays along one axis, in tiles.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Family {
+    /// Direction.
+    pub(super) axis: usize,
+    /// Tiles along the two axes after it, in cyclic order.
+    pub(super) across: [usize; 2],
+    /// Tiles, the first of both axes running first.
+    pub(super) tiles: Vec<Tile>,
+}
+
+/// The two axes across an axis, in cyclic order.
+pub(super) fn across(axis: usize) -> [usize; 2] {
+    [(axis + 1) % 3, (axis + 2) % 3]
+}
+
+impl Field {
+    /// Stock turned about Z: the inside of a closed profile of (r, z) points, r >= 0, cut by the rays exactly. The cell
+    /// shrinks until its height is a whole number of cells, so that the rays across count both faces exactly.
+    ///
+    /// # Errors
+    /// [`FieldError`]: a cell that is not positive or too small, a profile without inside.
+    pub fn turned(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
+        if !(cell > 0.0 && cell.is_finite()) {
+            return Err(FieldError::BadCell);
+        }
+        let (mut r, mut bottom, mut top) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+        for p in profile {
+            if !(p[0].is_finite() && p[1].is_finite() && p[0] >= 0.0) {
+                return Err(FieldError::BadProfile);
+            }
+            (r, bottom, top) = (r.max(p[0]), bottom.min(p[1]), top.max(p[1]));
+        }
+        if !(r > 0.0 && top > bottom) {
+            return Err(FieldError::BadProfile);
+        }
+        let size = [2.0 * r, 2.0 * r, top - bottom];
+        let middle = [0.0, 0.0, 0.5 * (top + bottom)];
+        // A blank thinner than a cell keeps the cell.
+        let cell = if size[2] > cell { size[2] / (size[2] / cell - ROUNDING).ceil().max(1.0) } else { cell };
+        let rays = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+        if rays / (cell * cell) > MOST_RAYS {
+            // Room for the whole cells that grids and heights are rounded up to.
+            let least_cell = (rays / MOST_RAYS).sqrt() * 1.1;
+            return Err(FieldError::TooFine { rays: rays / (cell * cell), least_cell });
+        }
+        let count = size.map(|s| (s / cell - ROUNDING).ceil().max(1.0) as usize);
+        let low: [f64; 3] = std::array::from_fn(|k| middle[k] - 0.5 * cell * count[k] as f64);
+        let families = [0, 1, 2].map(|axis| {
+            let [u, v] = across(axis);
+            let across = [count[u].div_ceil(SIDE), count[v].div_ceil(SIDE)];
+            let tiles = (0..across[0] * across[1])
+                .into_par_iter()
+                .map(|n| {
+                    let first = [n % across[0] * SIDE, n / across[0] * SIDE];
+                    let place = |k: usize, axis: usize, i: usize| low[axis] + cell * ((first[k] + i) as f64 + 0.5);
+                    let rays = [(count[u] - first[0]).min(SIDE), (count[v] - first[1]).min(SIDE)];
+                    let depth = [low[axis], low[axis] + cell * count[axis] as f64];
+                    Tile::new(axis, [place(0, u, 0), place(1, v, 0)], cell, depth, rays, |i, j| {
+                        if axis == 2 {
+                            along_axis(profile, place(0, u, i).hypot(place(1, v, j)))
+                        } else {
+                            // The ray lies at height z, at distance y from the axis.
+                            let (a, b) = (place(0, u, i), place(1, v, j));
+                            let (y, z) = if u == 2 { (b, a) } else { (a, b) };
+                            across_axis(profile, y, z)
+                        }
+                    })
+                })
+                .collect();
+            Family { axis, across, tiles }
+        });
+        Ok(Self { cell, low, count, families })
+    }
+
+    /// Edge of the cells.
+    pub fn cell(&self) -> f64 {
+        self.cell
+    }
+
+    /// Rays of all families.
+    pub fn rays(&self) -> usize {
+        let [x, y, z] = self.count;
+        x * y + y * z + z * x
+    }
+
+    /// Volume by the rays along X, Y and Z.
+    pub fn volumes(&self) -> [f64; 3] {
+        let area = self.cell * self.cell;
+        [0, 1, 2].map(|k| {
+            let tiles: Vec<f64> = self.families[k].tiles.par_iter().map(Tile::length).collect();
+            tiles.iter().sum::<f64>() * area
+        })
+    }
+
+    /// Mean volume of the three families.
+    pub fn volume(&self) -> f64 {
+        self.volumes().iter().sum::<f64>() / 3.0
+    }
+
+    /// Solid intervals of the ray along an axis (0 to 2) in a row and column of the grid, these along the next two axes
+    /// in cyclic order.
+    pub fn intervals(&self, axis: usize, row: usize, column: usize) -> Vec<[f64; 2]> {
+        self.ray(axis, row, column).map_or_else(Vec::new, |r| r.intervals().collect())
+    }
+
+    /// Position of cell centre `i` along an axis.
+    pub fn centre(&self, axis: usize, i: usize) -> f64 {
+        self.low[axis] + self.cell * (i as f64 + 0.5)
+    }
+
+    /// Cells along each axis.
+    pub fn cells(&self) -> [usize; 3] {
+        self.count
+    }
+
+    pub(super) fn ray(&self, axis: usize, row: usize, column: usize) -> Option<&super::ray::Ray> {
+        let family = &self.families[axis % 3];
+        let [u, v] = across(axis % 3);
+        if row >= self.count[u] || column >= self.count[v] {
+            return None;
+        }
+        let tile = &family.tiles[row / SIDE + family.across[0] * (column / SIDE)];
+        tile.ray(row % SIDE, column % SIDE)
+    }
+
+    /// A number that equal fields share and others hardly: FNV-1a over the bits of all interval ends.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        for tile in self.families.iter().flat_map(|f| &f.tiles) {
+            for [a, b] in tile.rays().flat_map(super::ray::Ray::intervals) {
+                for bits in [a.to_bits(), b.to_bits()] {
+                    hash = (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
+                }
+            }
+        }
+        hash
+    }
+}
+
+/// Places where a line crosses the closed profile, ascending; the line is given by the side on which a point lies and
+/// the place of a crossing at a share of an edge.
+fn crossings(
+    profile: &[[f64; 2]],
+    beyond: impl Fn(&[f64; 2]) -> bool,
+    place: impl Fn(&[f64; 2], &[f64; 2]) -> f64,
+) -> Vec<f64> {
+    let mut found = Vec::new();
+    for (i, a) in profile.iter().enumerate() {
+        let b = &profile[(i + 1) % profile.len()];
+        if beyond(a) != beyond(b) {
+            found.push(place(a, b));
+        }
+    }
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// Intervals of z at a distance from the axis.
+fn along_axis(profile: &[[f64; 2]], r: f64) -> Vec<[f64; 2]> {
+    let z = crossings(profile, |p| p[0] > r, |a, b| a[1] + (b[1] - a[1]) * (r - a[0]) / (b[0] - a[0]));
+    z.chunks_exact(2).filter(|c| c[1] > c[0]).map(|c| [c[0], c[1]]).collect()
+}
+
+/// Intervals along a line across the axis at height z and distance y from the axis.
+fn across_axis(profile: &[[f64; 2]], y: f64, z: f64) -> Vec<[f64; 2]> {
+    let r = crossings(profile, |p| p[1] > z, |a, b| a[0] + (b[0] - a[0]) * (z - a[1]) / (b[1] - a[1]));
+    let half = |r: f64| if r > y.abs() { ((r - y.abs()) * (r + y.abs())).sqrt() } else { 0.0 };
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    for pair in r.chunks_exact(2).rev() {
+        let (inner, outer) = (half(pair[0]), half(pair[1]));
+        if outer > inner {
+            intervals.push([-outer, -inner]);
+        }
+    }
+    let mirrored: Vec<[f64; 2]> = intervals.iter().rev().map(|[a, b]| [-b, -a]).collect();
+    for m in mirrored {
+        match intervals.last_mut() {
+            // Both halves meet on the axis plane.
+            Some(last) if last[1] >= m[0] => last[1] = m[1],
+            _ => intervals.push(m),
+        }
+    }
+    intervals
+}

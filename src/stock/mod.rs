@@ -1,0 +1,58 @@
+//! The real stock as rays along X, Y and Z with the intervals that are still solid, and tools that cut it block by
+//! block.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`field`] | the rays: made from a turned blank, volume |
+//! | `ray` | sorted disjoint solid intervals |
+//! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
+//! | `sweep` | such a body in motion: its signed distance, least over time |
+//! | `tile` | 64 x 64 rays with a coarse map of where material is left |
+//! | [`simulate`] | a stream of steps through all tiles |
+//! | [`mesh`] | closed triangle mesh of what is left, STL |
+//!
+//! Only ends of intervals are stored, each within [`END_ERROR`] of the surface of the tool that made it, so that the
+//! errors of many cuts never add up. Between the rays nothing is known: features smaller than a cell may lie there.
+//! Lengths are mm.
+
+pub mod field;
+pub mod mesh;
+mod ray;
+mod shape;
+pub mod simulate;
+mod sweep;
+mod tile;
+
+pub use field::{Field, FieldError};
+pub use mesh::Mesh;
+pub use simulate::{BlockCut, Collision, Outcome, Touched, simulate};
+
+use nalgebra::{Point3, Vector3};
+
+/// Largest distance between the end of an interval and the surface of the swept tool, mm: the stop of the iteration
+/// plus the axis that runs on a parabola through three of its directions, at 50 mm over the tip and one degree of turn.
+pub const END_ERROR: f64 = 1e-3;
+
+/// How a step is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepKind {
+    /// Cutting feed.
+    Cut,
+    /// Between passes, at feed.
+    Link,
+    /// At rapid, where the tool must not touch anything.
+    Rapid,
+}
+
+/// A short piece of motion of one tool: at most about one degree of turn and a few millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Number of the block that it belongs to; never falls along a stream.
+    pub block: u32,
+    /// How.
+    pub kind: StepKind,
+    /// Tool tip at start and end; it runs straight.
+    pub tips: [Point3<f64>; 2],
+    /// Unit vector from tip to holder at start, half time and end.
+    pub axes: [Vector3<f64>; 3],
+}

@@ -1,0 +1,136 @@
+//! Convex bodies of revolution by a function that is zero on their surface, negative inside, convex, and changes no
+//! faster than the point moves.
+//!
+//! At sharp edges it is the largest of the distances to the faces, which lies below the true distance outside: zero
+//! set and bounds hold all the same.
+
+use crate::collide::{Cutter, Section, ToolSolid};
+
+/// A body about the tool axis; heights are over the tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shape {
+    /// Cylinder from the tip to `top`.
+    Flat { radius: f64, top: f64 },
+    /// Cylinder to `top` with a half ball below.
+    Ball { radius: f64, top: f64 },
+    /// Any other cutter up to `top`, by its own distance.
+    Other { cutter: Cutter, top: f64 },
+    /// Frustum; `side` is the normal of its side in the half plane (radius, height).
+    Frustum { from: f64, to: f64, radius: f64, side: [f64; 2] },
+}
+
+/// Value of the function and its derivatives by the distance from the axis and by the height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Value {
+    pub(super) f: f64,
+    pub(super) by_rho: f64,
+    pub(super) by_s: f64,
+}
+
+impl Shape {
+    /// The cutter of a tool, closed at the end of the flutes.
+    pub(super) fn cutter(solid: &ToolSolid) -> Self {
+        let top = solid.flute_length;
+        match solid.cutter {
+            Cutter::Flat { radius } => Self::Flat { radius, top },
+            Cutter::Ball { radius } => Self::Ball { radius, top },
+            cutter => Self::Other { cutter, top },
+        }
+    }
+
+    /// A section of shank or holder; `None` when it has no height.
+    pub(super) fn section(section: &Section) -> Option<Self> {
+        let (rise, run) = (section.to - section.from, section.radius_to - section.radius_from);
+        (rise > 0.0).then(|| {
+            let length = rise.hypot(run);
+            let side = [rise / length, -run / length];
+            Self::Frustum { from: section.from, to: section.to, radius: section.radius_from, side }
+        })
+    }
+
+    /// Lowest and highest height, and largest radius.
+    pub(super) fn extent(&self) -> (f64, f64, f64) {
+        match *self {
+            Self::Flat { radius, top } | Self::Ball { radius, top } => (0.0, top, radius),
+            Self::Other { cutter, top } => (0.0, top, cutter.widest_below(top)),
+            Self::Frustum { from, to, radius, side } => {
+                (from, to, radius.max(radius - (to - from) * side[1] / side[0]))
+            }
+        }
+    }
+
+    /// The function at a distance from the axis and a height.
+    #[inline]
+    pub(super) fn at(&self, rho: f64, s: f64) -> Value {
+        let (value, top) = match *self {
+            Self::Flat { radius, top } => {
+                let side = rho - radius;
+                if side > -s {
+                    (Value { f: side, by_rho: 1.0, by_s: 0.0 }, top)
+                } else {
+                    (Value { f: -s, by_rho: 0.0, by_s: -1.0 }, top)
+                }
+            }
+            Self::Ball { radius, top } => {
+                if s < radius {
+                    let h = s - radius;
+                    let length = (rho * rho + h * h).sqrt();
+                    let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+                    (Value { f: length - radius, by_rho: rho * scale, by_s: h * scale }, top)
+                } else {
+                    (Value { f: rho - radius, by_rho: 1.0, by_s: 0.0 }, top)
+                }
+            }
+            Self::Other { cutter, top } => {
+                let slope = cutter.slope(rho, s);
+                (Value { f: slope.value, by_rho: slope.rho, by_s: slope.s }, top)
+            }
+            Self::Frustum { from, to, radius, side } => {
+                let out = (rho - radius) * side[0] + (s - from) * side[1];
+                if from - s > out {
+                    (Value { f: from - s, by_rho: 0.0, by_s: -1.0 }, to)
+                } else {
+                    (Value { f: out, by_rho: side[0], by_s: side[1] }, to)
+                }
+            }
+        };
+        let above = s - top;
+        if above > value.f { Value { f: above, by_rho: 0.0, by_s: 1.0 } } else { value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Zero set and sign are those of the tool's own distances, the derivatives those of difference quotients.
+    #[test]
+    fn agrees_with_the_distances_of_the_tool() {
+        let section = Section { from: 20.0, to: 45.0, radius_from: 3.0, radius_to: 9.0 };
+        let solid = |cutter| ToolSolid { cutter, flute_length: 20.0, shank: vec![section], holder: Vec::new() };
+        for cutter in [
+            Cutter::Flat { radius: 4.0 },
+            Cutter::Ball { radius: 3.0 },
+            Cutter::Bull { radius: 4.0, corner: 1.0 },
+            Cutter::TaperedBall { ball: 2.0, half_angle: 0.1 },
+            Cutter::Barrel { radius: 5.0, barrel: 60.0, tip: 1.0 },
+        ] {
+            let solid = solid(cutter);
+            for (shape, is_cutter) in [(Shape::cutter(&solid), true), (Shape::section(&section).unwrap(), false)] {
+                for i in 0..60 {
+                    for j in 0..120 {
+                        let (rho, s) = (f64::from(i) * 0.203 + 0.011, f64::from(j) * 0.503 - 5.017);
+                        let v = shape.at(rho, s);
+                        let distance = if is_cutter { solid.cutter_distance(rho, s) } else { section.distance(rho, s) };
+                        assert!(v.f <= distance.max(0.0) + 1e-12, "{cutter:?} {rho} {s}");
+                        assert_eq!(v.f < 0.0, distance < 0.0, "{cutter:?} {rho} {s}: {} {distance}", v.f);
+                        let d = 1e-6;
+                        let by_rho = (shape.at(rho + d, s).f - shape.at(rho - d, s).f) / (2.0 * d);
+                        let by_s = (shape.at(rho, s + d).f - shape.at(rho, s - d).f) / (2.0 * d);
+                        assert!((v.by_rho - by_rho).abs() < 1e-3 && (v.by_s - by_s).abs() < 1e-3);
+                    }
+                }
+            }
+        }
+    }
+}
