@@ -29,9 +29,16 @@ pub use simulate::{BlockCut, Collision, Outcome, Touched, simulate};
 
 use nalgebra::{Point3, Vector3};
 
-/// Largest distance between the end of an interval and the surface of the swept tool, mm: the stop of the iteration
-/// plus the axis that runs on a parabola through three of its directions, at 50 mm over the tip and one degree of turn.
+/// Largest distance between the end of an interval and the surface of the swept tool, mm, when steps turn by no more
+/// than [`most_turn`]: what the arcs of a turning tool add to tangent bounds, over the stop of the iteration.
 pub const END_ERROR: f64 = 1e-3;
+
+/// Largest turn of a step, radians, for a cutter that goes up to a height over its tip, mm. A point there that turns by
+/// w leaves the tangents of its way by at most height w^2 / 2.
+pub fn most_turn(height: f64) -> f64 {
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+    (2.0 * END_ERROR / height.max(1e-3)).sqrt().min(DEGREE)
+}
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +51,7 @@ pub enum StepKind {
     Rapid,
 }
 
-/// A short piece of motion of one tool: at most about one degree of turn and a few millimetres.
+/// A short piece of motion of one tool: a turn of at most [`most_turn`], and a few millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Number of the block that it belongs to; never falls along a stream.
