@@ -190,7 +190,10 @@ fn header(program: &Program, certificate: &Certificate, sources: &SourceMap) -> 
         format!("part {}, machine {}, zero at the origin of the part frame, mm", program.name, program.machine.name),
     ];
     for c in &certificate.contracts {
-        lines.push(format!("{} {:.4} mm, asked for {:.4} mm", c.kind, c.found, c.bound));
+        lines.push(format!("{} {}, asked for {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
+    }
+    for a in &certificate.allowed {
+        lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));
     }
     for (_, tool) in program.tools.iter() {
         lines.push(format!(

@@ -12,6 +12,7 @@
 
 pub mod analysis;
 pub mod collide;
+pub mod contract;
 pub mod diag;
 pub mod driver;
 pub mod entity;

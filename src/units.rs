@@ -47,6 +47,17 @@ quantity!(
     "s"
 );
 
+quantity!(
+    /// A volume in cubic millimetres.
+    Mm3,
+    "mm3"
+);
+quantity!(
+    /// A removal rate in cubic millimetres a minute.
+    Mm3PerMin,
+    "mm3/min"
+);
+
 /// An angle in radians; it prints in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -238,7 +238,7 @@ fn a_fillet_narrows_the_floor_for_a_flat_tool() {
 fn what_the_finishers_may_meet_counts() {
     let flat = Cutter::Flat { radius: 4.0 };
     let mut program = program(Some(3.0), &[flat]);
-    let rest = |bound| Contract { kind: ContractKind::Rest, bound: Mm(bound), span: Span::default() };
+    let rest = |bound| Contract::whole(ContractKind::Rest, bound);
     program.contracts = vec![rest(0.6)];
     assert_eq!(errors(&check(&program).1).len(), 1, "8 mm does not stand 0.6 mm over the hub between the fillets");
     program.contracts = vec![rest(3.5)];

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+use impellerc::contract::{ContractKind, Guarded, SurfaceClass};
 use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
@@ -183,6 +184,120 @@ fn tools_of_each_kind_are_read() {
     assert_eq!(library.holder.unwrap().0, "er16-mini");
 }
 
+/// The main job with other contracts.
+fn with_contracts(text: &str) -> String {
+    changed("require rest      <= 1 mm\n", &format!("{text}\n"))
+}
+
+#[test]
+fn contracts_of_each_kind_are_read() {
+    let text = with_contracts(
+        "let limit = 5 um\n\
+         require gouge <= limit on hub, fillet\n\
+         require gouge <= 6 um on groove\n\
+         require gouge <= 8 um on operation groove\n\
+         require clearance tool   >= 0.3 mm\n\
+         require clearance shank  >= 0.4 mm on hub\n\
+         require clearance holder >= 2 mm on flank, edge\n\
+         require air          <= 30 %\n\
+         require time         <= 10 h\n\
+         require time         <= 90 min on flank, channel\n\
+         require axis-speed   <= 80 %\n\
+         require removal-rate <= 2.5 cm3/min on expand\n\
+         require rest         <= 1000 um on operation expand2\n\
+         require rest-volume  <= 1.5 cm3\n\
+         allow   excess on fillet \"blended by hand\"\n\
+         allow   clearance holder on operation channel \"soft holder\"",
+    );
+    let read = read(&text);
+    assert_eq!(read.codes(), [], "{}", render::human(&read.sink, &read.sources, false));
+    let job = read.job.unwrap();
+    let found: Vec<_> = job.contracts.iter().skip(3).map(|c| (c.kind, c.bound.value(), c.scope.clone())).collect();
+    let is = |kind, bound: f64, operations: &[usize], surfaces: &[SurfaceClass]| {
+        (kind, bound, impellerc::contract::Scope { operations: operations.to_vec(), surfaces: surfaces.to_vec() })
+    };
+    use SurfaceClass::{Edge, Fillet, Hub};
+    let expected = [
+        is(ContractKind::Gouge, 0.005, &[], &[Fillet, Hub]),
+        // All operations of the kind, or the one of the name.
+        is(ContractKind::Gouge, 0.006, &[0, 2], &[]),
+        is(ContractKind::Gouge, 0.008, &[0], &[]),
+        is(ContractKind::Clearance(Guarded::Tool), 0.3, &[], &[]),
+        is(ContractKind::Clearance(Guarded::Shank), 0.4, &[], &[Hub]),
+        is(ContractKind::Clearance(Guarded::Holder), 2.0, &[4], &[Edge]),
+        is(ContractKind::Air, 0.3, &[], &[]),
+        is(ContractKind::Time, 36000.0, &[], &[]),
+        is(ContractKind::Time, 5400.0, &[4, 5], &[]),
+        is(ContractKind::AxisSpeed, 0.8, &[], &[]),
+        is(ContractKind::RemovalRate, 2500.0, &[1, 3], &[]),
+        is(ContractKind::Rest, 1.0, &[3], &[]),
+        is(ContractKind::RestVolume, 1500.0, &[], &[]),
+    ];
+    assert_eq!(found, expected);
+    assert_eq!(job.allowed[0].reason, "blended by hand");
+    assert_eq!(
+        (job.allowed[1].kind, job.allowed[1].scope.operations.as_slice()),
+        (ContractKind::Clearance(Guarded::Holder), &[5][..])
+    );
+    // Planning keeps the strictest of them everywhere; a rapid is no matter of planning clearance.
+    assert_eq!(job.clearance.get(), 2.0);
+    let printed = job::print::print(&job);
+    for line in [
+        "require gouge <= 0.005 mm on fillet, hub",
+        "require gouge <= 0.006 mm on operation groove, operation groove2",
+        "require air <= 30 %",
+        "require time <= 5400 s on operation flank, operation channel",
+        "require removal-rate <= 2500 mm3/min on operation expand, operation expand2",
+        "require rest-volume <= 1500 mm3",
+        "allow clearance holder on operation channel \"soft holder\"",
+    ] {
+        assert!(printed.contains(line), "{line} is not in\n{printed}");
+    }
+}
+
+/// What `--emit job` prints of contracts is itself read, and means the same.
+#[test]
+fn printed_contracts_read_back() {
+    let text = with_contracts(
+        "require clearance holder >= 2 mm on flank\nrequire rest-volume <= 0.1 cm3\nrequire time <= 3 h on channel\n\
+         allow gouge on hub, operation groove \"left for later\"",
+    );
+    let first = read(&text).job.unwrap();
+    let printed = job::print::print(&first);
+    let lines: Vec<&str> =
+        printed.lines().filter(|l| l.starts_with("require") || l.starts_with("allow")).skip(3).collect();
+    let second = read(&with_contracts(&lines.join("\n"))).job.unwrap();
+    let plain = |job: &Job| -> Vec<_> { job.contracts.iter().map(|c| (c.kind, c.bound, c.scope.clone())).collect() };
+    assert_eq!(plain(&first), plain(&second));
+    assert_eq!(first.allowed[0].scope, second.allowed[0].scope);
+}
+
+#[test]
+fn contracts_that_contradict_themselves_are_refused() {
+    for (text, code) in [
+        ("require gouge <= 5 um on hub\nrequire gouge <= 6 um on hub", codes::job::GIVEN_TWICE),
+        ("require gouge <= 5 um on hub, fillet\nrequire gouge <= 6 um on fillet, hub", codes::job::GIVEN_TWICE),
+        ("require air <= 0.3 mm", codes::job::WRONG_DIMENSION),
+        ("require time <= 3", codes::job::NO_UNIT),
+        ("require axis-speed <= 120 %", codes::job::OUT_OF_RANGE),
+        ("require rest-volume >= 1 mm3", codes::job::RELATION),
+        ("require gouge tool <= 1 um", codes::job::UNKNOWN_NAME),
+        ("require rest <= 1 mm on flank", codes::job::WRONG_FORM),
+        ("allow time on hub \"x\"", codes::job::WRONG_FORM),
+        ("allow rest-volume on groove \"x\"", codes::job::WRONG_FORM),
+        ("allow gouge \"x\"", codes::job::WRONG_FORM),
+        ("allow gouge on hub", codes::syntax::UNEXPECTED),
+        ("require gouge on hub <= 1 um", codes::syntax::UNEXPECTED),
+        (
+            "require time <= 1 h on flank, channel\nallow time on flank \"x\"\nallow time on channel \"y\"",
+            codes::job::NOTHING_LEFT,
+        ),
+    ] {
+        let read = read(&with_contracts(text));
+        assert_eq!(read.codes(), [code], "for {text}");
+    }
+}
+
 #[test]
 fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
@@ -255,7 +370,7 @@ proptest! {
         words in prop::collection::vec(
             prop::sample::select(vec![
                 "let", "part", "tool", "operation", "groove", "post", "use", "machine", "x", "t1", "vane", "hub",
-                "spline", "from", "curve", "revolve", "ruled", "{", "}", "(", ")", "[", "]", "=", "<=", ",", "+", "-",
+                "require", "allow", "on", "gouge", "spline", "from", "curve", "revolve", "ruled", "{", "}", "(", ")", "[", "]", "=", "<=", ",", "+", "-",
                 "*", "/", "3", "0.5", "1e999", "mm", "rpm", "%", "\"", "\"a\"", "//", "\n", "\n", "é",
             ]),
             0..60,

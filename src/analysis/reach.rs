@@ -6,7 +6,7 @@ use super::throat::Throat;
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{ContractKind, Operation, OperationId, OperationKind, Part, Program};
+use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Part, Program};
 use crate::units::trim;
 
 /// What one operation's tool reaches.
@@ -170,7 +170,8 @@ pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<
 /// lets the finishers meet.
 fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mut Sink) {
     let rough: Vec<&Reach> = reaches.iter().filter(|r| !program.operations[r.operation].kind.finishes()).collect();
-    let rest = program.contracts.iter().find(|c| c.kind == ContractKind::Rest).map_or(0.0, |c| c.bound.get());
+    let whole = |c: &&Contract| c.kind == ContractKind::Rest && c.scope.is_whole();
+    let rest = program.contracts.iter().find(whole).map_or(0.0, |c| c.bound.value());
     let reaches_floor = |r: &&Reach| {
         let cutter = &program.tools[program.operations[r.operation].tool].solid.cutter;
         r.fits || (rest > r.allowance_hub && finder.fits(cutter, r.allowance_vane, rest))

@@ -24,6 +24,6 @@ pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
 pub use motion::{JointMove, Motion, MotionOperation};
 pub use part::{Face, Guides, Part, Side, Vane};
 pub use program::{
-    Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
+    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
     RulingEnd, Stock, Tolerances, Tool, ToolId,
 };

@@ -1,6 +1,6 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
-use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationKind, Program, Side};
+use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program, Side};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -78,8 +78,13 @@ pub fn program(program: &Program) -> String {
             sectors.join(" ")
         );
     }
+    let name = |o: &OperationId| program.operations[*o].name.clone();
     for c in &program.contracts {
-        let _ = writeln!(t, "require {:?} {}", c.kind, c.bound);
+        let (kind, sign) = (c.kind.name(), c.kind.relation().sign());
+        let _ = writeln!(t, "require {kind} {sign} {}{}", c.bound, c.scope.text(name));
+    }
+    for a in &program.allowed {
+        let _ = writeln!(t, "allow {}{} {:?}", a.kind.name(), a.scope.text(name), a.reason);
     }
     let _ = writeln!(t, "machine {}", program.machine.name);
     let _ = writeln!(

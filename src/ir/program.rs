@@ -1,6 +1,8 @@
 //! What is to be made, with what, on which machine, and what must hold: the job as geometry.
 
 use crate::collide::ToolSolid;
+pub use crate::contract::ContractKind;
+use crate::contract::{Bound, Scope};
 use crate::entity::PrimaryMap;
 use crate::entity_id;
 use crate::geom::Revolution;
@@ -36,6 +38,8 @@ pub struct Program {
     pub operations: PrimaryMap<OperationId, Operation>,
     /// What must hold.
     pub contracts: Vec<Contract>,
+    /// What is taken out of them, with its reason.
+    pub allowed: Vec<Allowed>,
     /// Machine with the part mounted on its table.
     pub machine: Machine,
     /// Dialect to write.
@@ -231,22 +235,31 @@ pub struct Contract {
     /// What is measured.
     pub kind: ContractKind,
     /// The bound.
-    pub bound: Mm,
+    pub bound: Bound,
+    /// Where it holds.
+    pub scope: Scope<OperationId>,
     /// Its line in the job.
     pub span: Span,
 }
 
-/// Quantity of a contract.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContractKind {
-    /// Depth of the deepest cut into a design surface, at most the bound.
-    Gouge,
-    /// Most material left on a design surface, at most the bound.
-    Excess,
-    /// Distance of shank and holder to the design part, at least the bound.
-    Clearance,
-    /// Most material that roughing leaves for the finishing operations, at most the bound.
-    Rest,
+impl Contract {
+    /// A contract on the whole part and program; `bound` in mm, s, mm3, mm3/min or as a share, as the quantity has it.
+    pub fn whole(kind: ContractKind, bound: f64) -> Self {
+        Self { kind, bound: kind.bound(bound), scope: Scope::default(), span: Span::default() }
+    }
+}
+
+/// What is knowingly left: taken out of all contracts of its quantity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Allowed {
+    /// What is measured.
+    pub kind: ContractKind,
+    /// Where; never everywhere.
+    pub scope: Scope<OperationId>,
+    /// Why, in the words of the job.
+    pub reason: String,
+    /// Its line in the job.
+    pub span: Span,
 }
 
 /// The dialect that the job asks for.

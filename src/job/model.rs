@@ -1,5 +1,7 @@
 //! The typed job: units as types, names resolved, every default explicit.
 
+pub use crate::contract::ContractKind;
+use crate::contract::{Bound, OfOperations, Region, Scope};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -18,11 +20,14 @@ pub struct Job {
     pub operations: Vec<OperationSpec>,
     /// Contracts.
     pub contracts: Vec<ContractSpec>,
+    /// What is taken out of them.
+    pub allowed: Vec<AllowedSpec>,
     /// Path tolerance in finishing.
     pub chord: Mm,
     /// Path tolerance in roughing.
     pub chord_rough: Mm,
-    /// Distance of shank and holder to the part that planning keeps: the bound of `require clearance`, or 0.5 mm.
+    /// Distance of shank and holder to the part that planning keeps: the largest bound of a `require
+    /// clearance` for them, or 0.5 mm.
     pub clearance: Mm,
     /// Dialect and where it is named.
     pub post: (String, Span),
@@ -258,26 +263,41 @@ pub struct Layers {
     pub allowance_hub: Mm,
 }
 
-/// Quantities that can be required.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContractKind {
-    /// Deepest cut into the design.
-    Gouge,
-    /// Most material left.
-    Excess,
-    /// Shank and holder to the part.
-    Clearance,
-    /// Most material that roughing leaves.
-    Rest,
-}
-
 /// A contract.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContractSpec {
     /// Quantity.
     pub kind: ContractKind,
     /// Bound.
-    pub bound: Mm,
+    pub bound: Bound,
+    /// Where it holds; operations by their index.
+    pub scope: Scope<usize>,
+    /// Its item.
+    pub span: Span,
+}
+
+impl ContractSpec {
+    /// Surfaces and operations that it speaks about among `count` operations. For what stands after operations their
+    /// choice takes nothing out.
+    pub fn region(&self, count: usize) -> Region {
+        match self.kind.of_operations() {
+            OfOperations::Done => Region::of(&self.scope, count),
+            OfOperations::After => {
+                Region::of(&Scope { operations: Vec::new(), surfaces: self.scope.surfaces.clone() }, count)
+            }
+        }
+    }
+}
+
+/// What is taken out of the contracts of a quantity, knowingly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AllowedSpec {
+    /// Quantity.
+    pub kind: ContractKind,
+    /// Where; never whole.
+    pub scope: Scope<usize>,
+    /// Why, in the words of the job.
+    pub reason: String,
     /// Its item.
     pub span: Span,
 }

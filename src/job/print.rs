@@ -1,6 +1,6 @@
 //! Text form of the job: every default written out.
 
-use super::model::{ContractKind, CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
+use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
 use crate::units::trim;
 use std::fmt::Write;
 
@@ -23,14 +23,13 @@ pub fn print(job: &Job) -> String {
     operations(&mut out, job);
     let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);
     let _ = writeln!(out, "clearance {}", job.clearance);
+    let operation = |o: &usize| job.operations.get(*o).map_or_else(String::new, |o| o.name.clone());
     for c in &job.contracts {
-        let (name, relation) = match c.kind {
-            ContractKind::Gouge => ("gouge", "<="),
-            ContractKind::Excess => ("excess", "<="),
-            ContractKind::Clearance => ("clearance", ">="),
-            ContractKind::Rest => ("rest", "<="),
-        };
-        let _ = writeln!(out, "require {name} {relation} {}", c.bound);
+        let (name, relation) = (c.kind.name(), c.kind.relation().sign());
+        let _ = writeln!(out, "require {name} {relation} {}{}", c.bound, c.scope.text(operation));
+    }
+    for a in &job.allowed {
+        let _ = writeln!(out, "allow {}{} {:?}", a.kind.name(), a.scope.text(operation), a.reason);
     }
     let _ = writeln!(out, "post {}", job.post.0);
     out

@@ -23,6 +23,10 @@ impl Dimension {
     pub const FEED_PER_TOOTH: Self = Self([1, 0, 0, 0, -1]);
     /// mm/min2.
     pub const ACCELERATION: Self = Self([1, 0, -2, 0, 0]);
+    /// mm3.
+    pub const VOLUME: Self = Self([3, 0, 0, 0, 0]);
+    /// mm3/min.
+    pub const REMOVAL_RATE: Self = Self([3, 0, -1, 0, 0]);
     /// rad/min.
     pub const TURNING: Self = Self([0, 1, -1, 0, 0]);
     /// rad/min2.
@@ -39,6 +43,8 @@ impl Dimension {
             (Self::SPINDLE, "a spindle speed"),
             (Self::FEED_PER_TOOTH, "a feed a tooth"),
             (Self::ACCELERATION, "an acceleration"),
+            (Self::VOLUME, "a volume"),
+            (Self::REMOVAL_RATE, "a removal rate"),
             (Self::TURNING, "a turning speed"),
             (Self::TURNING_ACCELERATION, "a turning acceleration"),
         ];
@@ -60,6 +66,8 @@ impl Dimension {
             Self::SPINDLE => "rpm",
             Self::FEED_PER_TOOTH => "mm/tooth",
             Self::ACCELERATION => "m/s2",
+            Self::VOLUME => "mm3",
+            Self::REMOVAL_RATE => "mm3/min",
             Self::TURNING => "deg/s",
             Self::TURNING_ACCELERATION => "rad/s2",
             _ => "",
@@ -142,6 +150,10 @@ const JOB_UNITS: &[(&str, Scale, Dimension)] = &[
     ("mm/min", Scale::Times(1.0), Dimension::FEED),
     ("m/min", Scale::Times(1000.0), Dimension::FEED),
     ("mm/tooth", Scale::Times(1.0), Dimension::FEED_PER_TOOTH),
+    ("mm3", Scale::Times(1.0), Dimension::VOLUME),
+    ("cm3", Scale::Times(1000.0), Dimension::VOLUME),
+    ("mm3/min", Scale::Times(1.0), Dimension::REMOVAL_RATE),
+    ("cm3/min", Scale::Times(1000.0), Dimension::REMOVAL_RATE),
     ("s", Scale::Over(60.0), Dimension::TIME),
     ("min", Scale::Times(1.0), Dimension::TIME),
     ("h", Scale::Times(60.0), Dimension::TIME),

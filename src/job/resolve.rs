@@ -4,16 +4,16 @@ use super::eval::{Scope, suggest};
 use super::files::{Files, Missing};
 use super::library::{self, ToolLibrary};
 use super::model::{
-    ContractKind, ContractSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, DEFAULT_CLEARANCE, Job, MachineSpec, PartSpec,
-    StockSpec,
+    ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, DEFAULT_CLEARANCE, Job, MachineSpec, PartSpec, StockSpec,
 };
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
-use super::{operations, part, tools};
+use super::{contracts, operations, part, tools};
+use crate::contract::Guarded;
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::source::{SourceMap, Span};
-use crate::syntax::ast::{Block, Expr, File, Item, ItemKind, Name, Text, Value};
+use crate::syntax::ast::{Block, File, Item, ItemKind, Name, Text, Value};
 use crate::units::Mm;
 
 /// The edition that this compiler reads.
@@ -43,7 +43,7 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
     let vanes = part.as_ref().map(|p| p.vanes.0);
     let operations = operations::resolve(file, &tools, machine.as_ref(), vanes, &mut cx);
     let (chord, chord_rough) = tolerances(file, &mut cx);
-    let contracts = contracts(file, &mut cx);
+    let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
     if !cx.sink.has_errors() && !file.damaged {
         cx.scope.warn_unused(cx.sink);
@@ -53,11 +53,15 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
     let (Some(machine), Some(part), Some(stock), Some(post), false) = (machine, part, stock, post, unfinished) else {
         return Err(Aborted);
     };
-    let clearance =
-        contracts.iter().filter(|c| c.kind == ContractKind::Clearance).map(|c| c.bound.get()).reduce(f64::max);
+    // What any contract asks of shank or holder anywhere, planning keeps everywhere.
+    let clearance = contracts
+        .iter()
+        .filter(|c| matches!(c.kind, ContractKind::Clearance(body) if body != Guarded::Tool))
+        .map(|c| c.bound.value())
+        .reduce(f64::max);
     let clearance = clearance.map_or(DEFAULT_CLEARANCE, Mm);
     let tools = tools.into_iter().filter_map(|t| t.spec).collect();
-    Ok(Job { machine, part, stock, tools, operations, contracts, chord, chord_rough, clearance, post })
+    Ok(Job { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, clearance, post })
 }
 
 /// The only item of a kind; reports a second one, and a missing one with an example.
@@ -262,59 +266,6 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
         }
     }
     (chord, rough)
-}
-
-fn contracts(file: &File, cx: &mut Context<'_>) -> Vec<ContractSpec> {
-    const KNOWN: [(&str, ContractKind, &str); 4] = [
-        ("gouge", ContractKind::Gouge, "<="),
-        ("excess", ContractKind::Excess, "<="),
-        ("clearance", ContractKind::Clearance, ">="),
-        ("rest", ContractKind::Rest, "<="),
-    ];
-    let mut out: Vec<ContractSpec> = Vec::new();
-    for item in &file.items {
-        let ItemKind::Require { what, relation, bound } = &item.kind else { continue };
-        let Some((name, kind, due)) = KNOWN.iter().find(|k| k.0 == what.text) else {
-            let diag = Diag::error(codes::UNKNOWN_NAME, format!("`{}` cannot be required", what.text));
-            cx.sink.push(suggest(diag, &what.text, what.span, "quantity", &KNOWN.map(|k| k.0)));
-            continue;
-        };
-        if relation.text != *due {
-            let side = if *due == "<=" { "at most" } else { "at least" };
-            cx.sink.push(
-                Diag::error(codes::RELATION, format!("`{name}` is required to be {side} a bound"))
-                    .label(relation.span, format!("`{due}` is due"))
-                    .help(format!("write `{due}`"))
-                    .fix(relation.span, *due),
-            );
-        }
-        if let Some(first) = out.iter().find(|c| c.kind == *kind) {
-            cx.sink.push(
-                Diag::error(codes::GIVEN_TWICE, format!("`{name}` is required twice"))
-                    .label(item.span, "required again")
-                    .label(first.span, "first required here")
-                    .help("keep the stricter one"),
-            );
-            continue;
-        }
-        if let Some(bound) = contract_bound(name, bound, cx) {
-            out.push(ContractSpec { kind: *kind, bound: Mm(bound), span: item.span });
-        }
-    }
-    out
-}
-
-fn contract_bound(name: &str, bound: &Expr, cx: &mut Context<'_>) -> Option<f64> {
-    let value = cx.scope.expect(bound, Dimension::LENGTH, &format!("the bound of `{name}`"), cx.sink)?;
-    if (0.0..=100.0).contains(&value) {
-        return Some(value);
-    }
-    cx.sink.push(
-        Diag::error(codes::OUT_OF_RANGE, format!("the bound of `{name}` must be from 0 to 100 mm"))
-            .label(bound.span, "out of range")
-            .help("bounds are lengths without a sign: `require gouge <= 7 um`"),
-    );
-    None
 }
 
 fn post(file: &File, cx: &mut Context<'_>) -> Option<(String, Span)> {

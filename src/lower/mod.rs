@@ -4,12 +4,13 @@ mod checks;
 mod curves;
 
 use crate::collide::{Cutter, Section, ToolSolid};
+use crate::contract::Scope;
 use crate::diag::{Aborted, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::NurbsCurve;
 use crate::ir::{
-    Contract, ContractKind, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice,
-    Program, RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
+    Allowed, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program,
+    RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
 };
 use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
 use crate::kin::{LinearAxis, Machine, RotaryAxis};
@@ -42,6 +43,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         tools,
         operations,
         contracts: job.contracts.iter().map(contract).collect(),
+        allowed: job.allowed.iter().map(allowed).collect(),
         machine: machine(&job.machine),
         post: PostChoice { name: job.post.0.clone(), span: Some(job.post.1) },
         tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
@@ -157,13 +159,18 @@ fn operation(spec: &model::OperationSpec) -> Operation {
 }
 
 fn contract(spec: &model::ContractSpec) -> Contract {
-    let kind = match spec.kind {
-        model::ContractKind::Gouge => ContractKind::Gouge,
-        model::ContractKind::Excess => ContractKind::Excess,
-        model::ContractKind::Clearance => ContractKind::Clearance,
-        model::ContractKind::Rest => ContractKind::Rest,
-    };
-    Contract { kind, bound: spec.bound, span: spec.span }
+    Contract { kind: spec.kind, bound: spec.bound, scope: scope(&spec.scope), span: spec.span }
+}
+
+fn allowed(spec: &model::AllowedSpec) -> Allowed {
+    Allowed { kind: spec.kind, scope: scope(&spec.scope), reason: spec.reason.clone(), span: spec.span }
+}
+
+fn scope(spec: &Scope<usize>) -> Scope<OperationId> {
+    Scope {
+        operations: spec.operations.iter().map(|o| OperationId::new(*o)).collect(),
+        surfaces: spec.surfaces.clone(),
+    }
 }
 
 /// The machine with its rotary axes in the ISO sense.

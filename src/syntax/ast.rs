@@ -93,10 +93,25 @@ pub enum ItemKind {
     Require {
         /// Quantity.
         what: Name,
+        /// Part of the tool, after `clearance`.
+        body: Option<Name>,
         /// `<=` or `>=`, as written.
         relation: Name,
         /// Bound.
         bound: Expr,
+        /// Where it holds; empty is everywhere.
+        scope: Vec<Target>,
+    },
+    /// `allow excess on fillet "ground by hand"`
+    Allow {
+        /// Quantity.
+        what: Name,
+        /// Part of the tool, after `clearance`.
+        body: Option<Name>,
+        /// Where.
+        scope: Vec<Target>,
+        /// Why.
+        reason: Text,
     },
     /// `post siemens-840d`
     Post {
@@ -105,6 +120,15 @@ pub enum ItemKind {
         /// Options, where given.
         body: Option<Block>,
     },
+}
+
+/// A word after `on`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// True when `operation` stands before the name.
+    pub operation: bool,
+    /// Surface or operation.
+    pub name: Name,
 }
 
 /// Where the shape of a tool comes from.

@@ -1,8 +1,8 @@
 //! From text to [`File`]: pest reads one item after another, and pairs become the tree.
 
 use super::ast::{
-    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Spline, SplinePoints, Text,
-    ToolSource, Value,
+    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Spline, SplinePoints, Target,
+    Text, ToolSource, Value,
 };
 use super::scan::{self, ITEMS, MAX_FAULTS, Piece};
 use crate::diag::codes::syntax as codes;
@@ -129,6 +129,8 @@ fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::close_group => "`)`",
         Rule::relation => "`<=` or `>=`",
         Rule::kw_curve => "`curve`",
+        Rule::kw_on | Rule::scope => "`on`",
+        Rule::target => "a surface or an operation",
         Rule::from_file | Rule::points | Rule::kw_from => "`[` or `from`",
         Rule::add_op | Rule::mul_op => "an operator",
         Rule::unit => "a unit",
@@ -239,11 +241,32 @@ impl Builder<'_> {
                 }
             }
             Rule::tolerance => ItemKind::Tolerance(self.values(parts)),
-            Rule::require => ItemKind::Require {
-                what: self.name(&parts.next()?),
-                relation: self.name(&parts.next()?),
-                bound: self.expr(parts.next()?)?,
-            },
+            Rule::require => {
+                let what = self.name(&parts.next()?);
+                let mut next = parts.next()?;
+                let mut body = None;
+                if next.as_rule() == Rule::name {
+                    body = Some(self.name(&next));
+                    next = parts.next()?;
+                }
+                let relation = self.name(&next);
+                let bound = self.expr(parts.next()?)?;
+                ItemKind::Require { what, body, relation, bound, scope: self.scope(parts.next()) }
+            }
+            Rule::allow => {
+                let what = self.name(&parts.next()?);
+                let (mut body, mut scope) = (None, Vec::new());
+                let mut next = parts.next()?;
+                if next.as_rule() == Rule::name {
+                    body = Some(self.name(&next));
+                    next = parts.next()?;
+                }
+                if next.as_rule() == Rule::scope {
+                    scope = self.scope(Some(next));
+                    next = parts.next()?;
+                }
+                ItemKind::Allow { what, body, scope, reason: self.text(&next) }
+            }
             Rule::post => {
                 let name = self.name(&parts.next()?);
                 ItemKind::Post { name, body: parts.next().map(|b| self.block(b)) }
@@ -259,6 +282,18 @@ impl Builder<'_> {
 
     fn text(&self, pair: &Pair<'_, Rule>) -> Text {
         Text { text: pair.as_str().trim_matches('"').to_owned(), span: self.span(pair.as_span()) }
+    }
+
+    /// Words after `on`; none when there is no scope.
+    fn scope(&self, pair: Option<Pair<'_, Rule>>) -> Vec<Target> {
+        let targets = pair.into_iter().flat_map(Pair::into_inner).filter(|p| p.as_rule() == Rule::target);
+        targets
+            .filter_map(|target| {
+                let operation = target.clone().into_inner().any(|p| p.as_rule() == Rule::kw_operation);
+                let name = target.into_inner().find(|p| p.as_rule() == Rule::name)?;
+                Some(Target { operation, name: self.name(&name) })
+            })
+            .collect()
     }
 
     fn block(&mut self, pair: Pair<'_, Rule>) -> Block {

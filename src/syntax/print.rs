@@ -1,6 +1,6 @@
 //! Text form of the syntax tree: one line an item or entry, with its place in bytes.
 
-use super::ast::{Block, Expr, ExprKind, File, ItemKind, Operator, SplinePoints, ToolSource, Value};
+use super::ast::{Block, Expr, ExprKind, File, ItemKind, Name, Operator, SplinePoints, Target, ToolSource, Value};
 use std::fmt::Write;
 
 /// The tree as text.
@@ -24,8 +24,12 @@ pub fn print(file: &File) -> String {
                 (format!("operation {}{name}", kind.text), Some(body))
             }
             ItemKind::Tolerance(values) => (format!("tolerance {}", line(values)), None),
-            ItemKind::Require { what, relation, bound } => {
-                (format!("require {} {} {}", what.text, relation.text, expr(bound)), None)
+            ItemKind::Require { what, body, relation, bound, scope } => {
+                let what = quantity(what, body.as_ref());
+                (format!("require {what} {} {}{}", relation.text, expr(bound), targets(scope)), None)
+            }
+            ItemKind::Allow { what, body, scope, reason } => {
+                (format!("allow {}{} {:?}", quantity(what, body.as_ref()), targets(scope), reason.text), None)
             }
             ItemKind::Post { name, body } => (format!("post {}", name.text), body.as_ref()),
         };
@@ -35,6 +39,18 @@ pub fn print(file: &File) -> String {
         }
     }
     out
+}
+
+fn quantity(what: &Name, body: Option<&Name>) -> String {
+    body.map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text))
+}
+
+fn targets(scope: &[Target]) -> String {
+    let words: Vec<String> = scope
+        .iter()
+        .map(|t| if t.operation { format!("operation {}", t.name.text) } else { t.name.text.clone() })
+        .collect();
+    if words.is_empty() { String::new() } else { format!(" on {}", words.join(", ")) }
 }
 
 fn entries(out: &mut String, block: &Block, depth: usize) {

@@ -17,7 +17,7 @@ pub(super) const MAX_FAULTS: usize = 50;
 
 /// Words that begin an item.
 pub(super) const ITEMS: &[&str] =
-    &["edition", "use", "let", "part", "stock", "tool", "operation", "tolerance", "require", "post"];
+    &["edition", "use", "let", "part", "stock", "tool", "operation", "tolerance", "require", "allow", "post"];
 
 /// One item of the text.
 #[derive(Debug)]
@@ -257,7 +257,14 @@ fn reads_like_item(line: &str) -> bool {
             !word.is_empty() && skip(&after[second.len()..]).starts_with('{')
         }
         "tolerance" => word == "chord" || word == "rough",
-        "require" => after.starts_with('<') || after.starts_with('>'),
+        "require" => {
+            let second = first_word(&after);
+            after.starts_with(['<', '>']) || skip(&after[second.len()..]).starts_with(['<', '>'])
+        }
+        "allow" => {
+            let second = first_word(&after);
+            second == "on" || first_word(&skip(&after[second.len()..])) == "on"
+        }
         "post" => !word.is_empty() && (after.is_empty() || after.starts_with(['{', '/'])),
         _ => false,
     }

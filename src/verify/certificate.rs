@@ -5,7 +5,8 @@ use super::machine::MachineReport;
 use super::rest::RestReport;
 use super::surface::SurfaceReport;
 use super::sweep::At;
-use crate::ir::{ContractKind, Motion, Program};
+use crate::contract::clock;
+use crate::ir::{Motion, Program};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -28,19 +29,65 @@ pub struct OperationReport {
     pub shank: Option<Clearance>,
     /// Least distance of the holder.
     pub holder: Option<Clearance>,
+    /// Least distance of the whole tool to the turned stock at rapid.
+    pub rapid: Option<Clearance>,
 }
 
 /// A contract with what was found.
 #[derive(Clone, Debug, Serialize)]
 pub struct ContractReport {
-    /// Quantity.
+    /// Quantity, as the job language calls it.
     pub kind: &'static str,
-    /// Bound, mm.
+    /// Where it holds, as the job language writes it: `on hub`; empty for everywhere.
+    pub scope: String,
+    /// `<=` or `>=`.
+    pub relation: &'static str,
+    /// Unit of bound and found: `mm`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
+    pub unit: &'static str,
+    /// Bound.
     pub bound: f64,
-    /// Found, mm.
+    /// Found.
     pub found: f64,
+    /// What and where in the program.
+    pub place: String,
+    /// Where on the part, mm; `None` for what has no place.
+    pub point: Option<[f64; 3]>,
     /// Whether it holds.
     pub holds: bool,
+    /// Bound and found for people.
+    #[serde(skip)]
+    pub figures: [String; 2],
+}
+
+impl ContractReport {
+    /// `gouge on hub`.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.kind, self.scope).trim_end().to_owned()
+    }
+}
+
+/// What the job knowingly leaves.
+#[derive(Clone, Debug, Serialize)]
+pub struct AllowedReport {
+    /// Quantity, as the job language calls it.
+    pub kind: &'static str,
+    /// Where.
+    pub scope: String,
+    /// Unit of the figure, as in [`ContractReport::unit`].
+    pub unit: &'static str,
+    /// Found there; `None` where it cannot be measured.
+    pub found: Option<f64>,
+    /// What and where in the program.
+    pub place: String,
+    /// Where on the part, mm; `None` for what has no place.
+    pub point: Option<[f64; 3]>,
+    /// Why, in the words of the job.
+    pub reason: String,
+    /// True when a contract would fail without it.
+    pub excuses: bool,
+    /// The figure for people.
+    #[serde(skip)]
+    pub figure: String,
 }
 
 /// The whole proof.
@@ -67,16 +114,8 @@ pub struct Certificate {
     pub rest: Vec<RestReport>,
     /// Contracts.
     pub contracts: Vec<ContractReport>,
-}
-
-/// Name of a contract in the job language.
-pub fn contract_name(kind: ContractKind) -> &'static str {
-    match kind {
-        ContractKind::Gouge => "gouge",
-        ContractKind::Excess => "excess",
-        ContractKind::Clearance => "clearance",
-        ContractKind::Rest => "rest",
-    }
+    /// What is taken out of them.
+    pub allowed: Vec<AllowedReport>,
 }
 
 /// A place of the program in words.
@@ -90,12 +129,6 @@ pub fn describe(program: &Program, motion: &Motion, at: Option<At>) -> String {
         .and_then(|m| operation.labels.get(m.pass as usize))
         .map_or("", String::as_str);
     format!("{name}, {label}, move {}", at.index)
-}
-
-/// Hours, minutes and seconds.
-pub fn clock(seconds: f64) -> String {
-    let s = seconds.round().max(0.0) as u64;
-    format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
 }
 
 fn um(mm: f64) -> String {
@@ -190,9 +223,17 @@ impl Certificate {
             writeln!(t, "contracts")?;
         }
         for c in &self.contracts {
-            let sign = if c.kind == "clearance" { ">=" } else { "<=" };
             let verdict = if c.holds { "holds" } else { "FAILS" };
-            writeln!(t, "  {:<9} {sign} {:.4} mm: {:.4} mm, {verdict}", c.kind, c.bound, c.found)?;
+            let [bound, found] = &c.figures;
+            writeln!(t, "  {:<9} {} {bound}: {found}, {verdict}", c.name(), c.relation)?;
+        }
+        if !self.allowed.is_empty() {
+            writeln!(t)?;
+            writeln!(t, "allowed: taken out of the contracts")?;
+        }
+        for a in &self.allowed {
+            let needless = if a.excuses { "" } else { "; needless" };
+            writeln!(t, "  {} {}: {}, {}: {}{needless}", a.kind, a.scope, a.figure, a.place, a.reason)?;
         }
         Ok(())
     }

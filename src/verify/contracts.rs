@@ -1,132 +1,243 @@
 //! Contracts of the job against what was measured.
 
-use super::certificate::{Certificate, ContractReport, contract_name, describe};
-use super::clearance::Clearance;
-use super::surface::{FAR, SurfaceReport, Worst};
-use super::sweep::At;
+use super::certificate::{AllowedReport, Certificate, ContractReport, describe};
+use super::measure::{Figure, Narrow, Unmeasured, length, measure};
+use crate::contract::{Bound, ContractKind, Guarded, OfOperations, Region, Relation, Scope};
 use crate::diag::{Code, Diag, Sink, codes::verification};
-use crate::ir::{Contract, ContractKind, Motion, Program};
+use crate::entity::EntityId;
+use crate::ir::{Allowed, Contract, Motion, OperationId, Program};
 use nalgebra::Point3;
 
-/// A measured value with its place.
-struct Found {
-    value: f64,
-    what: String,
-    point: [f64; 3],
-    at: Option<At>,
-}
-
-/// Judges all contracts; failing ones become errors.
+/// Judges all contracts; failing ones become errors. Lists what is allowed, with its figure; an `allow` without which
+/// every contract would hold as well becomes a remark.
 pub(super) fn judge(
     program: &Program,
     motion: &Motion,
     certificate: &Certificate,
+    narrow: &dyn Narrow,
     sink: &mut Sink,
-) -> Vec<ContractReport> {
-    program
-        .contracts
-        .iter()
-        .filter_map(|contract| {
-            let found = measure(contract.kind, certificate)?;
-            let bound = contract.bound.get();
-            let holds = match contract.kind {
-                ContractKind::Clearance => found.value >= bound,
-                _ => found.value <= bound,
-            };
-            if !holds {
-                sink.push(failure(program, motion, contract, &found));
-            }
-            Some(ContractReport { kind: contract_name(contract.kind), bound, found: found.value, holds })
-        })
-        .collect()
+) -> (Vec<ContractReport>, Vec<AllowedReport>) {
+    let judge = Judge { program, motion, certificate, narrow };
+    let contracts = program.contracts.iter().filter_map(|c| judge.contract(c, sink)).collect();
+    let allowed = program.allowed.iter().map(|a| judge.allowed(a, sink)).collect();
+    (contracts, allowed)
 }
 
-fn measure(kind: ContractKind, certificate: &Certificate) -> Option<Found> {
-    let on_surface = |pick: fn(&SurfaceReport) -> &Worst, sign: f64| {
-        let s = certificate.surfaces.iter().max_by(|a, b| (sign * pick(a).value).total_cmp(&(sign * pick(b).value)))?;
-        let w = pick(s);
-        Some(Found { value: (sign * w.value).max(0.0), what: s.surface.clone(), point: w.point, at: w.at })
-    };
-    match kind {
-        ContractKind::Gouge => {
-            let s = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth))?;
-            let (value, w) = (s.gouge.depth, &s.gouge);
-            Some(Found { value, what: s.surface.clone(), point: w.point, at: w.at })
+struct Judge<'a> {
+    program: &'a Program,
+    motion: &'a Motion,
+    certificate: &'a Certificate,
+    narrow: &'a dyn Narrow,
+}
+
+impl Judge<'_> {
+    fn region(&self, kind: ContractKind, scope: &Scope<OperationId>) -> Region {
+        let operations = match kind.of_operations() {
+            OfOperations::Done => scope.operations.iter().map(|o| o.index()).collect(),
+            OfOperations::After => Vec::new(),
+        };
+        Region::of(&Scope { operations, surfaces: scope.surfaces.clone() }, self.program.operations.len())
+    }
+
+    /// Operation after which a contract is judged, where it is one on what stands after operations.
+    fn after(&self, contract: &Contract) -> Option<usize> {
+        let last = contract.scope.operations.iter().map(|o| o.index()).max();
+        last.filter(|_| contract.kind.of_operations() == OfOperations::After)
+    }
+
+    /// The region of a contract without what is allowed; `but` is an item to leave out.
+    fn kept(&self, contract: &Contract, but: Option<&Allowed>) -> Region {
+        let others = self.program.allowed.iter().filter(|a| a.kind == contract.kind && Some(*a) != but);
+        others.fold(self.region(contract.kind, &contract.scope), |region, a| {
+            region.without(&self.region(a.kind, &a.scope))
+        })
+    }
+
+    fn figure(&self, contract: &Contract, region: &Region) -> Result<Figure, Unmeasured> {
+        measure(contract.kind, region, self.after(contract), self.certificate, self.narrow)
+    }
+
+    fn scope_text(&self, scope: &Scope<OperationId>) -> String {
+        scope.text(|o| self.program.operations[*o].name.clone())
+    }
+
+    fn contract(&self, contract: &Contract, sink: &mut Sink) -> Option<ContractReport> {
+        let figure = match self.figure(contract, &self.kept(contract, None)) {
+            Ok(figure) => figure,
+            Err(reason) => {
+                sink.push(unmeasured(contract, reason));
+                return None;
+            }
+        };
+        let holds = contract.kind.relation().holds(figure.value, contract.bound.value());
+        if !holds {
+            sink.push(self.failure(contract, &figure));
         }
-        ContractKind::Excess => on_surface(|s| &s.excess, 1.0),
-        ContractKind::Clearance => {
-            let near = |c: &Clearance, what: &str| Found {
-                value: c.distance,
-                what: what.to_owned(),
-                point: c.point,
-                at: Some(c.at),
+        Some(ContractReport {
+            kind: contract.kind.name(),
+            scope: self.scope_text(&contract.scope).trim_start().to_owned(),
+            relation: contract.kind.relation().sign(),
+            unit: contract.bound.unit(),
+            bound: contract.bound.value(),
+            found: figure.value,
+            place: self.place(&figure),
+            point: figure.point,
+            holds,
+            figures: [contract.bound.figure(), contract.kind.bound(figure.value).figure()],
+        })
+    }
+
+    fn allowed(&self, allowed: &Allowed, sink: &mut Sink) -> AllowedReport {
+        let own = self.region(allowed.kind, &allowed.scope);
+        let figure = measure(allowed.kind, &own, None, self.certificate, self.narrow).ok();
+        let excuses = self.program.contracts.iter().filter(|c| c.kind == allowed.kind).any(|c| {
+            let without = match c.kind {
+                // Sums and shares: with the taken-out operations the contract would fail as a whole.
+                ContractKind::Time | ContractKind::Air => self.kept(c, Some(allowed)),
+                _ => self.region(c.kind, &c.scope).within(&own),
             };
-            let all = certificate.operations.iter().flat_map(|o| {
-                let shank = o.shank.as_ref().map(|c| near(c, "shank"));
-                let holder = o.holder.as_ref().map(|c| near(c, "holder"));
-                shank.into_iter().chain(holder)
-            });
-            // A body that never comes within the search distance keeps any sensible clearance.
-            let far =
-                Found { value: super::BODY_SEARCH, what: "shank and holder".to_owned(), point: [0.0; 3], at: None };
-            Some(all.min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(far))
+            !without.is_empty_on(c.kind.speaks_of())
+                && self.figure(c, &without).is_ok_and(|f| !c.kind.relation().holds(f.value, c.bound.value()))
+        });
+        let name = allowed.kind.name();
+        let scope = self.scope_text(&allowed.scope);
+        if !excuses {
+            let found = figure
+                .as_ref()
+                .map_or_else(String::new, |f| format!("; it finds {}", amount(allowed.kind.bound(f.value))));
+            sink.push(
+                Diag::remark(
+                    verification::NEEDLESS_ALLOW,
+                    format!("`allow {name}{scope}` excuses nothing: every contract would hold without it{found}"),
+                )
+                .label(allowed.span, "not needed")
+                .help("remove it, so that the contracts speak about more"),
+            );
         }
-        ContractKind::Rest => certificate.rest.last().map(|r| Found {
-            value: r.most,
-            what: r.surface.as_ref().map_or_else(|| "an island in a channel".to_owned(), |s| format!("on {s}")),
-            point: r.point,
-            at: Some(super::rest::place(r)),
-        }),
+        AllowedReport {
+            kind: name,
+            scope: scope.trim_start().to_owned(),
+            unit: allowed.kind.bound(0.0).unit(),
+            found: figure.as_ref().map(|f| f.value),
+            place: figure.as_ref().map_or_else(String::new, |f| self.place(f)),
+            point: figure.as_ref().and_then(|f| f.point),
+            reason: allowed.reason.clone(),
+            excuses,
+            figure: figure.map_or_else(|| "no figure".to_owned(), |f| allowed.kind.bound(f.value).figure()),
+        }
+    }
+
+    fn place(&self, figure: &Figure) -> String {
+        match figure.at {
+            Some(at) => format!("{}: {}", figure.what, describe(self.program, self.motion, Some(at))),
+            None => figure.what.clone(),
+        }
+    }
+
+    fn failure(&self, contract: &Contract, found: &Figure) -> Diag {
+        let (code, text, help) = words(contract, found);
+        let side = match contract.kind.relation() {
+            Relation::AtMost => "at most",
+            Relation::AtLeast => "at least",
+        };
+        let scope = self.scope_text(&contract.scope);
+        let bound = contract.bound;
+        let mut diag = Diag::error(code, text)
+            .label(contract.span, "this contract fails")
+            .note(format!(
+                "{}{scope}: found {}, wanted {side} {}",
+                contract.kind.name(),
+                contract.kind.bound(found.value).figure(),
+                bound.figure()
+            ))
+            .help(help);
+        if let Some(point) = found.point {
+            diag = diag.place(describe(self.program, self.motion, found.at), Point3::from(point));
+        }
+        if let Some(at) = found.at {
+            diag = diag.block(at.operation, at.index);
+        }
+        if let Some(operation) = found.operation.and_then(|o| self.motion.operations.get(o)) {
+            diag = diag.label(self.program.operations[operation.operation].span, "in this operation");
+        }
+        diag
     }
 }
 
-fn failure(program: &Program, motion: &Motion, contract: &Contract, found: &Found) -> Diag {
-    let bound = contract.bound.get();
-    let amount = |x: f64| {
-        if x >= FAR {
-            "all of it".to_owned()
-        } else if x < 0.2 {
-            format!("{:.2} um", x * 1e3)
-        } else {
-            format!("{x:.3} mm")
-        }
-    };
-    let (code, text, help): (Code, String, &str) = match contract.kind {
+/// A quantity in the words of a message.
+fn amount(x: Bound) -> String {
+    if let Bound::Length(x) = x { length(x.get()) } else { x.figure() }
+}
+
+/// Code, message and way out of a contract that fails.
+fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
+    let what = &found.what;
+    let is = amount(contract.kind.bound(found.value));
+    let wanted = amount(contract.bound);
+    let (code, text, help) = match contract.kind {
         ContractKind::Gouge => (
             verification::GOUGE,
-            format!("a cutter goes {} deep into {}; {} are allowed", amount(found.value), found.what, amount(bound)),
+            format!("a cutter goes {is} deep into {what}; {wanted} are allowed"),
             "more strips, a thinner tool, a finer chord tolerance, or a wider contract",
         ),
         ContractKind::Excess => (
             verification::EXCESS,
-            format!("{} stays on {}; {} are allowed", amount(found.value), found.what, amount(bound)),
+            format!("{is} stays on {what}; {wanted} are allowed"),
             "a smaller scallop, more strips, a tool that reaches the place, or all sectors",
         ),
-        ContractKind::Clearance => (
+        ContractKind::Clearance(Guarded::Tool) => (
             verification::CLEARANCE,
-            format!(
-                "the {} comes within {} of the part; {} are asked for",
-                found.what,
-                amount(found.value),
-                amount(bound)
-            ),
+            format!("the {what} comes within {is} of the stock; {wanted} are asked for"),
+            "a longer lead-in or lead-out, so that passes begin and end farther from the stock",
+        ),
+        ContractKind::Clearance(_) => (
+            verification::CLEARANCE,
+            format!("the {what} comes within {is} of the part; {wanted} are asked for"),
             "a longer reach, a slimmer holder, or a thinner shank",
         ),
         ContractKind::Rest => (
             verification::REST,
-            format!("roughing leaves {} ({}); {} are allowed", amount(found.value), found.what, amount(bound)),
+            format!("roughing leaves {is} ({what}); {wanted} are allowed"),
             "smaller `depth` or `residual`, smaller allowances, or another roughing tool that reaches the place",
         ),
+        ContractKind::Time => (
+            verification::TIME,
+            format!("the program takes {is} ({what}); {wanted} are allowed"),
+            "larger steps (`depth`, `residual`, `scallop`), higher feeds, or a larger tool in the longest operation",
+        ),
+        ContractKind::AxisSpeed => (
+            verification::AXIS_SHARE,
+            format!("{what} uses {is} of its speed; {wanted} are allowed"),
+            "a lower `feed` or `link-feed` in this operation, or tool axes that keep away from the pole",
+        ),
+        ContractKind::Air => (
+            verification::AIR,
+            format!("{is} of the time at feed cuts air ({what}); {wanted} are allowed"),
+            "shorter leads, a higher `link-feed`, or roughing that leaves less for the same passes",
+        ),
+        ContractKind::RemovalRate => (
+            verification::REMOVAL_RATE,
+            format!("a cutter removes {is} ({what}); {wanted} are allowed"),
+            "a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
+        ),
+        ContractKind::RestVolume => (
+            verification::REST_VOLUME,
+            format!("{is} of stock stay outside of the part; {wanted} are allowed"),
+            "operations for all faces and sectors, smaller steps, or a tool that reaches what stays",
+        ),
     };
-    let mut diag = Diag::error(code, text)
-        .label(contract.span, "this contract fails")
-        .place(describe(program, motion, found.at), Point3::from(found.point))
-        .help(help);
-    if let Some(at) = found.at {
-        diag = diag.block(at.operation, at.index);
-    }
-    if let Some(operation) = found.at.and_then(|at| motion.operations.get(at.operation as usize)) {
-        diag = diag.label(program.operations[operation.operation].span, "in this operation");
-    }
-    diag
+    (code, text, help.to_owned())
+}
+
+fn unmeasured(contract: &Contract, reason: Unmeasured) -> Diag {
+    let name = contract.kind.name();
+    let (why, help) = match reason {
+        Unmeasured::NeedsStock => ("it needs the stock simulation, which did not run", "remove the contract"),
+        Unmeasured::NoRoughing => {
+            ("no roughing operation leaves anything there", "ask for `excess`, or add a groove or expand operation")
+        }
+    };
+    Diag::error(verification::NOT_MEASURED, format!("`require {name}` cannot be judged: {why}"))
+        .label(contract.span, "this contract")
+        .help(help)
 }

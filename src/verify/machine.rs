@@ -41,6 +41,19 @@ pub struct AxisFault {
     pub at: At,
 }
 
+/// An axis speed of one move.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FastestAxis {
+    /// Letter.
+    pub axis: char,
+    /// Largest speed as a share of the limit.
+    pub share: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at the end of the move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
 /// Figures of the machine check.
 #[derive(Clone, Debug, Serialize)]
 pub struct MachineReport {
@@ -50,6 +63,8 @@ pub struct MachineReport {
     pub pole_distance: f64,
     /// Worst fault of each axis.
     pub faults: Vec<AxisFault>,
+    /// For each operation the axis that comes nearest to its speed limit.
+    pub fastest: Vec<Option<FastestAxis>>,
 }
 
 const LETTERS: [char; 5] = ['X', 'Y', 'Z', 'A', 'C'];
@@ -81,7 +96,9 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let mut share = [0.0_f64; 5];
     let mut pole = f64::INFINITY;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
+    let mut fastest_axes = Vec::new();
     for (o, operation) in motion.operations.iter().enumerate() {
+        let mut most: Option<(f64, usize, At)> = None;
         let mut before: Option<&Joints> = None;
         for (i, m) in operation.moves.iter().enumerate() {
             let at =
@@ -106,6 +123,9 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
                         .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / m.time / speed[k])
                         .fold(0.0, f64::max);
                     share[k] = share[k].max(fastest);
+                    if most.is_none_or(|m| fastest > m.0) {
+                        most = Some((fastest, k, at));
+                    }
                     if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
                         faults[5 + k] =
                             Some(AxisFault { axis: LETTERS[k], value: fastest, bound: 1.0, speed: true, at });
@@ -114,6 +134,11 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             }
             before = Some(&m.joints);
         }
+        fastest_axes.push(most.map(|(share, k, at)| {
+            let end = operation.moves.get(at.index as usize).map(|m| machine.forward(&m.joints).tip);
+            let tip = end.unwrap_or_else(Point3::origin);
+            FastestAxis { axis: LETTERS[k], share, at, tip: [tip.x, tip.y, tip.z] }
+        }));
     }
     let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
     let mut faults: Vec<AxisFault> = faults.into_iter().flatten().collect();
@@ -131,6 +156,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             .collect(),
         pole_distance: pole.to_degrees(),
         faults,
+        fastest: fastest_axes,
     }
 }
 

@@ -17,6 +17,7 @@ pub mod certificate;
 pub mod clearance;
 mod contracts;
 pub mod machine;
+mod measure;
 pub mod rest;
 pub mod structure;
 pub mod surface;
@@ -25,6 +26,7 @@ pub mod sweep;
 pub use certificate::Certificate;
 
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::contract::{Guarded, SurfaceClass};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::design::{self, Sample};
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
@@ -72,14 +74,15 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     }
     let samples = design::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
-    let deviations = surface::deviations(&milled, &sweeps);
-    let mut surfaces = surface::reports(&milled, &deviations);
-    surfaces.par_iter_mut().for_each(|s| surface::refine(&program.part, s, &sweeps, SPACING));
+    let surfaces = surfaces(program, &samples, &sweeps);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let stock_cloud = Cloud::new(stock_points(program));
-    let operations =
-        (0..motion.operations.len()).map(|o| operation_report(program, motion, o, &design_cloud)).collect();
+    let stock = &stock_cloud;
+    let search = search(program);
+    let operations: Vec<OperationReport> = (0..motion.operations.len())
+        .map(|o| operation_report(program, motion, o, &design_cloud, stock, search))
+        .collect();
+    let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let roughing: Vec<usize> = motion
         .operations
         .iter()
@@ -94,14 +97,71 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         surfaces,
         operations,
         labels: Vec::new(),
-        rapid: rapid_clearance(program, motion, &stock_cloud),
+        rapid,
         machine: machine::check(program, motion),
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
         contracts: Vec::new(),
+        allowed: Vec::new(),
     };
     report_faults(program, motion, &certificate, sink);
-    certificate.contracts = contracts::judge(program, motion, &certificate, sink);
+    let narrower = Narrower { program, motion, samples: &samples };
+    (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
     Ok(certificate)
+}
+
+/// What some cutters leave on every milled surface.
+fn surfaces(program: &Program, samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<surface::SurfaceReport> {
+    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
+    let deviations = surface::deviations(&milled, sweeps);
+    let mut surfaces = surface::reports(&milled, &deviations);
+    surfaces.par_iter_mut().for_each(|s| surface::refine(&program.part, s, sweeps, SPACING));
+    surfaces
+}
+
+/// Distance within which bodies are looked for: enough to judge every contract on it.
+fn search(program: &Program) -> f64 {
+    let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
+    asked.map(|c| c.bound.value()).fold(BODY_SEARCH, f64::max)
+}
+
+/// Measures again for contracts on some operations or surfaces.
+struct Narrower<'a> {
+    program: &'a Program,
+    motion: &'a Motion,
+    samples: &'a [Sample],
+}
+
+impl measure::Narrow for Narrower<'_> {
+    fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
+        let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
+        let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
+        surfaces(self.program, self.samples, &sweeps)
+    }
+
+    fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {
+        let chosen = self.samples.iter().filter(|s| classes.contains(&measure::class(s.surface.kind)));
+        let cloud = Cloud::new(chosen.map(Sample::cloud_point).collect());
+        let declared = &self.program.operations[self.motion.operations.get(operation)?.operation];
+        let pieces = sweep::pieces(&self.program.machine, self.motion, operation);
+        let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
+        let solid = &self.program.tools[declared.tool].solid;
+        least_over(&pieces, solid, distance, &cloud, HALF_SPACING, self.search())
+    }
+
+    fn search(&self) -> f64 {
+        search(self.program)
+    }
+}
+
+/// Distance within which every point of a design surface has a sample, mm.
+const HALF_SPACING: f64 = SPACING * std::f64::consts::FRAC_1_SQRT_2;
+
+fn shank_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
+    s.shank.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
+}
+
+fn holder_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
+    s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
 }
 
 /// Points of the turned outside of the stock.
@@ -136,38 +196,30 @@ fn least_over(
     distance: fn(&ToolSolid, f64, f64) -> f64,
     cloud: &Cloud,
     half_spacing: f64,
+    search: f64,
 ) -> Option<clearance::Clearance> {
     /// Pieces of a run: enough that the bound found early in a run prunes the rest.
     const RUN: usize = 4096;
-    let found: Vec<Option<clearance::Clearance>> = pieces
-        .par_chunks(RUN)
-        .map(|run| clearance::least(run, solid, distance, cloud, half_spacing, BODY_SEARCH))
-        .collect();
+    let found: Vec<Option<clearance::Clearance>> =
+        pieces.par_chunks(RUN).map(|run| clearance::least(run, solid, distance, cloud, half_spacing, search)).collect();
     found.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-fn rapid_clearance(program: &Program, motion: &Motion, stock: &Cloud) -> Option<clearance::Clearance> {
-    let half = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;
-    (0..motion.operations.len())
-        .filter_map(|o| {
-            let solid = &program.tools[program.operations[motion.operations[o].operation].tool].solid;
-            let mut pieces = sweep::pieces(&program.machine, motion, o);
-            pieces.retain(|p| p.kind == MoveKind::Rapid);
-            least_over(&pieces, solid, ToolSolid::distance, stock, half)
-        })
-        .min_by(|a, b| a.distance.total_cmp(&b.distance))
-}
-
-fn operation_report(program: &Program, motion: &Motion, o: usize, design: &Cloud) -> OperationReport {
+fn operation_report(
+    program: &Program,
+    motion: &Motion,
+    o: usize,
+    design: &Cloud,
+    stock: &Cloud,
+    search: f64,
+) -> OperationReport {
     let operation = &motion.operations[o];
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let pieces = sweep::pieces(&program.machine, motion, o);
-    let half = SPACING * std::f64::consts::FRAC_1_SQRT_2;
-    let shank =
-        |s: &ToolSolid, rho: f64, h: f64| s.shank.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min);
-    let holder =
-        |s: &ToolSolid, rho: f64, h: f64| s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min);
+    let mut rapids = pieces.clone();
+    rapids.retain(|p| p.kind == MoveKind::Rapid);
+    let half_stock = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;
     let (mut length, mut time) = ([0.0; 3], [0.0; 3]);
     let mut before: Option<Point3<f64>> = None;
     for m in &operation.moves {
@@ -188,8 +240,9 @@ fn operation_report(program: &Program, motion: &Motion, o: usize, design: &Cloud
         moves: operation.moves.len(),
         length,
         time,
-        shank: least_over(&pieces, &tool.solid, shank, design, half),
-        holder: least_over(&pieces, &tool.solid, holder, design, half),
+        shank: least_over(&pieces, &tool.solid, shank_distance, design, HALF_SPACING, search),
+        holder: least_over(&pieces, &tool.solid, holder_distance, design, HALF_SPACING, search),
+        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, half_stock, search),
     }
 }
 

@@ -7,10 +7,11 @@
 use super::sweep::{At, Sweep};
 use crate::collide::Cloud;
 use crate::ir::Program;
-use crate::ir::design::Sample;
+use crate::ir::design::{Sample, SurfaceId};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Spacing of the grid, mm: an island that stays unseen is thinner than this.
 const GRID: f64 = 1.0;
@@ -38,6 +39,33 @@ pub struct RestReport {
     pub surface: Option<String>,
     /// Share of the grid points that were cleared.
     pub cleared: f64,
+    /// Most left on each milled surface, in the order of the surfaces.
+    pub surfaces: Vec<RestOnSurface>,
+    /// The largest island inside a channel: how far its farthest point stands from the part.
+    pub island: Option<Island>,
+}
+
+/// Most that is left on a surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestOnSurface {
+    /// Name of the surface.
+    pub surface: String,
+    /// Most left, mm.
+    pub most: f64,
+    /// Where, part frame, mm.
+    pub point: [f64; 3],
+    /// Id of the surface.
+    #[serde(skip)]
+    pub id: SurfaceId,
+}
+
+/// Stock that stands inside a channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct Island {
+    /// Distance of its farthest point to the part, mm.
+    pub most: f64,
+    /// That point, part frame, mm.
+    pub point: [f64; 3],
 }
 
 /// Points of the grid that are stock and not part, with their distance to the part.
@@ -108,14 +136,14 @@ pub fn reports(
         if !roughing.contains(&index) {
             continue;
         }
-        let island = room
+        let standing = room
             .iter()
             .zip(&cleared)
             .filter(|(_, done)| !**done)
             .map(|((p, d), _)| (*d, *p))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let surface = left.iter().zip(&at_surface).map(|(d, s)| (*d, *s)).max_by(|a, b| a.0.total_cmp(&b.0));
-        let (Some(surface), island) = (surface, island.unwrap_or((0.0, Point3::origin()))) else { continue };
+        let (Some(surface), island) = (surface, standing.unwrap_or((0.0, Point3::origin()))) else { continue };
         let is_island = island.0 > surface.0;
         let worst = if is_island { island } else { (surface.0, surface.1.position) };
         let mut sorted = left.clone();
@@ -128,9 +156,25 @@ pub fn reports(
             point: [worst.1.x, worst.1.y, worst.1.z],
             surface: (!is_island).then(|| surface.1.surface.to_string()),
             cleared: cleared.iter().filter(|c| **c).count() as f64 / room.len().max(1) as f64,
+            surfaces: by_surface(&at_surface, &left),
+            island: standing.map(|(most, p)| Island { most, point: [p.x, p.y, p.z] }),
         });
     }
     reports
+}
+
+/// The largest value on each surface; of equal ones the first.
+fn by_surface(samples: &[&Sample], left: &[f64]) -> Vec<RestOnSurface> {
+    let mut most: BTreeMap<SurfaceId, (f64, Point3<f64>)> = BTreeMap::new();
+    for (s, d) in samples.iter().zip(left) {
+        let entry = most.entry(s.surface).or_insert((*d, s.position));
+        if *d > entry.0 {
+            *entry = (*d, s.position);
+        }
+    }
+    most.into_iter()
+        .map(|(id, (most, p))| RestOnSurface { surface: id.to_string(), most, point: [p.x, p.y, p.z], id })
+        .collect()
 }
 
 /// Place of a report in the program, for diagnostics: the end of its operation.

@@ -177,6 +177,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         tools,
         operations,
         contracts: Vec::new(),
+        allowed: Vec::new(),
         machine: machine(),
         post: PostChoice { name: "siemens-840d".to_owned(), span: None },
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },

@@ -33,4 +33,28 @@ allowances, or one more roughing operation with a tool that reaches the place.";
     NOT_REACHED = "IMP0709", "part of a surface is not reached",
         "A remark: samples of a milled surface to which no cutter comes. Without `require excess` this is no error.\n\n\
 Way out: operations for all faces and sectors, or a tool that reaches the place.";
+    NOT_MEASURED = "IMP0710", "a contract that cannot be judged",
+        "A contract asks for a figure that this run does not have: what roughing leaves in a job without roughing, or \
+something that only the simulation of the stock tells when it did not run. A contract that nobody checked counts as \
+broken.\n\nWay out: ask for a figure that exists, or remove the contract.";
+    NEEDLESS_ALLOW = "IMP0711", "an allow that excuses nothing",
+        "A remark: every contract would hold without this `allow`. Left in the job it hides the next real fault at that \
+place.\n\nExample: `allow excess on fillet \"blended by hand\"` when the fillets are within the contract.\n\n\
+Way out: remove the item.";
+    TIME = "IMP0712", "the program takes longer than the job allows",
+        "The time of all moves, as far as feeds and axes allow, is above `require time`. The message names the operation \
+that takes most of it.\n\nWay out: larger steps between layers and lines, higher feeds, or a larger tool.";
+    AXIS_SHARE = "IMP0713", "an axis is faster than the job allows",
+        "An axis uses more of its speed than `require axis-speed` allows, as a share of the limit in the machine file. Near \
+the pole of the machine, where the tool axis is nearly along C, a small turn of the tool is a large turn of C.\n\n\
+Way out: a lower `feed` or `link-feed`, or tool axes that keep away from the pole.";
+    AIR = "IMP0714", "too much of the time cuts air",
+        "The share of the time at feed in which no material is removed is above `require air`.\n\n\
+Way out: shorter leads, a higher `link-feed`, or passes that begin where stock stands.";
+    REMOVAL_RATE = "IMP0715", "a cutter removes more than the job allows",
+        "In some move the volume removed a minute is above `require removal-rate`. It bends slim tools and stalls weak \
+spindles.\n\nWay out: a lower `feed`, or smaller steps (`depth`, `residual`).";
+    REST_VOLUME = "IMP0716", "more stock stays than the job allows",
+        "The volume that stands outside of the part after the operations is above `require rest-volume`.\n\n\
+Way out: operations for all faces and sectors, smaller steps, or a tool that reaches what stays.";
 }

@@ -1,0 +1,357 @@
+//! What can be required of a program, and where: the words that job, stage values and verifier share.
+
+use crate::units::{Mm, Mm3, Mm3PerMin, Sec, trim};
+use std::fmt;
+
+/// Quantity of a contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ContractKind {
+    /// Depth of the deepest cut into a design surface.
+    Gouge,
+    /// Most material left on a design surface.
+    Excess,
+    /// Least distance of a part of the tool.
+    Clearance(Guarded),
+    /// Share of the time at feed in which the tool cuts air.
+    Air,
+    /// Time that the machine takes.
+    Time,
+    /// Largest axis speed as a share of the axis limit.
+    AxisSpeed,
+    /// Largest removal rate.
+    RemovalRate,
+    /// Most material that roughing leaves for the finishing operations, as a thickness.
+    Rest,
+    /// Stock that stands outside of the part, as a volume.
+    RestVolume,
+}
+
+/// What a clearance is measured from and to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Guarded {
+    /// Shank and holder to the design part.
+    Body,
+    /// The whole tool at rapid to the turned stock.
+    Tool,
+    /// Shank to the design part.
+    Shank,
+    /// Holder to the design part.
+    Holder,
+}
+
+/// Which side of the bound is right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// `<=`
+    AtMost,
+    /// `>=`
+    AtLeast,
+}
+
+impl Relation {
+    /// Sign in the job language.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::AtMost => "<=",
+            Self::AtLeast => ">=",
+        }
+    }
+
+    /// True when `found` keeps `bound`. What is not a number keeps none.
+    pub fn holds(self, found: f64, bound: f64) -> bool {
+        match self {
+            Self::AtMost => found <= bound,
+            Self::AtLeast => found >= bound,
+        }
+    }
+}
+
+/// What the operations of a scope mean for a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfOperations {
+    /// What these operations themselves do.
+    Done,
+    /// What stands after the last of them.
+    After,
+}
+
+impl ContractKind {
+    /// All quantities, in the order in which messages list them.
+    pub const ALL: [Self; 12] = [
+        Self::Gouge,
+        Self::Excess,
+        Self::Clearance(Guarded::Body),
+        Self::Clearance(Guarded::Tool),
+        Self::Clearance(Guarded::Shank),
+        Self::Clearance(Guarded::Holder),
+        Self::Air,
+        Self::Time,
+        Self::AxisSpeed,
+        Self::RemovalRate,
+        Self::Rest,
+        Self::RestVolume,
+    ];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gouge => "gouge",
+            Self::Excess => "excess",
+            Self::Clearance(Guarded::Body) => "clearance",
+            Self::Clearance(Guarded::Tool) => "clearance tool",
+            Self::Clearance(Guarded::Shank) => "clearance shank",
+            Self::Clearance(Guarded::Holder) => "clearance holder",
+            Self::Air => "air",
+            Self::Time => "time",
+            Self::AxisSpeed => "axis-speed",
+            Self::RemovalRate => "removal-rate",
+            Self::Rest => "rest",
+            Self::RestVolume => "rest-volume",
+        }
+    }
+
+    /// Right side of the bound.
+    pub fn relation(self) -> Relation {
+        if matches!(self, Self::Clearance(_)) { Relation::AtLeast } else { Relation::AtMost }
+    }
+
+    /// Surfaces that the quantity can be asked for on; empty where it has no surface.
+    pub fn surfaces(self) -> &'static [SurfaceClass] {
+        match self {
+            Self::Gouge | Self::Excess | Self::Rest => &SurfaceClass::ALL[..4],
+            Self::Clearance(Guarded::Body | Guarded::Shank | Guarded::Holder) => &SurfaceClass::ALL,
+            _ => &[],
+        }
+    }
+
+    /// Surfaces that its regions are told apart by: all where it has none of its own.
+    pub fn speaks_of(self) -> &'static [SurfaceClass] {
+        if self.surfaces().is_empty() { &SurfaceClass::ALL } else { self.surfaces() }
+    }
+
+    /// What it means to ask for the quantity on operations.
+    pub fn of_operations(self) -> OfOperations {
+        match self {
+            Self::Excess | Self::Rest | Self::RestVolume => OfOperations::After,
+            _ => OfOperations::Done,
+        }
+    }
+
+    /// The quantity in words with its unit: `bound` of a contract from a number in mm, s, mm3, mm3/min or a share.
+    pub fn bound(self, value: f64) -> Bound {
+        match self {
+            Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest => Bound::Length(Mm(value)),
+            Self::Air | Self::AxisSpeed => Bound::Share(value),
+            Self::Time => Bound::Time(Sec(value)),
+            Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),
+            Self::RestVolume => Bound::Volume(Mm3(value)),
+        }
+    }
+}
+
+/// A quantity that a contract compares with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// A length.
+    Length(Mm),
+    /// A share of one.
+    Share(f64),
+    /// A time.
+    Time(Sec),
+    /// A volume.
+    Volume(Mm3),
+    /// A removal rate.
+    Rate(Mm3PerMin),
+}
+
+impl Bound {
+    /// The number, in mm, s, mm3, mm3/min or as a share of one.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Length(Mm(x)) | Self::Share(x) | Self::Time(Sec(x)) | Self::Volume(Mm3(x)) => x,
+            Self::Rate(Mm3PerMin(x)) => x,
+        }
+    }
+
+    /// Unit of [`Self::value`]; a share has the unit `1`.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Length(_) => "mm",
+            Self::Share(_) => "1",
+            Self::Time(_) => "s",
+            Self::Volume(_) => "mm3",
+            Self::Rate(_) => "mm3/min",
+        }
+    }
+
+    /// The quantity in the decimals of a certificate.
+    pub fn figure(self) -> String {
+        match self {
+            Self::Length(Mm(x)) => format!("{x:.4} mm"),
+            Self::Share(x) => format!("{:.2} %", x * 100.0),
+            Self::Time(Sec(x)) => clock(x),
+            Self::Volume(Mm3(x)) => format!("{x:.1} mm3"),
+            Self::Rate(Mm3PerMin(x)) => format!("{x:.1} mm3/min"),
+        }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length(x) => write!(f, "{x}"),
+            Self::Share(x) => write!(f, "{} %", trim(x * 100.0, 6)),
+            Self::Time(x) => write!(f, "{x}"),
+            Self::Volume(x) => write!(f, "{x}"),
+            Self::Rate(x) => write!(f, "{x}"),
+        }
+    }
+}
+
+/// Hours, minutes and seconds.
+pub fn clock(seconds: f64) -> String {
+    let s = seconds.round().max(0.0) as u64;
+    format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+}
+
+/// Surfaces that a scope can name; each is there in every sector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SurfaceClass {
+    /// Pressure faces.
+    Pressure,
+    /// Suction faces.
+    Suction,
+    /// Fillets of both sides.
+    Fillet,
+    /// The hub.
+    Hub,
+    /// The turned tips and edges of the vanes, which no operation mills.
+    Edge,
+}
+
+impl SurfaceClass {
+    /// All of them; the first four are milled.
+    pub const ALL: [Self; 5] = [Self::Pressure, Self::Suction, Self::Fillet, Self::Hub, Self::Edge];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pressure => "pressure",
+            Self::Suction => "suction",
+            Self::Fillet => "fillet",
+            Self::Hub => "hub",
+            Self::Edge => "edge",
+        }
+    }
+}
+
+/// Where a contract holds; `O` is an index of an operation. An empty list is no restriction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Scope<O> {
+    /// Operations.
+    pub operations: Vec<O>,
+    /// Surfaces.
+    pub surfaces: Vec<SurfaceClass>,
+}
+
+impl<O> Default for Scope<O> {
+    fn default() -> Self {
+        Self { operations: Vec::new(), surfaces: Vec::new() }
+    }
+}
+
+impl<O> Scope<O> {
+    /// True when nothing is left out.
+    pub fn is_whole(&self) -> bool {
+        self.operations.is_empty() && self.surfaces.is_empty()
+    }
+
+    /// The scope as the job language writes it, with a blank before it; empty when nothing is left out.
+    pub fn text(&self, operation: impl Fn(&O) -> String) -> String {
+        let surfaces = self.surfaces.iter().map(|s| s.name().to_owned());
+        let words: Vec<String> =
+            surfaces.chain(self.operations.iter().map(|o| format!("operation {}", operation(o)))).collect();
+        if words.is_empty() { String::new() } else { format!(" on {}", words.join(", ")) }
+    }
+}
+
+/// Pairs of surface and operation that a contract speaks about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// For each of [`SurfaceClass::ALL`], which operations.
+    pub rows: [Vec<bool>; 5],
+}
+
+impl Region {
+    /// The region of a scope among `count` operations.
+    pub fn of(scope: &Scope<usize>, count: usize) -> Self {
+        let operations: Vec<bool> =
+            (0..count).map(|o| scope.operations.is_empty() || scope.operations.contains(&o)).collect();
+        let rows = SurfaceClass::ALL.map(|s| {
+            let named = scope.surfaces.is_empty() || scope.surfaces.contains(&s);
+            if named { operations.clone() } else { vec![false; count] }
+        });
+        Self { rows }
+    }
+
+    /// What is in this region and not in the other.
+    #[must_use]
+    pub fn without(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a && !b)
+    }
+
+    /// What is in both.
+    #[must_use]
+    pub fn within(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a && b)
+    }
+
+    fn combined(&self, other: &Self, pick: fn(bool, bool) -> bool) -> Self {
+        let mut rows = self.rows.clone();
+        for (row, by) in rows.iter_mut().zip(&other.rows) {
+            for (a, b) in row.iter_mut().zip(by) {
+                *a = pick(*a, *b);
+            }
+        }
+        Self { rows }
+    }
+
+    /// True when it holds no pair of the given surfaces.
+    pub fn is_empty_on(&self, surfaces: &[SurfaceClass]) -> bool {
+        SurfaceClass::ALL.iter().zip(&self.rows).all(|(s, row)| !surfaces.contains(s) || !row.contains(&true))
+    }
+
+    /// Operations that it holds on any surface.
+    pub fn operations(&self) -> Vec<bool> {
+        let count = self.rows[0].len();
+        (0..count).map(|o| self.rows.iter().any(|row| row.get(o) == Some(&true))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_are_sets_of_pairs() {
+        let scope = |operations: &[usize], surfaces: &[SurfaceClass]| Scope {
+            operations: operations.to_vec(),
+            surfaces: surfaces.to_vec(),
+        };
+        let whole = Region::of(&Scope::default(), 3);
+        let hub = Region::of(&scope(&[], &[SurfaceClass::Hub]), 3);
+        let second_on_hub = Region::of(&scope(&[1], &[SurfaceClass::Hub]), 3);
+        assert_eq!(whole.within(&hub), hub);
+        let left = hub.without(&second_on_hub);
+        assert_eq!(left.rows[3], [true, false, true]);
+        assert_eq!(left.operations(), [true, false, true]);
+        assert!(left.is_empty_on(&[SurfaceClass::Pressure, SurfaceClass::Edge]));
+        assert!(!left.is_empty_on(&[SurfaceClass::Hub]));
+        assert!(hub.without(&whole).is_empty_on(&SurfaceClass::ALL));
+    }
+
+    #[test]
+    fn a_figure_that_is_no_number_keeps_no_bound() {
+        assert!(!Relation::AtMost.holds(f64::NAN, 1.0) && !Relation::AtLeast.holds(f64::NAN, 1.0));
+    }
+}

@@ -1,0 +1,223 @@
+//! Figures of contracts: what the certificate has, narrowed to the surfaces and operations that a contract names.
+
+use super::certificate::Certificate;
+use super::clearance::Clearance;
+use super::surface::{FAR, SurfaceReport};
+use super::sweep::At;
+use crate::contract::{ContractKind, Guarded, Region, SurfaceClass};
+use crate::ir::Side;
+use crate::ir::design::SurfaceKind;
+
+/// A measured value with its place.
+#[derive(Clone, Debug)]
+pub(super) struct Figure {
+    /// In the unit of the contract's bound.
+    pub(super) value: f64,
+    /// What was measured, in words.
+    pub(super) what: String,
+    /// Where on the part.
+    pub(super) point: Option<[f64; 3]>,
+    /// Where in the program.
+    pub(super) at: Option<At>,
+    /// Operation that matters most, by its index.
+    pub(super) operation: Option<usize>,
+}
+
+/// Why there is no figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unmeasured {
+    /// The stock was not simulated.
+    NeedsStock,
+    /// No roughing operation leaves anything.
+    NoRoughing,
+}
+
+/// What the verifier measures again for a narrower question.
+pub(super) trait Narrow {
+    /// Surfaces as the cutters of these operations alone leave them.
+    fn surfaces(&self, operations: &[bool]) -> Vec<SurfaceReport>;
+
+    /// Least distance of a part of the tool of an operation to some surfaces of the design.
+    fn clearance(&self, operation: usize, body: Guarded, surfaces: &[SurfaceClass]) -> Option<Clearance>;
+
+    /// Distance within which bodies are looked for, mm.
+    fn search(&self) -> f64;
+}
+
+/// Class of a design surface.
+pub(super) fn class(kind: SurfaceKind) -> SurfaceClass {
+    match kind {
+        SurfaceKind::Face(Side::Pressure) => SurfaceClass::Pressure,
+        SurfaceKind::Face(Side::Suction) => SurfaceClass::Suction,
+        SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
+        SurfaceKind::Hub => SurfaceClass::Hub,
+        SurfaceKind::Tip | SurfaceKind::InletEdge | SurfaceKind::OutletEdge => SurfaceClass::Edge,
+    }
+}
+
+/// The figure of a quantity on a region; `after` is the operation after which it is asked for, the last one where none
+/// is named.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn measure(
+    kind: ContractKind,
+    region: &Region,
+    after: Option<usize>,
+    certificate: &Certificate,
+    narrow: &dyn Narrow,
+) -> Result<Figure, Unmeasured> {
+    match kind {
+        ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge.depth, s.gouge.point, s.gouge.at))),
+        ContractKind::Excess => {
+            let mut region = region.clone();
+            for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
+                *done &= after.is_none_or(|last| o <= last);
+            }
+            let excess = |s: &SurfaceReport| (s.excess.value.max(0.0), s.excess.point, s.excess.at);
+            Ok(worst(certificate, narrow, &region, excess))
+        }
+        ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
+        ContractKind::Time => Ok(time(certificate, region)),
+        ContractKind::AxisSpeed => Ok(axis_speed(certificate, region)),
+        ContractKind::Rest => rest(certificate, region, after),
+        ContractKind::Air | ContractKind::RemovalRate | ContractKind::RestVolume => Err(Unmeasured::NeedsStock),
+    }
+}
+
+/// The largest value over the surfaces of a region, each surface left by the operations that the region has on it.
+fn worst(
+    certificate: &Certificate,
+    narrow: &dyn Narrow,
+    region: &Region,
+    pick: impl Fn(&SurfaceReport) -> (f64, [f64; 3], Option<At>),
+) -> Figure {
+    let mut known: Vec<(&[bool], Vec<SurfaceReport>)> = Vec::new();
+    let mut found: Option<Figure> = None;
+    for (surface, row) in SurfaceClass::ALL.into_iter().zip(&region.rows) {
+        if !row.contains(&true) {
+            continue;
+        }
+        let whole = row.iter().all(|o| *o);
+        if !whole && known.iter().all(|(operations, _)| operations != row) {
+            known.push((row, narrow.surfaces(row)));
+        }
+        let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
+        let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
+        for s in reports.iter().filter(|s| class(s.id.kind) == surface) {
+            let (value, point, at) = pick(s);
+            if found.as_ref().is_none_or(|f| value > f.value) {
+                let operation = at.map(|a| a.operation as usize);
+                found = Some(Figure { value, what: s.surface.clone(), point: Some(point), at, operation });
+            }
+        }
+    }
+    found.unwrap_or_else(|| none(0.0, "no surface"))
+}
+
+fn none(value: f64, what: &str) -> Figure {
+    Figure { value, what: what.to_owned(), point: None, at: None, operation: None }
+}
+
+fn clearance(certificate: &Certificate, narrow: &dyn Narrow, body: Guarded, region: &Region) -> Figure {
+    let mut all: Vec<(&str, Clearance)> = Vec::new();
+    for (o, report) in certificate.operations.iter().enumerate() {
+        let surfaces: Vec<SurfaceClass> = SurfaceClass::ALL
+            .into_iter()
+            .zip(&region.rows)
+            .filter(|(_, row)| row.get(o) == Some(&true))
+            .map(|p| p.0)
+            .collect();
+        if surfaces.is_empty() {
+            continue;
+        }
+        if body == Guarded::Tool {
+            all.extend(report.rapid.clone().map(|c| ("tool at rapid", c)));
+            continue;
+        }
+        let parts = [(Guarded::Shank, "shank", &report.shank), (Guarded::Holder, "holder", &report.holder)];
+        for (part, name, stored) in parts.into_iter().filter(|p| body == Guarded::Body || body == p.0) {
+            let found = if surfaces.len() == SurfaceClass::ALL.len() {
+                stored.clone()
+            } else {
+                narrow.clearance(o, part, &surfaces)
+            };
+            all.extend(found.map(|c| (name, c)));
+        }
+    }
+    let least = all.into_iter().min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+    match least {
+        Some((name, c)) => Figure {
+            value: c.distance,
+            what: name.to_owned(),
+            point: Some(c.point),
+            at: Some(c.at),
+            operation: Some(c.at.operation as usize),
+        },
+        // Nothing came within the search distance, which no bound of a contract exceeds.
+        None => none(narrow.search(), "tool"),
+    }
+}
+
+fn time(certificate: &Certificate, region: &Region) -> Figure {
+    let chosen = region.operations();
+    let times = certificate.operations.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let mut longest: Option<(usize, f64)> = None;
+    let mut sum = 0.0;
+    for (o, report) in times {
+        let time: f64 = report.time.iter().sum();
+        sum += time;
+        if longest.is_none_or(|(_, t)| time > t) {
+            longest = Some((o, time));
+        }
+    }
+    let name = longest.and_then(|(o, _)| certificate.operations.get(o)).map_or("", |o| o.name.as_str());
+    let what = longest.map_or_else(String::new, |(_, t)| format!("{} of it in {name}", crate::contract::clock(t)));
+    Figure { value: sum, what, point: None, at: None, operation: longest.map(|l| l.0) }
+}
+
+fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
+    let chosen = region.operations();
+    let uses = certificate.machine.fastest.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.total_cmp(&b.share));
+    match fastest {
+        Some(f) => Figure {
+            value: f.share,
+            what: format!("axis {}", f.axis),
+            point: Some(f.tip),
+            at: Some(f.at),
+            operation: Some(f.at.operation as usize),
+        },
+        None => none(0.0, "no axis"),
+    }
+}
+
+/// Surfaces of the region, and islands in the channels where the region is not narrowed to surfaces.
+fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Result<Figure, Unmeasured> {
+    let report = match after {
+        Some(o) => certificate.rest.iter().find(|r| r.operation as usize == o),
+        None => certificate.rest.last(),
+    };
+    let report = report.ok_or(Unmeasured::NoRoughing)?;
+    let has =
+        |s: SurfaceClass| SurfaceClass::ALL.into_iter().zip(&region.rows).any(|(c, row)| c == s && row.contains(&true));
+    let surfaces = report.surfaces.iter().filter(|s| has(class(s.id.kind)));
+    let surfaces = surfaces.map(|s| (s.most, format!("on {}", s.surface), s.point));
+    let island = report.island.iter().filter(|_| has(SurfaceClass::Edge));
+    let island = island.map(|i| (i.most, "an island in a channel".to_owned(), i.point));
+    let most = surfaces.chain(island).max_by(|a, b| a.0.total_cmp(&b.0));
+    let (value, what, point) = most.unwrap_or((0.0, "nothing".to_owned(), [0.0; 3]));
+    let operation = report.operation as usize;
+    Ok(Figure { value, what, point: Some(point), at: Some(super::rest::place(report)), operation: Some(operation) })
+}
+
+/// A length in words; what was not reached at all has none.
+pub(super) fn length(x: f64) -> String {
+    if x >= FAR {
+        "all of it".to_owned()
+    } else if x.abs() < 0.2 {
+        format!("{:.2} um", x * 1e3)
+    } else {
+        format!("{x:.3} mm")
+    }
+}

@@ -1,0 +1,246 @@
+//! Contracts on surfaces and operations: their figures against those of programs that have only these, and what
+//! `allow` takes out.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use impellerc::contract::{ContractKind, Guarded, Scope, SurfaceClass};
+use impellerc::diag::{Severity, Sink, codes::verification};
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{Allowed, Contract, Motion, OperationId, OperationKind, Program};
+use impellerc::passes::pipeline;
+use impellerc::source::Span;
+use impellerc::units::Mm;
+use impellerc::verify::{Certificate, certify};
+use std::sync::LazyLock;
+
+/// Coarse finishing of all vanes and channels.
+static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| {
+    let mut program = support::flank_only(&[0, 1, 2, 3, 4, 5, 6, 7]);
+    let tool = program.operations.iter().last().unwrap().1.tool;
+    let kind = OperationKind::Channel { scallop: Mm(0.5) };
+    program.operations.push(support::operation("channel", kind, tool, (0..8).collect(), 8.0));
+    let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
+    (program, motion)
+});
+
+/// Each operation alone.
+static ALONE: LazyLock<[Certificate; 2]> = LazyLock::new(|| [0, 1].map(alone));
+
+/// The whole program with every contract that the tests look at, all with bounds that hold; and their figures.
+static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
+    use ContractKind::{AxisSpeed, Excess, Gouge, Time};
+    use SurfaceClass::{Fillet, Hub, Pressure, Suction};
+    let body = ContractKind::Clearance;
+    let mut contracts = vec![
+        on(Gouge, 1.0, &[], &[Pressure]),
+        on(Gouge, 1.0, &[], &[Suction]),
+        on(Gouge, 1.0, &[], &[Fillet]),
+        on(Gouge, 1.0, &[], &[Hub]),
+        on(Gouge, 1.0, &[], &[Pressure, Hub]),
+        on(Excess, 100.0, &[], &[Fillet]),
+        on(Gouge, 1.0, &[0], &[]),
+        on(Gouge, 1.0, &[1], &[]),
+        on(Gouge, 1.0, &[1], &[Hub]),
+        on(Excess, 100.0, &[0], &[Hub]),
+        on(Excess, 100.0, &[1], &[Hub]),
+        on(Time, 1e6, &[], &[]),
+        on(Time, 1e6, &[0], &[]),
+        on(Time, 1e6, &[1], &[]),
+        on(AxisSpeed, 1.001, &[], &[]),
+        on(AxisSpeed, 1.001, &[0], &[]),
+        on(AxisSpeed, 1.001, &[1], &[]),
+        on(body(Guarded::Body), 0.0, &[], &[]),
+        on(body(Guarded::Tool), 0.0, &[], &[]),
+        on(body(Guarded::Shank), 0.0, &[], &[]),
+        on(body(Guarded::Shank), 0.0, &[1], &[]),
+        on(body(Guarded::Holder), 0.0, &[], &[]),
+    ];
+    contracts.extend(SurfaceClass::ALL.map(|s| on(body(Guarded::Shank), 0.0, &[], &[s])));
+    let (certificate, sink) = judged(&contracts, &[]);
+    (certificate, sink, contracts)
+});
+
+/// Figure of a contract of [`ASKED`].
+fn asked(kind: ContractKind, operations: &[usize], surfaces: &[SurfaceClass]) -> f64 {
+    let (certificate, _, contracts) = &*ASKED;
+    let scope = on(kind, 0.0, operations, surfaces).scope;
+    let index = contracts.iter().position(|c| c.kind == kind && c.scope == scope).expect("asked for");
+    certificate.contracts[index].found
+}
+
+/// One operation alone.
+fn alone(operation: usize) -> Certificate {
+    let (program, motion) = &*PLANNED;
+    let mut program = program.clone();
+    let mut motion = motion.clone();
+    let (_, declared) = program.operations.iter().nth(operation).unwrap();
+    let declared = declared.clone();
+    program.operations = PrimaryMap::new();
+    let id = program.operations.push(declared);
+    motion.operations = vec![motion.operations[operation].clone()];
+    motion.operations[0].operation = id;
+    certify(&program, &motion, &mut Sink::default()).unwrap()
+}
+
+fn judged(contracts: &[Contract], allowed: &[Allowed]) -> (Certificate, Sink) {
+    let (program, motion) = &*PLANNED;
+    let mut program = program.clone();
+    program.contracts = contracts.to_vec();
+    program.allowed = allowed.to_vec();
+    let mut sink = Sink::default();
+    (certify(&program, motion, &mut sink).unwrap(), sink)
+}
+
+fn id(operation: usize) -> OperationId {
+    PLANNED.0.operations.ids().nth(operation).unwrap()
+}
+
+fn on(kind: ContractKind, bound: f64, operations: &[usize], surfaces: &[SurfaceClass]) -> Contract {
+    let operations = operations.iter().map(|o| id(*o)).collect();
+    Contract { scope: Scope { operations, surfaces: surfaces.to_vec() }, ..Contract::whole(kind, bound) }
+}
+
+fn allow(kind: ContractKind, operations: &[usize], surfaces: &[SurfaceClass]) -> Allowed {
+    let scope = on(kind, 0.0, operations, surfaces).scope;
+    Allowed { kind, scope, reason: "known".to_owned(), span: Span::default() }
+}
+
+fn found(certificate: &Certificate) -> Vec<f64> {
+    certificate.contracts.iter().map(|c| c.found).collect()
+}
+
+/// Largest cut or rest on the surfaces whose name has a word.
+fn most(certificate: &Certificate, word: &str, excess: bool) -> f64 {
+    let named = certificate.surfaces.iter().filter(|s| s.surface.contains(word));
+    named.map(|s| if excess { s.excess.value } else { s.gouge.depth }).fold(0.0, f64::max)
+}
+
+#[test]
+fn surfaces_are_told_apart() {
+    use ContractKind::{Excess, Gouge};
+    use SurfaceClass::{Fillet, Hub, Pressure, Suction};
+    let whole = &ASKED.0;
+    let expected = [("pressure face", Pressure), ("suction face", Suction), ("fillet", Fillet), ("hub", Hub)]
+        .map(|(word, class)| (most(whole, word, false), asked(Gouge, &[], &[class])));
+    assert!(expected.iter().all(|(due, found)| due == found), "{expected:?}");
+    assert!(expected.iter().all(|(due, _)| *due > 1e-4), "coarse paths gouge all surfaces: {expected:?}");
+    let both = most(whole, "pressure face", false).max(most(whole, "hub", false));
+    assert_eq!(asked(Gouge, &[], &[Pressure, Hub]), both);
+    let left = most(whole, "fillet", true);
+    assert_eq!(asked(Excess, &[], &[Fillet]), left);
+    assert!(left > 1e-4 && left < 1.0, "the fillets are reached everywhere, and not exactly: {left}");
+    assert_eq!(whole.contracts[4].name(), "gouge on pressure, hub");
+}
+
+#[test]
+fn operations_are_told_apart() {
+    use ContractKind::{Excess, Gouge};
+    use SurfaceClass::Hub;
+    let [flank, channel] = &*ALONE;
+    assert_eq!(asked(Gouge, &[0], &[]), most(flank, "", false));
+    assert_eq!(asked(Gouge, &[1], &[]), most(channel, "", false));
+    assert_eq!(asked(Gouge, &[1], &[Hub]), most(channel, "hub", false));
+    // What stands after the first operation, and after both.
+    let after = [asked(Excess, &[0], &[Hub]), asked(Excess, &[1], &[Hub])];
+    assert_eq!(after, [most(flank, "hub", true), most(&ASKED.0, "hub", true)]);
+    assert!(after[0] > 1.2 * after[1] && after[1] < 1.0, "the channel takes what the flank left: {after:?}");
+    assert!(asked(Gouge, &[0], &[]) > asked(Gouge, &[1], &[]), "the flank cuts deeper than the channel");
+}
+
+#[test]
+fn clearances_are_told_apart() {
+    let certificate = &ASKED.0;
+    let found = |body, operations: &[usize], surfaces: &[SurfaceClass]| {
+        asked(ContractKind::Clearance(body), operations, surfaces)
+    };
+    let distance =
+        |c: &Option<impellerc::verify::clearance::Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
+    let shanks: Vec<f64> = certificate.operations.iter().map(|o| distance(&o.shank)).collect();
+    let holders: Vec<f64> = certificate.operations.iter().map(|o| distance(&o.holder)).collect();
+    // Farther than this is not looked for.
+    let least = |x: &[f64]| x.iter().copied().fold(5.0, f64::min);
+    assert_eq!(found(Guarded::Body, &[], &[]), least(&shanks).min(least(&holders)));
+    assert_eq!(found(Guarded::Shank, &[], &[]), least(&shanks));
+    assert_eq!(found(Guarded::Shank, &[1], &[]), least(&shanks[1..]));
+    assert_eq!(found(Guarded::Tool, &[], &[]), certificate.rapid.as_ref().map_or(5.0, |c| c.distance));
+    assert_eq!(found(Guarded::Holder, &[], &[]), least(&holders));
+    assert!(least(&shanks) < 5.0, "a shank comes near: {shanks:?}");
+    // The nearest of all surfaces is the nearest of one of them, within the resolution of the search.
+    let per_surface = SurfaceClass::ALL.map(|s| found(Guarded::Shank, &[], &[s]));
+    assert!((least(&per_surface) - least(&shanks)).abs() < 2e-3, "{per_surface:?} {shanks:?}");
+    assert!(per_surface.iter().all(|d| *d > least(&shanks) - 2e-3), "{per_surface:?} {shanks:?}");
+}
+
+#[test]
+fn times_and_speeds_are_told_apart() {
+    use ContractKind::{AxisSpeed, Time};
+    let times = [asked(Time, &[0], &[]), asked(Time, &[1], &[])];
+    assert!(times.iter().all(|t| *t > 0.0) && (asked(Time, &[], &[]) - times[0] - times[1]).abs() < 1e-9, "{times:?}");
+    let fastest = asked(AxisSpeed, &[], &[]);
+    assert_eq!(fastest, asked(AxisSpeed, &[0], &[]).max(asked(AxisSpeed, &[1], &[])));
+    let largest = ASKED.0.machine.axes.iter().map(|a| a.speed_share).fold(0.0, f64::max);
+    assert_eq!(fastest, largest);
+}
+
+#[test]
+fn contracts_that_hold_are_no_errors() {
+    let (certificate, sink, contracts) = &*ASKED;
+    assert!(!sink.has_errors(), "{:?}", sink.diags());
+    assert_eq!(certificate.contracts.len(), contracts.len());
+    assert!(certificate.contracts.iter().all(|c| c.holds));
+}
+
+#[test]
+fn a_failed_contract_tells_found_wanted_where_and_the_way_out() {
+    let (certificate, sink) = judged(&[on(ContractKind::Gouge, 1e-4, &[], &[SurfaceClass::Hub])], &[]);
+    let contract = &certificate.contracts[0];
+    assert!(!contract.holds);
+    let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).expect("an error");
+    assert_eq!(diag.severity, Severity::Error);
+    assert_eq!(diag.notes, [format!("gouge on hub: found {:.4} mm, wanted at most 0.0001 mm", contract.found)]);
+    assert!(diag.message.contains("hub of channel"), "{}", diag.message);
+    assert!(diag.help.is_some() && diag.labels.len() == 2);
+    let place = diag.place.as_ref().unwrap();
+    assert!(place.what.contains("move"), "{}", place.what);
+    assert_eq!([place.point.x, place.point.y, place.point.z], contract.point.unwrap());
+}
+
+#[test]
+fn what_is_allowed_is_taken_out_and_listed() {
+    use ContractKind::{Excess, Gouge, Time};
+    use SurfaceClass::{Fillet, Hub, Pressure, Suction};
+    let hub = most(&ASKED.0, "hub", false);
+    let faces = most(&ASKED.0, "face", false).max(most(&ASKED.0, "fillet", false));
+    assert!(faces > hub, "the faces are cut deeper: {faces} {hub}");
+    // Fails without `left`, as faces is above its bound; the hub keeps it; nothing asks for excess.
+    let contracts = [on(Gouge, hub + 1e-6, &[], &[]), on(Time, 1e6, &[], &[])];
+    let left = allow(Gouge, &[], &[Pressure, Suction, Fillet]);
+    let allowed = [left, allow(Gouge, &[1], &[Hub]), allow(Excess, &[], &[Hub]), allow(Time, &[1], &[])];
+    let (certificate, sink) = judged(&contracts, &allowed);
+    assert!(certificate.contracts[0].holds && !sink.has_errors(), "{:?}", sink.diags());
+    // What is left of the hub is what the first operation does there; allowed operations take no time.
+    assert_eq!(found(&certificate), [most(&ALONE[0], "hub", false), asked(Time, &[0], &[])]);
+    let listed = &certificate.allowed[0];
+    assert_eq!((listed.found, listed.excuses, listed.reason.as_str()), (Some(faces), true, "known"));
+    let text = certificate.text(&PLANNED.0, &PLANNED.1);
+    assert!(text.contains("gouge on pressure, suction, fillet") && text.contains(": known\n"), "{text}");
+    assert_eq!(certificate.allowed.iter().map(|a| a.excuses).collect::<Vec<_>>(), [true, false, false, false]);
+    let needless: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NEEDLESS_ALLOW).collect();
+    assert_eq!(needless.len(), 3, "{:?}", sink.diags());
+    assert!(needless.iter().all(|d| d.severity == Severity::Remark && d.message.contains(" on ")));
+}
+
+#[test]
+fn what_cannot_be_measured_is_an_error() {
+    use ContractKind::{Air, RemovalRate, Rest, RestVolume};
+    let contracts = [Air, RemovalRate, RestVolume, Rest].map(|kind| on(kind, 0.5, &[], &[]));
+    let (certificate, sink) = judged(&contracts, &[]);
+    assert!(certificate.contracts.is_empty());
+    let told: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NOT_MEASURED).collect();
+    assert_eq!(told.len(), contracts.len());
+    for (contract, diag) in contracts.iter().zip(told) {
+        assert!(diag.severity == Severity::Error && diag.message.contains(contract.kind.name()), "{}", diag.message);
+    }
+}
