@@ -6,13 +6,15 @@ mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::{Aborted, Diag, Sink};
+use crate::export::certificate_file::{CertificateFile, HEAD, Inputs, Lines, NcText, sha256};
 use crate::ir::print::{self, Detail};
-use crate::ir::{PostChoice, Program};
+use crate::ir::{Motion, PostChoice, Program};
 use crate::job::Job;
 use crate::passes::pipeline;
-use crate::post::{self, Post};
+use crate::post::{self, NcProgram, Post};
 use crate::source::SourceMap;
-use crate::verify::Certificate;
+use crate::verify::Verified;
+use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, export, job, lower, output};
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
@@ -32,6 +34,8 @@ pub struct Options {
     pub post: Option<String>,
     /// Where to write a picture of part and paths.
     pub picture: Option<PathBuf>,
+    /// Where to write the certificate.
+    pub certificate: Option<PathBuf>,
     /// Print this stage value and stop there.
     pub emit: Option<Emit>,
 }
@@ -45,6 +49,19 @@ pub struct Outcome {
     pub sink: Sink,
     /// Stage value that was asked for, as text.
     pub emitted: Option<String>,
+    /// Contracts that were judged, failed ones too.
+    pub contracts: Vec<ContractReport>,
+}
+
+impl Outcome {
+    /// The contracts that hold, in words.
+    pub fn held(&self) -> Vec<String> {
+        self.contracts
+            .iter()
+            .filter(|c| c.holds)
+            .map(|c| format!("{} {} {}: {} found", c.name(), c.relation, c.figures[0], c.figures[1]))
+            .collect()
+    }
 }
 
 /// Compiles a job. Faults are in the sink of the outcome.
@@ -57,7 +74,7 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
-    let Outcome { sources, sink, emitted } = outcome;
+    let Outcome { sources, sink, emitted, contracts } = outcome;
     let emit = options.emit;
     if emit == Some(Emit::Ir) {
         *emitted = Some(print::program(&program));
@@ -65,7 +82,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     let post = find_post(&program, sink)?;
-    if let Some(path) = &options.output {
+    for path in options.output.iter().chain(&options.certificate) {
         // Told before the minute that planning takes, not after it.
         output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
@@ -91,8 +108,15 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if sink.has_errors() {
         return Err(Aborted);
     }
-    let header = header(&program, &certificate, sources);
-    let nc = stages.run("write", || post.emit(&program, &motion, &header).text());
+    contracts.clone_from(&certificate.contracts);
+    let (nc, file) = stages.run("write", || written(&program, &motion, &certificate, post, inputs(sources)));
+    let file = file.map_err(|reason| {
+        sink.push(
+            Diag::error(files::INTERNAL, format!("the certificate cannot be written: {reason}"))
+                .help("report the job file: this is a fault of the compiler"),
+        );
+        Aborted
+    })?;
     let read = stages.run("read back", || post::read_back(post, &program, &motion, &nc)).map_err(|d| sink.push(d));
     let Ok(read) = read else { return Err(Aborted) };
     if emit == Some(Emit::Nc) {
@@ -119,6 +143,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     } else {
         text.push_str("nothing written: no `-o FILE`\n");
     }
+    if let Some(path) = &options.certificate {
+        output::write_whole(path, file.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+        text.push_str(&format!("wrote {}\n", path.display()));
+    }
     if let Some(path) = &options.picture {
         let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
         output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
@@ -132,7 +160,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
 /// # Errors
 /// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
 pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<Option<Program>, Aborted> {
-    let Outcome { sources, sink, emitted } = outcome;
+    let Outcome { sources, sink, emitted, .. } = outcome;
 
     let text = read_job(&options.job, sink)?;
     let source = sources.add(options.job.display().to_string(), text.clone());
@@ -171,24 +199,63 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
     })
 }
 
-/// Hash of all texts that take part, hexadecimal.
-fn inputs_hash(sources: &SourceMap) -> String {
-    let mut hash = blake3::Hasher::new();
-    for file in sources.files() {
-        // Lengths keep texts apart; names are left out, so that the same job elsewhere hashes the same.
-        hash.update(&(file.text.len() as u64).to_le_bytes());
-        hash.update(file.text.as_bytes());
-    }
-    hash.finalize().to_string()
+/// Hashes of all texts that take part. Of the job's path only the name is kept, so that the same job elsewhere gives the
+/// same bytes.
+fn inputs(sources: &SourceMap) -> Inputs {
+    let name = |name: &str| Path::new(name).file_name().map_or_else(|| name.to_owned(), |n| n.display().to_string());
+    let texts: Vec<(String, &str)> = sources
+        .files()
+        .iter()
+        .enumerate()
+        .map(|(i, f)| (if i == 0 { name(&f.name) } else { f.name.clone() }, f.text.as_str()))
+        .collect();
+    Inputs::new(texts.iter().map(|(name, text)| (name.as_str(), *text)))
 }
 
-/// Lines of the comment block at the head of the NC text.
-fn header(program: &Program, certificate: &Certificate, sources: &SourceMap) -> Vec<String> {
-    let mut lines = vec![
-        format!("impellerc {}, verified", env!("CARGO_PKG_VERSION")),
-        format!("inputs blake3 {}", inputs_hash(sources)),
-        format!("part {}, machine {}, zero at the origin of the part frame, mm", program.name, program.machine.name),
-    ];
+/// The NC text and the text of its certificate, each with the hash of the other.
+fn written(
+    program: &Program,
+    motion: &Verified<Motion>,
+    certificate: &Certificate,
+    post: &dyn Post,
+    inputs: Inputs,
+) -> (String, Result<String, String>) {
+    // The body does not depend on the head, its place only on the number of lines there.
+    let blank = header(program, certificate, ["", "", ""]);
+    let nc = post.emit(program, motion, &blank);
+    let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
+    let (of_inputs, of_body) = (inputs.sha256.clone(), text.body_sha256.clone());
+    let file = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
+    let of_file = file.as_ref().map_or(String::new(), |f| sha256(f.as_bytes()));
+    let header = header(program, certificate, [&of_inputs, &of_body, &of_file]);
+    (post.emit(program, motion, &header).text(), file)
+}
+
+/// Where the operations stand in the text.
+fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Lines> {
+    let mut found: Vec<Lines> = Vec::new();
+    for (i, line) in nc.lines.iter().enumerate() {
+        let Some((operation, index)) = line.source else { continue };
+        let Some(operation) = motion.operations.get(operation as usize) else { continue };
+        match found.last_mut() {
+            Some(lines) if index > 0 => lines.last = i + 1,
+            _ => {
+                let name = program.operations[operation.operation].name.clone();
+                found.push(Lines { name, first: i + 1, last: i + 1 });
+            }
+        }
+    }
+    found
+}
+
+/// Lines of the comment block at the head of the NC text, with the hashes of inputs, body and certificate.
+fn header(program: &Program, certificate: &Certificate, hashes: [&str; 3]) -> Vec<String> {
+    let mut lines = vec![format!("impellerc {}, verified", env!("CARGO_PKG_VERSION"))];
+    lines.extend(HEAD.iter().zip(hashes).map(|(word, hash)| format!("{word}{hash}")));
+    lines.push(format!(
+        "part {}, machine {}, zero at the origin of the part frame, mm",
+        program.name, program.machine.name
+    ));
     for c in &certificate.contracts {
         lines.push(format!("{} {}, asked for {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }

@@ -3,6 +3,8 @@
 #![forbid(unsafe_code)]
 
 use clap::{Parser, Subcommand, ValueEnum};
+use impellerc::diag::junit::junit;
+use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, render};
 use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, Stages};
 use std::io::{IsTerminal, Write};
@@ -36,11 +38,15 @@ struct Arguments {
     #[arg(long, value_enum, value_name = "STAGE")]
     emit: Option<EmitArgument>,
 
+    /// Write the certificate as JSON, with the hash of the NC text
+    #[arg(long, value_name = "FILE.json")]
+    certificate: Option<PathBuf>,
+
     /// Write a picture of the part and the paths
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
 
-    /// Print the time of each stage
+    /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
     #[arg(long)]
     timings: bool,
 
@@ -77,7 +83,7 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         certificate: Option<PathBuf>,
 
-        /// Print the time of each stage
+        /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
         #[arg(long)]
         timings: bool,
 
@@ -93,6 +99,10 @@ enum ErrorFormat {
     Human,
     /// One JSON object a line
     Json,
+    /// SARIF 2.1.0, for comments of a review
+    Sarif,
+    /// JUnit XML, for build servers
+    Junit,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -128,6 +138,7 @@ fn main() -> ExitCode {
                 library: arguments.library,
                 post: arguments.post,
                 picture: arguments.picture,
+                certificate: arguments.certificate,
                 emit: arguments.emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,
                     EmitArgument::Job => Emit::Job,
@@ -151,12 +162,14 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
     stages.progress = terminal && human;
     let outcome = work(&mut stages);
     let colour = terminal && std::env::var_os("NO_COLOR").is_none();
-    say(&if human {
-        render::human(&outcome.sink, &outcome.sources, colour)
-    } else {
-        render::json(&outcome.sink, &outcome.sources)
+    let (sink, sources) = (&outcome.sink, &outcome.sources);
+    say(&match format {
+        ErrorFormat::Human => render::human(sink, sources, colour),
+        ErrorFormat::Json => render::json(sink, sources),
+        ErrorFormat::Sarif => sarif(sink, sources),
+        ErrorFormat::Junit => junit(sink, sources, &outcome.held()),
     });
-    if timings {
+    if timings && matches!(format, ErrorFormat::Human | ErrorFormat::Json) {
         say(&stages.report());
     }
     let written = outcome.emitted.is_none_or(|text| print(&text));

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
@@ -19,7 +20,9 @@ static WRITTEN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     for dialect in DIALECTS {
         let out = folder.path().join(dialect);
-        let run = impellerc(&[JOB, "--post", dialect, "-o", out.to_str().unwrap()]);
+        let certificate = folder.path().join(format!("{dialect}.json"));
+        let more = ["-o", out.to_str().unwrap(), "--certificate", certificate.to_str().unwrap()];
+        let run = impellerc(&[&[JOB, "--post", dialect], &more[..]].concat());
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
     folder
@@ -42,7 +45,11 @@ fn edited(text: &str) -> Edited {
 }
 
 fn verify(path: &Path, dialect: &str, more: &[&str]) -> (bool, String, String) {
-    let mut arguments = vec!["verify", path.to_str().unwrap(), "--job", JOB, "--post", dialect];
+    let mut arguments = vec!["verify", path.to_str().unwrap(), "--job", JOB];
+    // The compiler's own texts are recognised; the others are read as they are meant.
+    if !path.starts_with(WRITTEN.path()) {
+        arguments.extend(["--post", dialect]);
+    }
     arguments.extend(more);
     let run = impellerc(&arguments);
     let say = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -50,7 +57,7 @@ fn verify(path: &Path, dialect: &str, more: &[&str]) -> (bool, String, String) {
 }
 
 /// The diagnostics of a run with `--error-format json`.
-fn diagnostics(text: &str) -> Vec<serde_json::Value> {
+fn diagnostics(text: &str) -> Vec<Value> {
     text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
 }
 
@@ -106,7 +113,7 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     assert!(human.contains(&changed[line - 1]) && human.contains("this block"), "{human}");
 }
 
-fn refused(dialect: &str, text: &str, code: &str, line: usize) -> serde_json::Value {
+fn refused(dialect: &str, text: &str, code: &str, line: usize) -> Value {
     let nc = edited(text);
     let (ok, out, err) = verify(&nc.path, dialect, &["--error-format", "json"]);
     assert!(!ok && out.is_empty(), "{out}{err}");
@@ -163,6 +170,254 @@ fn a_check_needs_something_to_check_against() {
     let run = impellerc(&["verify", "nothing.nc"]);
     assert_eq!(run.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&run.stderr).contains("IMP0828"));
-    let (ok, _, err) = verify(&WRITTEN.path().join("linuxcnc"), "fanuc", &[]);
+    let (ok, _, err) = verify(&WRITTEN.path().join("linuxcnc"), "linuxcnc", &["--post", "fanuc"]);
     assert!(!ok && err.contains("IMP0807"), "{err}");
+}
+
+/// Whether a value has the form of a schema; only what the schema of the certificate uses.
+fn conforms(schema: &Value, root: &Value, value: &Value, at: &str, faults: &mut Vec<String>) {
+    let known = [
+        "$schema",
+        "$defs",
+        "$ref",
+        "title",
+        "description",
+        "type",
+        "required",
+        "additionalProperties",
+        "properties",
+        "const",
+        "enum",
+        "pattern",
+        "items",
+        "minItems",
+        "maxItems",
+        "minimum",
+        "anyOf",
+    ];
+    for key in schema.as_object().unwrap().keys() {
+        assert!(known.contains(&key.as_str()), "the schema uses {key}, which is not checked");
+    }
+    if let Some(name) = schema["$ref"].as_str() {
+        let target = root.pointer(name.strip_prefix('#').unwrap()).unwrap_or_else(|| panic!("no {name}"));
+        return conforms(target, root, value, at, faults);
+    }
+    let mut fail = |what: &str| faults.push(format!("{at}: {what}"));
+    let is = |kind: &str| match kind {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "boolean" => value.is_boolean(),
+        "null" => value.is_null(),
+        _ => panic!("type {kind}"),
+    };
+    match &schema["type"] {
+        Value::String(kind) if !is(kind) => fail(kind),
+        Value::Array(kinds) if !kinds.iter().any(|k| is(k.as_str().unwrap())) => fail("none of the types"),
+        _ => {}
+    }
+    if schema.get("const").is_some_and(|c| c != value) {
+        fail("another constant");
+    }
+    if schema["enum"].as_array().is_some_and(|all| !all.contains(value)) {
+        fail("none of the values");
+    }
+    if let (Some(pattern), Some(text)) = (schema["pattern"].as_str(), value.as_str()) {
+        let hexadecimal = |n: usize| text.len() == n && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+        let fits = match pattern {
+            "^[0-9a-f]{64}$" => hexadecimal(64),
+            "^[0-9a-f]{16}$" => hexadecimal(16),
+            "^impellerc " => text.starts_with("impellerc "),
+            _ => panic!("pattern {pattern}"),
+        };
+        if !fits {
+            fail("another pattern");
+        }
+    }
+    if let (Some(least), Some(x)) = (schema["minimum"].as_f64(), value.as_f64())
+        && x < least
+    {
+        fail("too small");
+    }
+    if let Some(all) = schema["anyOf"].as_array() {
+        let fits = |s: &Value| {
+            let mut own = Vec::new();
+            conforms(s, root, value, at, &mut own);
+            own.is_empty()
+        };
+        if !all.iter().any(fits) {
+            faults.push(format!("{at}: none of the forms"));
+        }
+    }
+    if let Some(items) = value.as_array() {
+        let n = items.len() as u64;
+        if schema["minItems"].as_u64().is_some_and(|m| n < m) || schema["maxItems"].as_u64().is_some_and(|m| n > m) {
+            faults.push(format!("{at}: {n} items"));
+        }
+        if schema["items"].is_object() {
+            for (i, item) in items.iter().enumerate() {
+                conforms(&schema["items"], root, item, &format!("{at}[{i}]"), faults);
+            }
+        }
+    }
+    if let Some(fields) = value.as_object() {
+        for name in schema["required"].as_array().into_iter().flatten() {
+            if !fields.contains_key(name.as_str().unwrap()) {
+                faults.push(format!("{at}: without {name}"));
+            }
+        }
+        for (name, field) in fields {
+            match schema["properties"].get(name) {
+                Some(s) => conforms(s, root, field, &format!("{at}.{name}"), faults),
+                None if schema["additionalProperties"] == false => faults.push(format!("{at}: {name} is not known")),
+                None => {}
+            }
+        }
+    }
+}
+
+fn certificate(dialect: &str) -> PathBuf {
+    WRITTEN.path().join(format!("{dialect}.json"))
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn certificates_have_the_form_of_their_schema() {
+    let schema = json(Path::new("docs/certificate.schema.json"));
+    let faults = |value: &Value| {
+        let mut faults = Vec::new();
+        conforms(&schema, &schema, value, "certificate", &mut faults);
+        faults
+    };
+    for dialect in DIALECTS {
+        let value = json(&certificate(dialect));
+        assert!(faults(&value).is_empty(), "{:#?}", faults(&value));
+        // The check itself sees faults.
+        for (pointer, wrong) in [
+            ("/inputs/sha256", Value::from("ab")),
+            ("/nc/operations/0/first", Value::from("12")),
+            ("/measured/surfaces/3/gouge/point", Value::from(vec![1.0, 2.0])),
+            ("/measured/contracts/0/holds", Value::Null),
+            ("/nc/post", Value::from("fanuc")),
+        ] {
+            let mut broken = value.clone();
+            *broken.pointer_mut(pointer).unwrap() = wrong;
+            assert_eq!(faults(&broken).len(), 1, "{pointer}: {:?}", faults(&broken));
+        }
+        let mut more = value.clone();
+        more["nc"]["machine"] = Value::from("here");
+        assert_eq!(faults(&more).len(), 1);
+        // Every field of the schema has its line in the document.
+        let document = std::fs::read_to_string("docs/certificate.md").unwrap();
+        let fields = ["/properties", "/properties/nc/properties", "/$defs/measured/properties"];
+        for name in fields.iter().flat_map(|f| schema.pointer(f).unwrap().as_object().unwrap().keys()) {
+            assert!(document.contains(&format!("`{name}")) || document.contains(&format!(".{name}")), "{name}");
+        }
+        // The lines of the operations are theirs.
+        let text = text(dialect);
+        let lines: Vec<&str> = text.lines().collect();
+        let body = value["nc"]["body_starts"].as_u64().unwrap() as usize;
+        assert!(lines[body - 1].contains("G17") && lines[..body - 1].iter().all(|l| l.starts_with([';', '('])));
+        for (k, operation) in value["nc"]["operations"].as_array().unwrap().iter().enumerate() {
+            let at = |key: &str| operation[key].as_u64().unwrap() as usize;
+            let moves = value["measured"]["operations"][k]["moves"].as_u64().unwrap() as usize;
+            assert_eq!(at("last") - at("first") + 1, moves);
+            assert!(lines[at("first") - 1].contains("G0 X") && lines[at("last") - 1].contains(" X"));
+            assert!(!lines[at("first") - 2].contains(" X") && !lines[at("last")].contains(" X"));
+        }
+    }
+}
+
+fn belongs(nc: &Path, certificate: &Path, more: &[&str]) -> (bool, String, String) {
+    let arguments = ["verify", nc.to_str().unwrap(), "--certificate", certificate.to_str().unwrap()];
+    let run = impellerc(&[&arguments[..], more].concat());
+    let say = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (run.status.success(), say(&run.stdout), say(&run.stderr))
+}
+
+#[test]
+fn text_and_certificate_belong_together_or_not() {
+    for dialect in DIALECTS {
+        let nc = WRITTEN.path().join(dialect);
+        let (ok, out, err) = belongs(&nc, &certificate(dialect), &[]);
+        assert!(ok && out.contains("belong together"), "{out}{err}");
+        let original = text(dialect);
+        let refused = |changed: &str, certificate: &Path, words: &str| {
+            let nc = edited(changed);
+            let (ok, out, err) = belongs(&nc.path, certificate, &["--error-format", "json"]);
+            assert!(!ok && !out.contains("belong together"), "{words}: {out}");
+            let all = diagnostics(&err);
+            let found = all.iter().find(|d| d["message"].as_str().unwrap().contains(words));
+            found.unwrap_or_else(|| panic!("{words}: {err}")).clone()
+        };
+        // One digit, one line less, other line ends.
+        let at = line_of(&original, if dialect == "linuxcnc" { "(flank)" } else { "; flank" }) + 20;
+        let mut lines: Vec<String> = original.lines().map(|l| format!("{l}\n")).collect();
+        lines[at] = lines[at].replacen("Y", "Y0", 1);
+        let found = refused(&lines.concat(), &certificate(dialect), "another text");
+        assert_eq!(found["code"], "IMP0827");
+        let line = found["labels"][0]["line"].as_u64().unwrap() as usize;
+        assert!(line <= at + 1 && at + 1 < line + 100, "{found} {at}");
+        assert!(found["message"].as_str().unwrap().contains("`flank`") || line < at - 20, "{found}");
+        lines.remove(at);
+        refused(&lines.concat(), &certificate(dialect), "another text");
+        refused(&original.replace('\n', "\r\n"), &certificate(dialect), "another text");
+        // A comment at the head is no part of the body; what it names is looked at.
+        let head = original.replacen("mm", "millimetres", 1);
+        let nc = edited(&head);
+        assert!(belongs(&nc.path, &certificate(dialect), &[]).0);
+        // An edited certificate.
+        let shown = std::fs::read_to_string(certificate(dialect)).unwrap();
+        let forged = edited(&shown.replacen("\"holds\": true", "\"holds\":  true", 1));
+        let found = refused(&original, &forged.path, "names another certificate");
+        assert_eq!(found["labels"][0]["line"], 1);
+        let other = edited(&shown.replacen("\"sha256\": \"", "\"sha256\": \"0", 1).replacen("0\",", "\",", 1));
+        let (ok, _, err) = belongs(&edited(&original).path, &other.path, &[]);
+        assert!(!ok, "{err}");
+    }
+    // The certificate of the other dialect; and files that are none.
+    let nc = WRITTEN.path().join(DIALECTS[0]);
+    assert!(!belongs(&nc, &certificate(DIALECTS[1]), &[]).0);
+    for (text, words) in [
+        ("", "not JSON"),
+        ("{}", "format"),
+        ("{\"format\": \"impellerc-certificate\", \"version\": 7}", "version 7"),
+        ("{\"format\": \"impellerc-certificate\", \"version\": 1}", "broken"),
+    ] {
+        let file = edited(text);
+        let (ok, _, err) = belongs(&nc, &file.path, &[]);
+        assert!(!ok && err.contains("IMP0826") && err.contains(words), "{words}: {err}");
+    }
+    let (ok, _, err) = belongs(&nc, Path::new("nothing.json"), &[]);
+    assert!(!ok && err.contains("IMP0901"), "{err}");
+}
+
+/// With the job: its files are compared by name, and the contracts with what is measured.
+#[test]
+fn a_certificate_is_compared_with_job_and_measurement() {
+    let dialect = "linuxcnc";
+    let nc = WRITTEN.path().join(dialect);
+    let (ok, out, err) = belongs(&nc, &certificate(dialect), &["--job", JOB]);
+    assert!(ok && out.contains("belong together") && out.contains("are those of the certificate"), "{out}{err}");
+    // A wider contract in the job, and a certificate with another figure.
+    let folder = tempfile::tempdir().unwrap();
+    let job = folder.path().join("reduced.imp");
+    let text = std::fs::read_to_string(JOB).unwrap();
+    std::fs::write(&job, text.replacen("clearance >= 0.5 mm", "clearance >= 0.4 mm", 1)).unwrap();
+    std::fs::copy("jobs/reduced/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    let mut forged = json(&certificate(dialect));
+    let found = forged["measured"]["contracts"][0]["found"].as_f64().unwrap();
+    forged["measured"]["contracts"][0]["found"] = Value::from(found + 0.01);
+    let file = edited(&forged.to_string());
+    let (ok, out, err) = belongs(&nc, &file.path, &["--job", job.to_str().unwrap(), "--error-format", "json"]);
+    assert!(!ok && out.contains("moves read as linuxcnc"), "{out}{err}");
+    let all = diagnostics(&err);
+    let changed = all.iter().find(|d| d["message"].as_str().unwrap().contains("another job")).unwrap();
+    assert_eq!(changed["notes"][0], "`reduced.imp` was changed", "{changed}");
+    assert!(all.iter().any(|d| d["code"] == "IMP0829"), "{err}");
 }

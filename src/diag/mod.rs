@@ -5,7 +5,9 @@
 
 pub mod code;
 pub mod codes;
+pub mod junit;
 pub mod render;
+pub mod sarif;
 
 pub use code::Code;
 

@@ -3,11 +3,12 @@
 use super::{Options, Outcome, Stages, find_post, front};
 use crate::diag::codes::{files, post as codes};
 use crate::diag::{Aborted, Diag, Sink};
+use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
 use crate::ir::Program;
-use crate::post::Post;
 use crate::post::motion_of::{NcMotion, motion_of};
+use crate::post::{self, Post};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::verify;
+use crate::verify::{self, Certificate};
 use std::path::{Path, PathBuf};
 
 /// What a check of NC text is asked to do.
@@ -28,6 +29,9 @@ pub struct NcCheck {
 /// Largest NC text, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
+/// Largest certificate, bytes.
+const MAX_CERTIFICATE: u64 = 64 << 20;
+
 /// Checks NC text. Faults are in the sink of the outcome; its text is the certificate as measured.
 pub fn verify(check: &NcCheck, stages: &mut Stages) -> Outcome {
     let mut outcome = Outcome::default();
@@ -37,35 +41,221 @@ pub fn verify(check: &NcCheck, stages: &mut Stages) -> Outcome {
 }
 
 fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
-    let Some(job) = &check.job else {
+    if check.job.is_none() && check.certificate.is_none() {
         outcome.sink.push(
             Diag::error(codes::USAGE, "neither a job nor a certificate is given")
                 .help("add `--job job.imp`, `--certificate part.json`, or both"),
         );
         return Err(Aborted);
-    };
+    }
     let text = read_nc(&check.nc, &mut outcome.sink)?;
-    let options =
-        Options { job: job.clone(), library: check.library.clone(), post: check.post.clone(), ..Options::default() };
-    let Some(program) = front(&options, stages, outcome)? else { return Err(Aborted) };
-    let Outcome { sources, sink, emitted } = outcome;
-    let post = find_post(&program, sink)?;
+    let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
+    let mut report = String::new();
+    let program = check.job.as_ref().map(|job| program(check, job, stages, outcome)).transpose()?;
+    let inputs = super::inputs(&outcome.sources);
+    let nc = outcome.sources.add(check.nc.display().to_string(), text);
+    if let Some((shown, bytes, file)) = &file {
+        let belong = Belonging { sources: &outcome.sources, nc, shown, bytes, file };
+        report.push_str(&belong.check(program.is_some().then_some(&inputs), &mut outcome.sink));
+    }
+    let measured = program.map(|program| measure(check, &program, nc, stages, outcome)).transpose();
+    if let (Some((shown, _, file)), Ok(Some(certificate))) = (&file, &measured) {
+        compare_figures(shown, file, certificate, &mut outcome.sink);
+    }
+    let text = outcome.emitted.take().unwrap_or_default();
+    let together = [text, report].into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("\n");
+    outcome.emitted = (!together.is_empty()).then_some(together);
+    measured.map(|_| ())
+}
+
+fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outcome) -> Result<Program, Aborted> {
+    let options = Options {
+        job: job.to_path_buf(),
+        library: check.library.clone(),
+        post: check.post.clone(),
+        ..Options::default()
+    };
+    front(&options, stages, outcome)?.ok_or(Aborted)
+}
+
+/// Measures the text against the job; the certificate as measured becomes the text of the outcome.
+fn measure(
+    check: &NcCheck,
+    program: &Program,
+    source: SourceId,
+    stages: &mut Stages,
+    outcome: &mut Outcome,
+) -> Result<Certificate, Aborted> {
+    let Outcome { sources, sink, emitted, contracts } = outcome;
     let shown = check.nc.display().to_string();
-    let source = sources.add(shown.clone(), text);
-    let motion = stages.run("read NC", || read_motion(post, &program, sources, source, sink))?;
-    let before = sink.clone();
-    let certificate = stages.run("verify", || verify::certify(&program, &motion.motion, sink))?;
-    let known = before.diags().len();
+    let text = sources.get(source).map_or("", |f| f.text.as_str());
+    // Without a name on the command line the text itself says its dialect; a text without any is read as the job's, so
+    // that the reader says what it lacks.
+    let post = match check.post.as_ref().map_or_else(|| post::recognise(text), |_| None) {
+        Some(post) => post,
+        None => find_post(program, sink)?,
+    };
+    let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
+    let known = sink.diags().len();
+    let certificate = stages.run("verify", || verify::certify(program, &motion.motion, sink));
     let mut index = 0;
     sink.map(|diag| {
         index += 1;
-        if index > known { with_line(diag, &program, &motion, sources, source, &shown) } else { diag }
+        if index > known { with_line(diag, program, &motion, sources, source, &shown) } else { diag }
     });
-    let mut text = certificate.text(&program, &motion.motion);
+    let certificate = certificate?;
+    contracts.clone_from(&certificate.contracts);
+    let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{shown}: {moves} moves read as {}\n", post.name()));
     *emitted = Some(text);
-    Ok(())
+    Ok(certificate)
+}
+
+/// A certificate that a text is compared with.
+struct Belonging<'a> {
+    sources: &'a SourceMap,
+    nc: SourceId,
+    /// Path of the certificate.
+    shown: &'a str,
+    bytes: &'a str,
+    file: &'a CertificateFile,
+}
+
+impl Belonging<'_> {
+    /// Whether body, head, compiler and inputs are those of the certificate. Says so, or puts what differs into the sink.
+    fn check(&self, inputs: Option<&Inputs>, sink: &mut Sink) -> String {
+        let Self { sources, nc, shown, bytes, file } = *self;
+        let Some(text) = sources.get(nc) else { return String::new() };
+        let mut same = true;
+        let mut differs = |diag: Diag| {
+            same = false;
+            sink.push(diag.help(
+                "`impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew",
+            ));
+        };
+        let line = |line: usize| sources.line_span(nc, line).unwrap_or(Span::new(nc, 0..0));
+        if let Some((first, last, operation)) = file.nc.first_difference(&text.text) {
+            let place = operation.map_or(String::new(), |o| format!(", `{o}` in the text of the certificate"));
+            let body = certificate_file::body(&text.text).1;
+            differs(
+                Diag::error(
+                    codes::CERTIFICATE_OTHER,
+                    format!(
+                        "{shown} was written for another text: lines {first} to {last} are the first that differ{place}"
+                    ),
+                )
+                .label(line(first), "the first difference is here or below")
+                .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
+                .note(format!("body sha256 {} of the text", certificate_file::sha256(body.as_bytes())))
+                .note(format!(
+                    "{} lines in the certificate, {} in the text",
+                    file.nc.body_lines,
+                    body.lines().count()
+                )),
+            );
+        }
+        let named = |word| certificate_file::named(&text.text, word);
+        let [of_inputs, _, of_certificate] = HEAD;
+        let own = certificate_file::sha256(bytes.as_bytes());
+        if let Some(other) = named(of_certificate).filter(|n| **n != *own) {
+            differs(
+                Diag::error(
+                    codes::CERTIFICATE_OTHER,
+                    format!("the head of the text names another certificate than {shown}"),
+                )
+                .label(line(1), "in the comments from here on")
+                .note(format!("certificate sha256 {other} in the head"))
+                .note(format!("certificate sha256 {own} of the file: it was edited, or is from another run")),
+            );
+        }
+        if let Some(other) = named(of_inputs).filter(|n| **n != *file.inputs.sha256) {
+            differs(
+                Diag::error(codes::CERTIFICATE_OTHER, "the text was made from other inputs than the certificate")
+                    .label(line(1), "in the comments from here on")
+                    .note(format!("inputs sha256 {other} in the head"))
+                    .note(format!("inputs sha256 {} in the certificate", file.inputs.sha256)),
+            );
+        }
+        let changed = inputs.map_or_else(Vec::new, |now| file.inputs.differences(now));
+        if !changed.is_empty() {
+            let diag = Diag::error(
+                codes::CERTIFICATE_OTHER,
+                format!("{shown} was made from another job or library than given"),
+            );
+            differs(changed.into_iter().fold(diag, Diag::note));
+        }
+        if !same {
+            return String::new();
+        }
+        format!(
+            "{} and {shown} belong together: {} lines, body sha256 {}, inputs sha256 {}, {}{}\n",
+            text.name,
+            file.nc.body_lines,
+            file.nc.body_sha256,
+            file.inputs.sha256,
+            file.compiler,
+            if inputs.is_some() { "; job and library are those of the certificate" } else { "" }
+        )
+    }
+}
+
+/// Difference of a figure that the digits of the words explain, absolute and as a share.
+const DIGITS: (f64, f64) = (1e-3, 1e-3);
+
+/// Contracts of a certificate against those measured on the text.
+fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
+    let says = file.contracts();
+    let all = serde_json::to_value(measured).map(|measured| CertificateFile { measured, ..file.clone() }.contracts());
+    let found = all.unwrap_or_default();
+    for (k, (kind, bound, value, holds)) in found.iter().enumerate() {
+        let same = says.get(k).is_some_and(|(kind_said, bound_said, value_said, holds_said)| {
+            kind_said == kind
+                && bound_said == bound
+                && holds_said == holds
+                && (value_said - value).abs() <= DIGITS.0 + DIGITS.1 * value.abs()
+        });
+        if !same {
+            let said = says.get(k).map_or("no such contract".to_owned(), |s| format!("{} of {} for {}", s.0, s.2, s.1));
+            sink.push(
+                Diag::error(
+                    codes::CERTIFICATE_FIGURES,
+                    format!("{shown} says {said}; measured on the text is {kind} of {value} for {bound}"),
+                )
+                .help("compile the job anew, and trust no certificate that was edited"),
+            );
+        }
+    }
+}
+
+/// A certificate with its path and its bytes.
+fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, CertificateFile), Aborted> {
+    let shown = path.display().to_string();
+    let help = "give the JSON file that `--certificate` wrote beside the NC text";
+    let size = std::fs::metadata(path).map(|m| m.len());
+    let text =
+        match size.and_then(|n| if n > MAX_CERTIFICATE { Ok(None) } else { std::fs::read_to_string(path).map(Some) }) {
+            Ok(Some(text)) => text,
+            Ok(None) => {
+                let reason = format!("{shown} is larger than {} MB", MAX_CERTIFICATE >> 20);
+                sink.push(Diag::error(codes::CERTIFICATE_FORM, reason).help(help));
+                return Err(Aborted);
+            }
+            Err(error) => {
+                sink.push(
+                    Diag::error(files::CANNOT_READ, format!("{shown} cannot be read: {error}")).help("check the path"),
+                );
+                return Err(Aborted);
+            }
+        };
+    match CertificateFile::read(&text) {
+        Ok(file) => Ok((shown, text, file)),
+        Err(reason) => {
+            let message = format!("{shown} is not a certificate that this compiler knows: {reason}");
+            sink.push(Diag::error(codes::CERTIFICATE_FORM, message).help(help));
+            Err(Aborted)
+        }
+    }
 }
 
 /// The motion that a text says.

@@ -50,6 +50,15 @@ impl Post for LinuxCnc {
     fn read(&self, text: &str, _machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
         read_linuxcnc::read(text)
     }
+
+    fn recognises(&self, code: &str) -> bool {
+        const OWN: [&str; 6] = ["M428", "M429", "G43", "G53", "G64", "G21"];
+        let mut words = code.split_whitespace();
+        let first = words.next().unwrap_or_default().to_ascii_uppercase();
+        // On the other control rotary words have an equals sign.
+        let rotary = |w: &str| w.starts_with(['A', 'C']) && w.len() > 1 && !w.contains('=');
+        OWN.contains(&first.as_str()) || words.any(rotary)
+    }
 }
 
 fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {

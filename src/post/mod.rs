@@ -37,6 +37,9 @@ pub trait Post: Sync {
     /// # Errors
     /// The lines that are not understood, at least one; a text with many of them is not read to its end.
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>>;
+    /// Whether a block holds a word that no other dialect knows. `code` ends where a bracket or a
+    /// comment begins.
+    fn recognises(&self, code: &str) -> bool;
 }
 
 /// The dialects that are built.
@@ -45,6 +48,25 @@ pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCn
 /// The dialect of a name.
 pub fn find(name: &str) -> Option<&'static dyn Post> {
     POSTS.iter().copied().find(|p| p.name() == name)
+}
+
+/// Lines of a text that are looked at to recognise its dialect.
+const LOOKED_AT: usize = 10_000;
+
+/// The dialect of a text: the one whose own words stand in most of its first lines; `None` when there are none of any
+/// dialect, or as many of two.
+pub fn recognise(text: &str) -> Option<&'static dyn Post> {
+    let mut counts = vec![0_usize; POSTS.len()];
+    for line in text.lines().take(LOOKED_AT) {
+        // Either kind of comment.
+        let code = line.split([';', '(']).next().unwrap_or_default();
+        for (count, post) in counts.iter_mut().zip(POSTS) {
+            *count += usize::from(post.recognises(code));
+        }
+    }
+    let most = *counts.iter().max()?;
+    let mut best = counts.iter().zip(POSTS).filter(|(n, _)| **n == most && most > 0).map(|(_, p)| *p);
+    best.next().filter(|_| best.next().is_none())
 }
 
 /// NC text, block by block.

@@ -64,6 +64,11 @@ impl Post for Siemens840d {
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
         read_siemens_840d::read(text, machine)
     }
+
+    fn recognises(&self, code: &str) -> bool {
+        const OWN: [&str; 8] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS", "M30"];
+        code.split_whitespace().any(|w| OWN.contains(&w) || w == "CYCLE832" || w.starts_with("A3="))
+    }
 }
 
 fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {

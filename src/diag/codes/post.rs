@@ -57,4 +57,8 @@ Way out: `impellerc verify part.nc --job job.imp` measures the text anew; compil
     USAGE = "IMP0828", "nothing to verify against",
         "`impellerc verify` measures NC text against a job, or compares it with a certificate; it needs one of both.\n\n\
 Way out: `--job job.imp`, `--certificate part.json`, or both.";
+    CERTIFICATE_FIGURES = "IMP0829", "a certificate that says other figures than measured",
+        "The contracts were measured on the text, and the certificate says something else by more than the digits of the \
+words explain: it was edited, or another version of the compiler measured it.\n\n\
+Way out: compile the job anew; trust the measurement.";
 }
