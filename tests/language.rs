@@ -179,9 +179,23 @@ fn tools_of_each_kind_are_read() {
     assert_eq!((bull.kind, bull.number), (CutterKind::Bull(impellerc::units::Mm(2.0)), 12));
     let taper = with(&format!("tapered-ball {{ diameter 4 mm  angle 3 deg  {size}  shank 6 mm }}"));
     assert_eq!((taper.kind, taper.shank.get()), (CutterKind::TaperedBall(impellerc::units::Rad::from_deg(3.0)), 6.0));
+    let barrel = with("barrel { diameter 10 mm  barrel 85 mm  tip 2 mm  flutes 4  flute 25 mm  reach 40 mm }");
+    let mm = impellerc::units::Mm;
+    assert_eq!(barrel.kind, CutterKind::Barrel { barrel: mm(85.0), tip: mm(2.0) });
+    // Tangent circles: 2 + sqrt(83^2 - 80^2).
+    assert!((barrel.kind.least_flute(barrel.diameter).0 - 24.113).abs() < 1e-3);
+    let lollipop = with("lollipop { diameter 6 mm  neck 4 mm  flutes 2  reach 40 mm }");
+    assert_eq!(lollipop.kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(40.0) });
+    // Chord of the neck in the ball: 3 + sqrt(3^2 - 2^2).
+    assert!((lollipop.flute.get() - 5.236_068).abs() < 1e-6);
+    let lollipop = with("lollipop { diameter 6 mm  neck 4 mm  neck-end 20 mm  flutes 2  reach 40 mm }");
+    assert_eq!((lollipop.kind.keyword(), lollipop.shank), ("lollipop", mm(6.0)));
+    assert_eq!(lollipop.kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(20.0) });
     let library = with("\"ball-6\"");
     assert_eq!((library.name.as_str(), library.number, library.shank.get()), ("t4", 4, 6.0));
     assert_eq!(library.holder.unwrap().0, "er16-mini");
+    assert_eq!(with("\"barrel-10-85\"").kind, CutterKind::Barrel { barrel: mm(85.0), tip: mm(2.0) });
+    assert_eq!(with("\"lollipop-6\"").kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(30.0) });
 }
 
 /// The main job with other contracts.

@@ -5,9 +5,13 @@
 
 mod support;
 
+use impellerc::collide::{Cutter, Section};
 use impellerc::diag::Sink;
-use impellerc::ir::MoveKind;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{MoveKind, OperationKind};
 use impellerc::passes::pipeline;
+use impellerc::units::Mm;
+use impellerc::verify::certify;
 
 #[test]
 fn one_sector_of_the_paper_part_is_planned() {
@@ -36,4 +40,33 @@ fn one_sector_of_the_paper_part_is_planned() {
         }
     }
     assert_eq!(plan.motion.operations.len(), 6);
+}
+
+/// Gouge and excess on the hub between two vanes after channel finishing with a ball of 6 mm, with its shank from the
+/// end of the flutes, in mm.
+fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let mut tool = support::tool("t1", 1, cutter, flute, 42.0);
+    tool.solid.shank = vec![Section { from: flute, to: 42.0, radius_from: neck, radius_to: neck }];
+    let tool = program.tools.push(tool);
+    let kind = OperationKind::Channel { scallop: Mm(0.2) };
+    program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
+    let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
+    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
+    [deepest, hub.excess.value]
+}
+
+#[test]
+fn a_lollipop_finishes_channels_like_the_ball_it_carries() {
+    let neck = 2.0;
+    let lollipop = Cutter::Lollipop { radius: 3.0 };
+    let [gouge, excess] = channel(lollipop, lollipop.neck_height(neck).unwrap(), neck);
+    let [of_ball, excess_of_ball] = channel(Cutter::Ball { radius: 3.0 }, 30.0, 3.0);
+    println!("lollipop {gouge} {excess}, ball {of_ball} {excess_of_ball}");
+    // Both keep the tolerance of the plan, and leave the same scallops.
+    assert!(gouge < 0.003 && of_ball < 0.003, "{gouge} {of_ball}");
+    assert!((excess - excess_of_ball).abs() < 0.01, "{excess} {excess_of_ball}");
 }

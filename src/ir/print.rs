@@ -57,7 +57,7 @@ pub fn program(program: &Program) -> String {
             tool.name,
             tool.solid.cutter.keyword(),
             tool.number,
-            tool.solid.radius(),
+            tool.solid.cutter.widest_below(tool.solid.flute_length),
             tool.solid.flute_length,
             tool.solid.length()
         );

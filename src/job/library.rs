@@ -5,7 +5,7 @@ use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::units::{Mm, MmPerMin, Rad, Rpm};
+use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -111,8 +111,13 @@ struct ToolTable {
     diameter: Text,
     corner: Option<Text>,
     angle: Option<Text>,
+    barrel: Option<Text>,
+    tip: Option<Text>,
+    neck: Option<Text>,
+    #[serde(rename = "neck-end")]
+    neck_end: Option<Text>,
     flutes: Spanned<u32>,
-    flute: Text,
+    flute: Option<Text>,
     shank: Option<Text>,
     reach: Text,
     holder: Option<Text>,
@@ -322,19 +327,32 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
 
 fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mut Reader<'_>) -> Option<ToolSpec> {
     let span = reader.span(&tool.kind);
-    let corner = tool.corner.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 500.0)));
+    let mut length =
+        |text: &Option<Text>| text.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0)));
+    let [corner, barrel, tip, neck] = [&tool.corner, &tool.barrel, &tool.tip, &tool.neck].map(&mut length);
+    let (flute, neck_end, reach) = (length(&tool.flute), length(&tool.neck_end), length(&Some(tool.reach.clone())));
+    let reach = reach.unwrap_or(Mm(1.0));
     let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, 0.001, 0.785)));
-    let kind = match (tool.kind.get_ref().as_str(), corner, angle) {
-        ("flat", None, None) => CutterKind::Flat,
-        ("ball", None, None) => CutterKind::Ball,
-        ("bull", Some(corner), None) => CutterKind::Bull(corner),
-        ("tapered-ball", None, Some(angle)) => CutterKind::TaperedBall(angle),
+    let own = (corner, angle, (barrel, tip), (neck, neck_end));
+    let kind = match (tool.kind.get_ref().as_str(), own, flute) {
+        ("flat", (None, None, (None, None), (None, None)), Some(_)) => CutterKind::Flat,
+        ("ball", (None, None, (None, None), (None, None)), Some(_)) => CutterKind::Ball,
+        ("bull", (Some(corner), None, (None, None), (None, None)), Some(_)) => CutterKind::Bull(corner),
+        ("tapered-ball", (None, Some(angle), (None, None), (None, None)), Some(_)) => CutterKind::TaperedBall(angle),
+        ("barrel", (None, None, (Some(barrel), Some(tip)), (None, None)), Some(_)) => {
+            CutterKind::Barrel { barrel, tip }
+        }
+        ("lollipop", (None, None, (None, None), (Some(neck), neck_end)), None) => {
+            CutterKind::Lollipop { neck, neck_end: neck_end.unwrap_or(reach) }
+        }
         (kind, ..) => {
             reader.fault(
                 span,
                 format!("tool `{name}` of kind `{kind}` has the wrong properties"),
-                "flat, ball, bull with `corner`, tapered-ball with `angle` exist".to_owned(),
-                "correct the kind or the properties `corner` and `angle`",
+                "flat, ball, bull with `corner`, tapered-ball with `angle`, barrel with `barrel` and `tip`, all with \
+                 `flute`, and lollipop with `neck` exist"
+                    .to_owned(),
+                "correct the kind or the properties that only some kinds have",
             );
             return None;
         }
@@ -357,9 +375,9 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
         kind,
         diameter,
         flutes: *tool.flutes.get_ref(),
-        flute: Mm(reader.quantity(&tool.flute, Dimension::LENGTH, 0.01, 1000.0)),
+        flute: flute.unwrap_or_else(|| Mm(kind.least_flute(diameter).0)),
         shank: tool.shank.as_ref().map_or(diameter, |t| Mm(reader.quantity(t, Dimension::LENGTH, 0.01, 500.0))),
-        reach: Mm(reader.quantity(&tool.reach, Dimension::LENGTH, 0.01, 1000.0)),
+        reach,
         holder,
         span,
     };
@@ -371,22 +389,34 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
 }
 
 /// What contradicts itself in the sizes of a tool.
-pub(super) fn shape_fault(tool: &ToolSpec) -> Option<&'static str> {
+pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
     let radius = tool.diameter.get() / 2.0;
-    match tool.kind {
-        CutterKind::Bull(corner) if corner.get() >= radius => {
-            return Some("the corner radius must be below half of the diameter");
+    let fault = match tool.kind {
+        CutterKind::Bull(corner) if corner.get() >= radius => "the corner radius must be below half of the diameter",
+        CutterKind::Barrel { tip, .. } if tip.get() >= radius => "the tip radius must be below half of the diameter",
+        CutterKind::Barrel { barrel, .. } if barrel.get() <= radius => {
+            "the barrel radius must be above half of the diameter; a ball has both equal"
         }
-        CutterKind::Ball | CutterKind::TaperedBall(_) if tool.flute.get() < radius => {
-            return Some("the flutes must be at least as long as the ball's radius");
+        CutterKind::Lollipop { neck, .. } if neck.get() >= tool.diameter.get() => {
+            "the neck must be thinner than the ball"
         }
-        CutterKind::Bull(corner) if tool.flute.get() < corner.get() => {
-            return Some("the flutes must be at least as long as the corner radius");
+        CutterKind::Lollipop { neck_end, .. } if neck_end.get() > tool.reach.get() => {
+            "the neck must end within the reach, which goes from the tip to the holder"
         }
-        _ => {}
+        CutterKind::Lollipop { neck_end, .. } if neck_end.get() < tool.flute.get() => {
+            "the neck must end above the ball; `neck-end` is measured from the tip"
+        }
+        _ => "",
+    };
+    if !fault.is_empty() {
+        return Some(fault.to_owned());
+    }
+    let (least, what) = tool.kind.least_flute(tool.diameter);
+    if tool.flute.get() < least {
+        return Some(format!("the flutes must go up to the {what}, {} mm over the tip", trim(least, 3)));
     }
     if tool.reach.get() < tool.flute.get() {
-        return Some("the reach, from the tip to the holder, must be at least the flute length");
+        return Some("the reach, from the tip to the holder, must be at least the flute length".to_owned());
     }
-    (tool.flutes == 0 || tool.flutes > 20).then_some("it needs 1 to 20 flutes")
+    (tool.flutes == 0 || tool.flutes > 20).then(|| "it needs 1 to 20 flutes".to_owned())
 }

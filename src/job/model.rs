@@ -156,6 +156,20 @@ pub enum CutterKind {
     Bull(Mm),
     /// Tapered ball, with the angle between axis and side.
     TaperedBall(Rad),
+    /// Barrel: an arc of a large radius between a ball tip and the largest diameter.
+    Barrel {
+        /// Radius of the arc.
+        barrel: Mm,
+        /// Radius of the ball tip.
+        tip: Mm,
+    },
+    /// Lollipop: a ball on a thinner neck.
+    Lollipop {
+        /// Diameter of the neck.
+        neck: Mm,
+        /// Height over the tip at which the neck ends and the shank begins.
+        neck_end: Mm,
+    },
 }
 
 impl CutterKind {
@@ -166,6 +180,24 @@ impl CutterKind {
             Self::Ball => "ball",
             Self::Bull(_) => "bull",
             Self::TaperedBall(_) => "tapered-ball",
+            Self::Barrel { .. } => "barrel",
+            Self::Lollipop { .. } => "lollipop",
+        }
+    }
+
+    /// Height over the tip up to which the flutes must go at least, in mm, and what is there; for a lollipop of this
+    /// diameter it is where its flutes end. Formulas: tangent circles, and the chord of the neck in the ball.
+    pub fn least_flute(self, diameter: Mm) -> (f64, &'static str) {
+        let radius = diameter.get() / 2.0;
+        let leg = |long: f64, short: f64| ((long - short) * (long + short)).max(0.0).sqrt();
+        match self {
+            Self::Flat => (0.0, "tip"),
+            Self::Ball | Self::TaperedBall(_) => (radius, "full radius of the ball"),
+            Self::Bull(corner) => (corner.get(), "end of the corner"),
+            Self::Barrel { barrel, tip } => {
+                (tip.get() + leg(barrel.get() - tip.get(), barrel.get() - radius), "largest diameter")
+            }
+            Self::Lollipop { neck, .. } => (radius + leg(radius, neck.get() / 2.0), "neck"),
         }
     }
 }
@@ -179,11 +211,11 @@ pub struct ToolSpec {
     pub number: u32,
     /// Shape of the end.
     pub kind: CutterKind,
-    /// Cutting diameter; for a tapered ball that of the ball.
+    /// Cutting diameter: the largest one; for a tapered ball that of the ball.
     pub diameter: Mm,
     /// Teeth.
     pub flutes: u32,
-    /// Length of the flutes from the tip.
+    /// Length of the flutes from the tip; a lollipop has them up to its neck.
     pub flute: Mm,
     /// Shank diameter.
     pub shank: Mm,

@@ -1,9 +1,7 @@
 //! Operations: which tool, how fast, and what only their kind has.
 
 use super::eval::{mismatch, suggest, unknown};
-use super::model::{
-    CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec,
-};
+use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::resolve::{Context, head};
@@ -170,7 +168,9 @@ impl Reader<'_> {
         let declared = self.tools.get(at)?;
         let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
         let needed: &[&str] = match kind.text.as_str() {
-            "flank" | "channel" => &["ball"],
+            "flank" => &["ball"],
+            // Only the ball touches the floor.
+            "channel" => &["ball", "lollipop"],
             _ => &["flat", "ball", "bull"],
         };
         if !suits(needed) {
@@ -362,11 +362,4 @@ fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
     }
     let strips = if p.has("strips") { p.count("strips", 1, 100, "strips 6")?.0 } else { 1 };
     Some(OperationKind::Flank { pressure, suction, strips })
-}
-
-impl CutterKind {
-    /// True for tools that flank and channel milling can use.
-    pub fn is_ball(self) -> bool {
-        matches!(self, Self::Ball)
-    }
 }

@@ -75,6 +75,8 @@ fn tools(out: &mut String, job: &Job) {
         match t.kind {
             CutterKind::Bull(corner) => _ = writeln!(out, "  corner {corner}"),
             CutterKind::TaperedBall(angle) => _ = writeln!(out, "  angle {angle}"),
+            CutterKind::Barrel { barrel, tip } => _ = writeln!(out, "  barrel {barrel}\n  tip {tip}"),
+            CutterKind::Lollipop { neck, neck_end } => _ = writeln!(out, "  neck {neck}\n  neck-end {neck_end}"),
             CutterKind::Flat | CutterKind::Ball => {}
         }
         let _ = writeln!(out, "  flutes {}\n  flute {}\n  shank {}\n  reach {}", t.flutes, t.flute, t.shank, t.reach);

@@ -18,7 +18,7 @@ pub(super) struct Declared {
     pub(super) spec: Option<ToolSpec>,
 }
 
-const KINDS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
+const KINDS: [&str; 6] = ["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"];
 
 pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) -> Vec<Declared> {
     let mut tools: Vec<Declared> = Vec::new();
@@ -104,12 +104,14 @@ fn shape(
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &KINDS));
         return None;
     }
-    let mut known = vec!["number", "diameter", "flutes", "flute", "shank", "reach", "holder"];
-    match kind.text.as_str() {
-        "bull" => known.push("corner"),
-        "tapered-ball" => known.push("angle"),
-        _ => {}
-    }
+    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder"];
+    known.extend_from_slice(match kind.text.as_str() {
+        "bull" => &["flute", "corner"],
+        "tapered-ball" => &["flute", "angle"],
+        "barrel" => &["flute", "barrel", "tip"],
+        "lollipop" => &["flute", "neck", "neck-end"],
+        _ => &["flute"],
+    });
     let mut p = Properties::new(format!("tool {}", name.text), head, block, &known, &mut cx.scope, cx.sink);
     let long = Range::Positive(1000.0);
     let diameter = p.required("diameter", Dimension::LENGTH, Range::Positive(500.0), "diameter 6 mm");
@@ -119,6 +121,20 @@ fn shape(
         "bull" => p
             .required("corner", Dimension::LENGTH, Range::Positive(250.0), "corner 1 mm")
             .map(|c| CutterKind::Bull(Mm(c.0))),
+        "barrel" => {
+            let barrel = p.required("barrel", Dimension::LENGTH, long, "barrel 85 mm");
+            let tip = p.required("tip", Dimension::LENGTH, Range::Positive(250.0), "tip 2 mm");
+            barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
+        }
+        "lollipop" => {
+            let neck = p.required("neck", Dimension::LENGTH, Range::Positive(500.0), "neck 4 mm");
+            // Without `neck-end` the neck goes up to the holder; its height is known below.
+            let end = match p.has("neck-end") {
+                true => p.number("neck-end", Dimension::LENGTH, long, "neck-end 20 mm").map(|e| e.0),
+                false => Some(f64::INFINITY),
+            };
+            neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
+        }
         _ => p
             // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
             .required("angle", Dimension::ANGLE, Range::Positive(0.785), "angle 3 deg")
@@ -129,26 +145,46 @@ fn shape(
         p.missing("flutes", "flutes 4");
     }
     let flutes = p.count("flutes", 1, 20, "flutes 4");
-    let flute = p.required("flute", Dimension::LENGTH, long, "flute 30 mm");
+    let fluted = kind.text != "lollipop";
+    if !fluted && let Some((word, _)) = p.take("flute") {
+        p.sink.push(
+            Diag::error(
+                codes::UNKNOWN_PROPERTY,
+                format!("the flutes of a lollipop end at its neck; {} gives them", name.text),
+            )
+            .label(word.span, "not for a lollipop")
+            .help("remove it; `neck` says where the ball ends"),
+        );
+    }
+    let flute = fluted.then(|| p.required("flute", Dimension::LENGTH, long, "flute 30 mm"));
     let reach = p.required("reach", Dimension::LENGTH, long, "reach 40 mm");
     let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, Range::Positive(500.0), "shank 6 mm"));
     let holder = holder(library, &mut p);
-    let diameter = Mm(diameter?.0);
+    let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
+    let cutter = match cutter? {
+        CutterKind::Lollipop { neck, neck_end } if neck_end.get() == f64::INFINITY => {
+            CutterKind::Lollipop { neck, neck_end: reach }
+        }
+        cutter => cutter,
+    };
     let spec = ToolSpec {
         name: name.text.clone(),
         number: match number {
             Some(number) => number?.0,
             None => 0,
         },
-        kind: cutter?,
+        kind: cutter,
         diameter,
         flutes: flutes?.0,
-        flute: Mm(flute?.0),
+        flute: match flute {
+            Some(flute) => Mm(flute?.0),
+            None => Mm(cutter.least_flute(diameter).0),
+        },
         shank: match shank {
             Some(shank) => Mm(shank?.0),
             None => diameter,
         },
-        reach: Mm(reach?.0),
+        reach,
         holder: holder?,
         span: head,
     };

@@ -103,13 +103,23 @@ fn tool(spec: &ToolSpec) -> Tool {
         CutterKind::Ball => Cutter::Ball { radius },
         CutterKind::Bull(corner) => Cutter::Bull { radius, corner: corner.get() },
         CutterKind::TaperedBall(angle) => Cutter::TaperedBall { ball: radius, half_angle: angle.get() },
+        CutterKind::Barrel { barrel, tip } => Cutter::Barrel { radius, barrel: barrel.get(), tip: tip.get() },
+        CutterKind::Lollipop { .. } => Cutter::Lollipop { radius },
     };
     let (flute, reach) = (spec.flute.get(), spec.reach.get());
     let mut shank = Vec::new();
-    if reach > flute {
-        let radius = spec.shank.get() / 2.0;
-        shank.push(Section { from: flute, to: reach, radius_from: radius, radius_to: radius });
+    let mut from = flute;
+    let mut cylinder = |to: f64, diameter: Mm| {
+        if to > from {
+            let radius = diameter.get() / 2.0;
+            shank.push(Section { from, to, radius_from: radius, radius_to: radius });
+            from = to;
+        }
+    };
+    if let CutterKind::Lollipop { neck, neck_end } = spec.kind {
+        cylinder(neck_end.get(), neck);
     }
+    cylinder(reach, spec.shank);
     let mut holder = Vec::new();
     let mut from = reach;
     for [length, lower, upper] in spec.holder.iter().flat_map(|(_, sections)| sections) {
