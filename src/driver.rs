@@ -2,6 +2,7 @@
 
 mod library;
 mod nc_check;
+mod report;
 mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
@@ -36,6 +37,8 @@ pub struct Options {
     pub picture: Option<PathBuf>,
     /// Where to write the certificate.
     pub certificate: Option<PathBuf>,
+    /// Where to write the report, also when a contract fails.
+    pub report: Option<PathBuf>,
     /// Print this stage value and stop there.
     pub emit: Option<Emit>,
 }
@@ -82,7 +85,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     let post = find_post(&program, sink)?;
-    for path in options.output.iter().chain(&options.certificate) {
+    for path in [&options.output, &options.certificate, &options.report].into_iter().flatten() {
         // Told before the minute that planning takes, not after it.
         output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
@@ -102,14 +105,29 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = planned;
         return Ok(());
     }
-    let (motion, certificate) = stages.run("verify", || crate::verify::verify(&program, plan.motion, sink))?;
-
-    post.check(&program, motion.get(), sink);
-    if sink.has_errors() {
+    let (judged, certificate) = stages.run("verify", || crate::verify::examine(&program, plan.motion, sink))?;
+    let inputs = inputs(sources);
+    let shown = report::Shown {
+        program: &program,
+        motion: judged.as_ref().map_or_else(|refused| refused, crate::verify::Verified::get),
+        certificate: &certificate,
+        cl: &plan.cl,
+        nc: None,
+        post: post.name(),
+        hash: &inputs.sha256,
+    };
+    post.check(&program, shown.motion, sink);
+    let Ok(motion) =
+        judged.as_ref().map_err(|_| Aborted).and_then(|m| if sink.has_errors() { Err(Aborted) } else { Ok(m) })
+    else {
+        // What failed is what the reader wants to see.
+        if let Some(path) = &options.report {
+            report::write(path, &shown, stages, sink)?;
+        }
         return Err(Aborted);
-    }
+    };
     contracts.clone_from(&certificate.contracts);
-    let (nc, file) = stages.run("write", || written(&program, &motion, &certificate, post, inputs(sources)));
+    let (written, file) = stages.run("write", || written(&program, motion, &certificate, post, inputs.clone()));
     let file = file.map_err(|reason| {
         sink.push(
             Diag::error(files::INTERNAL, format!("the certificate cannot be written: {reason}"))
@@ -117,7 +135,8 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         );
         Aborted
     })?;
-    let read = stages.run("read back", || post::read_back(post, &program, &motion, &nc)).map_err(|d| sink.push(d));
+    let nc = written.text();
+    let read = stages.run("read back", || post::read_back(post, &program, motion, &nc)).map_err(|d| sink.push(d));
     let Ok(read) = read else { return Err(Aborted) };
     if emit == Some(Emit::Nc) {
         *emitted = Some(nc);
@@ -150,6 +169,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if let Some(path) = &options.picture {
         let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
         output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    }
+    if let Some(path) = &options.report {
+        report::write(path, &report::Shown { nc: Some(&written), ..shown }, stages, sink)?;
     }
     *emitted = Some(text);
     Ok(())
@@ -212,14 +234,14 @@ fn inputs(sources: &SourceMap) -> Inputs {
     Inputs::new(texts.iter().map(|(name, text)| (name.as_str(), *text)))
 }
 
-/// The NC text and the text of its certificate, each with the hash of the other.
+/// The NC program and the text of its certificate, each with the hash of the other.
 fn written(
     program: &Program,
     motion: &Verified<Motion>,
     certificate: &Certificate,
     post: &dyn Post,
     inputs: Inputs,
-) -> (String, Result<String, String>) {
+) -> (NcProgram, Result<String, String>) {
     // The body does not depend on the head, its place only on the number of lines there.
     let blank = header(program, certificate, ["", "", ""]);
     let nc = post.emit(program, motion, &blank);
@@ -228,7 +250,7 @@ fn written(
     let file = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
     let of_file = file.as_ref().map_or(String::new(), |f| sha256(f.as_bytes()));
     let header = header(program, certificate, [&of_inputs, &of_body, &of_file]);
-    (post.emit(program, motion, &header).text(), file)
+    (post.emit(program, motion, &header), file)
 }
 
 /// Where the operations stand in the text.

@@ -46,6 +46,10 @@ struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
 
+    /// Write a report to look at in a browser: deviations, paths, plots, contracts; also when a contract fails
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
     /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
     #[arg(long)]
     timings: bool,
@@ -139,6 +143,7 @@ fn main() -> ExitCode {
                 post: arguments.post,
                 picture: arguments.picture,
                 certificate: arguments.certificate,
+                report: arguments.report,
                 emit: arguments.emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,
                     EmitArgument::Job => Emit::Job,

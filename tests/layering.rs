@@ -23,7 +23,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("passes", &["analysis", "ir", "geom", "kin", "collide"]),
     ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
-    ("export", &["verify", "ir", "geom", "kin"]),
+    ("export", &["verify", "ir", "geom", "kin", "collide"]),
     ("output", &[]),
 ];
 

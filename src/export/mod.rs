@@ -1,4 +1,5 @@
-//! What leaves beside the NC text: pictures for people, the certificate as a file.
+//! What leaves beside the NC text: pictures and the report for people, the certificate as a file.
 
 pub mod certificate_file;
 pub mod picture;
+pub mod report;

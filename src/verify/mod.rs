@@ -60,8 +60,21 @@ impl<T> Verified<T> {
 /// # Errors
 /// Anything that breaks a rule of the machine or a contract of the job; all of it is in the sink.
 pub fn verify(program: &Program, motion: Motion, sink: &mut Sink) -> Result<(Verified<Motion>, Certificate), Aborted> {
+    let (judged, certificate) = examine(program, motion, sink)?;
+    judged.map(|motion| (motion, certificate)).map_err(|_| Aborted)
+}
+
+/// Verifies a motion and gives it back as it is when it is refused, so that what failed can be shown.
+///
+/// # Errors
+/// The motion is malformed; what else breaks a rule or a contract is in the sink.
+pub fn examine(
+    program: &Program,
+    motion: Motion,
+    sink: &mut Sink,
+) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
     let certificate = certify(program, &motion, sink)?;
-    if sink.has_errors() { Err(Aborted) } else { Ok((Verified(motion), certificate)) }
+    Ok((if sink.has_errors() { Err(motion) } else { Ok(Verified(motion)) }, certificate))
 }
 
 /// Measures a motion; faults and failed contracts go to the sink.

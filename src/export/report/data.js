@@ -1,0 +1,170 @@
+// Data of the page: typed arrays, the mesh of the part, the poses of the tool.
+const $ = id => document.getElementById(id);
+const data = JSON.parse($('data').textContent);
+
+/** Bytes of an element with base64 text; the text is dropped, since it is large. */
+function bytes(id) {
+  const element = $(id);
+  if (!element) return new ArrayBuffer(0);
+  const text = atob(element.textContent);
+  element.remove();
+  const out = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);
+  return out.buffer;
+}
+
+const NOT_REACHED = 32767, NOT_MILLED = -32768;
+
+/** Deviation in um of a code. */
+const decode = code => data.part.law[0] * 1e3 * Math.sinh(code / data.part.law[1]);
+
+/** Sector 0 of the part: quantised positions and normals, surface of each vertex, triangles; deviations of all sectors. */
+function loadPart() {
+  const positions = new Uint16Array(bytes('positions'));
+  const normals = new Int16Array(bytes('normals'));
+  const deviations = new Int16Array(bytes('deviations'));
+  const count = positions.length / 3;
+  const { low, size } = data.part.frame;
+  const place = new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i++) place[i] = low[i % 3] + positions[i] / 65535 * size[i % 3];
+  const surface = new Uint8Array(count);
+  const indices = [];
+  const gap2 = data.part.gap ** 2;
+  const far = (a, b) => (place[3 * a] - place[3 * b]) ** 2 + (place[3 * a + 1] - place[3 * b + 1]) ** 2
+    + (place[3 * a + 2] - place[3 * b + 2]) ** 2 > gap2;
+  const triangle = (a, b, c) => { if (!far(a, b) && !far(b, c) && !far(c, a)) indices.push(a, b, c); };
+  let start = 0;
+  data.part.surfaces.forEach((s, number) => {
+    let before = null;
+    for (const [n, from, to] of s.rows) {
+      const row = { start, n, at: i => n > 1 ? from + (to - from) * i / (n - 1) : from };
+      surface.fill(number, start, start + n);
+      if (before) {
+        // Advance on the row whose next sample comes first.
+        let i = 0, j = 0;
+        while (i < before.n - 1 || j < n - 1) {
+          const a = before.start + i, b = start + j;
+          if (j === n - 1 || (i < before.n - 1 && before.at(i + 1) <= row.at(j + 1))) { triangle(a, a + 1, b); i++; }
+          else { triangle(a, b + 1, b); j++; }
+        }
+      }
+      before = row;
+      start += n;
+    }
+  });
+  return { positions, normals, deviations, surface, count, place, indices: Uint32Array.from(indices) };
+}
+
+const machine = data.machine;
+
+/** Tool tip in the part frame at joints X Y Z (mm), A C (rad). */
+function tipAt(x, y, z, a, c) {
+  const [tx, ty, tz] = machine.tilt_point, [ux, uy, uz] = machine.turn_point, o = machine.part_origin;
+  x -= tx; y -= ty; z -= tz;
+  const ca = Math.cos(a), sa = Math.sin(a);
+  [y, z] = [y * ca - z * sa, y * sa + z * ca];
+  x += tx - ux; y += ty - uy; z += tz - uz;
+  const cc = Math.cos(c), sc = Math.sin(c);
+  [x, y] = [x * cc - y * sc, x * sc + y * cc];
+  return [x + ux - o[0], y + uy - o[1], z + uz - o[2]];
+}
+
+/** Axis of the tool from its tip to the holder. */
+const axisAt = (a, c) => [Math.sin(a) * Math.sin(c), -Math.sin(a) * Math.cos(c), Math.cos(a)];
+
+/** All moves: joints, tips, times, operation of each. */
+function loadMoves() {
+  const raw = new Float32Array(bytes('joints'));
+  const kinds = new Uint8Array(bytes('kinds'));
+  const indices = new Uint32Array(bytes('indices'));
+  const removal = new Float32Array(bytes('removal'));
+  const count = kinds.length;
+  const joints = [0, 1, 2, 3, 4].map(() => new Float32Array(count));
+  const tips = new Float32Array(3 * count);
+  const end = new Float64Array(count);
+  const operation = new Uint16Array(count);
+  let time = 0;
+  for (let i = 0; i < count; i++) {
+    for (let k = 0; k < 5; k++) joints[k][i] = raw[6 * i + k];
+    tips.set(tipAt(...raw.subarray(6 * i, 6 * i + 5)), 3 * i);
+    time += raw[6 * i + 5];
+    end[i] = time;
+  }
+  data.paths.operations.forEach((o, k) => operation.fill(k, o.first, o.first + o.count));
+  return { count, kinds, indices, removal, joints, tips, end, operation, total: time };
+}
+
+const part = loadPart();
+const moves = loadMoves();
+
+/** Index of a move within its operation in the program. */
+const moveIndex = i => moves.indices.length ? moves.indices[i] : i - data.paths.operations[moves.operation[i]].first;
+
+/** Move of the page that reaches or passes a move of an operation. */
+function pageMove(operation, index) {
+  const o = data.paths.operations[operation];
+  if (!o || !o.count) return 0;
+  let low = o.first, high = o.first + o.count - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (moveIndex(middle) < index) low = middle + 1; else high = middle;
+  }
+  return low;
+}
+
+/** Last entry of pairs whose first number is not beyond a value. */
+function entry(pairs, value) {
+  let low = 0, high = pairs.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (pairs[middle][0] <= value) low = middle + 1; else high = middle;
+  }
+  return pairs[low - 1];
+}
+
+/** Operation, pass, move and NC line of a move in words. */
+function describeMove(i) {
+  const o = data.paths.operations[moves.operation[i]];
+  if (!o) return '';
+  const pass = entry(o.passes, i), index = moveIndex(i), run = entry(o.lines, index);
+  const kind = ['cut', 'link', 'rapid'][moves.kinds[i]];
+  return [o.name, pass && o.labels[pass[1]], `${kind}, move ${index}`, run && `NC line ${run[1] + index - run[0]}`]
+    .filter(Boolean).join(' · ');
+}
+
+/** First move that ends after a time. */
+function moveAt(time) {
+  let low = 0, high = Math.max(moves.count - 1, 0);
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (moves.end[middle] < time) low = middle + 1; else high = middle;
+  }
+  return low;
+}
+
+/** Joints at a share of a move; its end when it is the first of its operation. */
+function jointsOn(i, share) {
+  const first = i === 0 || moves.operation[i] !== moves.operation[i - 1];
+  return moves.joints.map(j => first ? j[i] : j[i - 1] + (j[i] - j[i - 1]) * share);
+}
+
+/** Tip and axis at a share of a move: the tip straight, the rotary axes even. */
+function poseOn(i, share) {
+  const q = jointsOn(i, share);
+  const first = i === 0 || moves.operation[i] !== moves.operation[i - 1];
+  const tip = [0, 1, 2].map(k => {
+    const to = moves.tips[3 * i + k];
+    return first ? to : moves.tips[3 * i - 3 + k] + (to - moves.tips[3 * i - 3 + k]) * share;
+  });
+  return { tip, axis: axisAt(q[3], q[4]) };
+}
+
+const clock = s => {
+  s = Math.max(0, s);
+  const two = n => String(Math.floor(n)).padStart(2, '0');
+  return `${Math.floor(s / 3600)}:${two(s / 60 % 60)}:${two(s % 60)}`;
+};
+
+const COLOURS = ['#e8590c', '#1c7ed6', '#ae3ec9', '#0ca678', '#f08c00', '#d6336c', '#4263eb', '#74b816', '#7950f2', '#0b7285'];
+const colourOf = k => COLOURS[k % COLOURS.length];
+const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);

@@ -1,0 +1,271 @@
+//! The report: one HTML file that shows what was proved, without network access.
+//!
+//! Rust writes the tables and packs the geometry; the page draws it by WebGL2 and canvas. Its size is bounded: what is
+//! thinned, and within which tolerance, stands at its end.
+
+mod markup;
+mod pack;
+mod part;
+mod paths;
+mod places;
+mod stock;
+mod tables;
+
+pub use stock::StockStage;
+
+use crate::diag::Diag;
+use crate::ir::design::{self, Sample};
+use crate::ir::{Motion, Program, Tool};
+use crate::verify::Certificate;
+use crate::verify::surface;
+use crate::verify::sweep::Sweep;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+const TEMPLATE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+/// Order: data, drawing, plots, then what the reader does with them.
+const SCRIPTS: [&str; 4] =
+    [include_str!("data.js"), include_str!("scene.js"), include_str!("plots.js"), include_str!("page.js")];
+
+/// Share of the reached samples that the scale of colours spans where no contract gives its end.
+const SCALE_SHARE: f64 = 0.99;
+
+/// Deviations beyond this are no matter of accuracy, mm: finishing was not there, or a fault.
+const SCALE_REACH: f64 = 0.1;
+
+/// What the report shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// The lowered job.
+    pub program: &'a Program,
+    /// All moves.
+    pub motion: &'a Motion,
+    /// What was proved.
+    pub certificate: &'a Certificate,
+    /// Samples of all sectors, as `design::sample` orders them.
+    pub samples: &'a [Sample],
+    /// Deviation of each sample, mm; NaN where milling does not make the surface.
+    pub deviations: &'a [f64],
+    /// What there is to say to the reader.
+    pub findings: &'a [Diag],
+    /// Hash of the inputs.
+    pub hash: &'a str,
+    /// Name of the dialect.
+    pub post: &'a str,
+    /// Lines of the NC text; `None` when none was made.
+    pub nc_lines: Option<usize>,
+    /// Operation, move and line (from 1) of the NC text, in order.
+    pub lines: &'a [(u32, u32, u32)],
+    /// Operation and decision of its planning.
+    pub notes: &'a [(String, String)],
+    /// Stock after each operation; empty when it was not simulated.
+    pub stock: &'a [StockStage],
+    /// Removal rate by operation and move, mm3/min; `None` when stock was not simulated.
+    pub removal: Option<&'a [Vec<f64>]>,
+}
+
+/// Samples of the design and the deviation of each, mm; NaN where milling does not make the surface.
+pub fn deviations(program: &Program, motion: &Motion, spacing: f64) -> (Vec<Sample>, Vec<f64>) {
+    let samples = design::sample(&program.part, spacing);
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
+    let mut found = surface::deviations(&milled, &sweeps).into_iter().map(|(g, _)| g);
+    let deviations =
+        samples.iter().map(|s| if s.surface.milled() { found.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect();
+    (samples, deviations)
+}
+
+/// Half section of a tool for the page: (r, height) of cutter, shank and holder, mm.
+#[derive(Serialize)]
+struct ToolData {
+    name: String,
+    cutter: Vec<[f64; 2]>,
+    shank: Vec<[f64; 2]>,
+    holder: Vec<[f64; 2]>,
+}
+
+/// Places along the flutes where the half section is drawn.
+const SECTION_STEPS: u32 = 48;
+
+impl ToolData {
+    fn new(tool: &Tool) -> Self {
+        let solid = &tool.solid;
+        // Dense near the tip, where the section is round.
+        let share = |k: u32| (f64::from(k) / f64::from(SECTION_STEPS)).powi(2) * solid.flute_length;
+        let mut cutter: Vec<[f64; 2]> = vec![[0.0, 0.0]];
+        cutter.extend((0..=SECTION_STEPS).map(|k| [solid.cutter.radius_at(share(k)), share(k)]));
+        cutter.push([0.0, solid.flute_length]);
+        let sections = |list: &[crate::collide::Section]| {
+            list.iter()
+                .flat_map(|s| [[0.0, s.from], [s.radius_from, s.from], [s.radius_to, s.to], [0.0, s.to]])
+                .collect()
+        };
+        Self { name: tool.name.clone(), cutter, shank: sections(&solid.shank), holder: sections(&solid.holder) }
+    }
+}
+
+/// Limits and transformation of the machine.
+#[derive(Serialize)]
+struct MachineData {
+    tilt_point: [f64; 3],
+    turn_point: [f64; 3],
+    part_origin: [f64; 3],
+    /// Largest speeds of X Y Z (mm/s), A C (rad/s).
+    speeds: [f64; 5],
+}
+
+/// Everything that is no typed array.
+#[derive(Serialize)]
+struct Data<'a> {
+    name: &'a str,
+    /// Ends of the scale: gouge and excess, mm.
+    scale: [f64; 2],
+    part: &'a part::PartData,
+    paths: &'a paths::PathData,
+    machine: MachineData,
+    tools: Vec<ToolData>,
+    places: &'a [places::PlaceData],
+    blank: Vec<[f64; 2]>,
+    stock: &'a [stock::StockData],
+}
+
+/// The report as HTML.
+pub fn report(input: &Input<'_>) -> String {
+    let program = input.program;
+    let machine = &program.machine;
+    let scale = scale(input);
+    let part =
+        part::part(&program.part, input.samples, input.deviations, scale, input.certificate.spacing, turned(program));
+    let paths = paths::paths(program, input.motion, input.removal, input.lines);
+    let places = places::places(input);
+    let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
+    let l = &machine.linear;
+    let data = Data {
+        name: &program.name,
+        scale,
+        part: &part,
+        paths: &paths,
+        machine: MachineData {
+            tilt_point: machine.tilt_point.coords.into(),
+            turn_point: machine.turn_point.coords.into(),
+            part_origin: machine.part_origin.into(),
+            speeds: [l[0].speed, l[1].speed, l[2].speed, machine.tilt.speed, machine.turn.speed],
+        },
+        tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),
+        places: &places.list,
+        blank: program.stock.profile.clone(),
+        stock: &stock,
+    };
+    let mut arrays = String::new();
+    let mut array = |name: &str, bytes: &pack::Bytes| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(arrays, "<script type=\"text/plain\" id=\"{name}\">{}</script>", bytes.base64());
+    };
+    array("positions", &part.positions);
+    array("normals", &part.normals);
+    array("deviations", &part.deviations);
+    array("joints", &paths.joints);
+    array("kinds", &paths.kinds);
+    array("indices", &paths.indices);
+    array("removal", &paths.removal);
+    for (i, s) in stock.iter().enumerate() {
+        array(&format!("stock-positions-{i}"), &s.positions);
+        array(&format!("stock-indices-{i}"), &s.indices);
+    }
+    let (class, verdict) = tables::verdict(input);
+    markup::filled(
+        TEMPLATE,
+        &[
+            ("name", &markup::escaped(&program.name)),
+            ("style", STYLE),
+            ("verdict-class", class),
+            ("verdict", &markup::escaped(&verdict)),
+            ("facts", &tables::header(input)),
+            ("contracts", &tables::contracts(input, &places)),
+            ("operations", &tables::operations(input, &places)),
+            ("findings", &tables::findings(input, &places)),
+            ("details", &tables::details(input, &places)),
+            ("accuracy", &accuracy(input, &part, &paths, &stock)),
+            ("json", &markup::json(&data)),
+            ("arrays", &arrays),
+            ("script", &SCRIPTS.concat()),
+        ],
+    )
+}
+
+/// Ends of the scale: the contracts, or what most samples stay within, mm.
+fn scale(input: &Input<'_>) -> [f64; 2] {
+    let bound = |kind: &str| places::bound(input, kind);
+    let within = |sign: f64| {
+        let mut sizes: Vec<f64> =
+            input.deviations.iter().map(|g| g * sign).filter(|g| *g > 0.0 && *g < SCALE_REACH).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes.get(((sizes.len().saturating_sub(1)) as f64 * SCALE_SHARE) as usize).copied().unwrap_or(0.0)
+    };
+    // A scale of less than a micrometre would show rounding.
+    let end =
+        |kind: &str, sign: f64| bound(kind).filter(|b| *b > 0.0).unwrap_or_else(|| round_up(within(sign).max(1e-3)));
+    [end("gouge", -1.0), end("excess", 1.0)]
+}
+
+/// The next of 1, 2, 5, 10, ... times a power of ten.
+fn round_up(x: f64) -> f64 {
+    let power = 10f64.powf(x.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - 1e-9)).unwrap_or(x)
+}
+
+/// Lines (r, z) that the lathe made and milling leaves: bore and front, outlet and back.
+fn turned(program: &Program) -> Vec<Vec<[f64; 2]>> {
+    let (inlet, outlet) = (program.part.hub.meridian(0.0).point, program.part.hub.meridian(1.0).point);
+    let (bore, back) = (program.stock.bore_radius.get(), program.stock.back.get());
+    vec![vec![[outlet.x, outlet.y], [outlet.x, back], [bore, back], [bore, inlet.y], [inlet.x, inlet.y]]]
+}
+
+/// What was rounded, thinned or left out.
+fn accuracy(input: &Input<'_>, part: &part::PartData, paths: &paths::PathData, stock: &[stock::StockData]) -> String {
+    let mut lines = vec![
+        format!(
+            "Figures in tables and lists are those of the certificate. Positions in the picture of the part are rounded \
+             by up to {:.2} um, deviations there by 0.03 %.",
+            part.frame.rounding() * 1e3
+        ),
+        if part.stride == 1 {
+            format!("The part is drawn from all {} samples of the certificate.", input.samples.len())
+        } else {
+            format!(
+                "The part is drawn from every {0}. row and every {0}. sample of a row; each shows the worst of those \
+                 around it.",
+                part.stride
+            )
+        },
+        if paths.tolerance > 0.0 {
+            format!(
+                "Of {} moves {} are drawn and plotted; the others lie within {} mm of the chords between them. Speeds \
+                 are means between them.",
+                paths.moves, paths.kept, paths.tolerance
+            )
+        } else {
+            format!("All {} moves are drawn and plotted.", paths.moves)
+        },
+    ];
+    if paths.nameless {
+        lines.push("Names of passes were left out: there are too many.".to_owned());
+    }
+    if stock.is_empty() {
+        lines.push("The stock after each operation and the engagement were not simulated.".to_owned());
+    }
+    for (s, stage) in stock.iter().zip(input.stock) {
+        if s.cell > 0.0 {
+            lines.push(format!(
+                "Stock {}: {} triangles drawn of {}, vertices joined in cells of {:.2} mm.",
+                stage.name,
+                s.triangles,
+                stage.triangles.len(),
+                s.cell
+            ));
+        }
+    }
+    let item = |line: &String| format!("<li>{}</li>\n", markup::escaped(line));
+    format!("<ul>\n{}</ul>\n", lines.iter().map(item).collect::<String>())
+}

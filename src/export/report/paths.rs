@@ -1,0 +1,267 @@
+//! Moves for the page: joints and times, thinned within a tolerance when there are too many.
+
+use super::pack::Bytes;
+use crate::ir::{JointMove, Motion, MoveKind, Program};
+use serde::Serialize;
+
+/// Most moves that the page holds.
+const MOST_MOVES: usize = 150_000;
+
+/// First tolerance of thinning, mm; it doubles until the moves are few enough.
+const FIRST_TOLERANCE: f64 = 1e-3;
+
+/// Tolerance beyond which the border between passes no longer holds, mm.
+const LAST_TOLERANCE: f64 = 1.0;
+
+/// Distance from the tip at which a turn of the axis counts as a shift, mm: an engaged length.
+const ARM: f64 = 20.0;
+
+/// Longest run that is looked at as a whole, which bounds the time of thinning.
+const LONGEST_RUN: usize = 4096;
+
+/// Most bytes of pass names; without them only operations are named.
+const MOST_NAMES: usize = 600_000;
+
+/// Moves of an operation.
+#[derive(Serialize)]
+struct OperationData {
+    name: String,
+    tool: String,
+    /// First of its moves on the page, and how many.
+    first: usize,
+    count: usize,
+    /// Passes in order: the first move of each on the page, and its index in `labels`.
+    passes: Vec<[usize; 2]>,
+    labels: Vec<String>,
+    /// Lines of the NC text: for each run the first move and its line; lines follow one another.
+    lines: Vec<[u32; 2]>,
+    speed: f64,
+    feed: f64,
+}
+
+/// All moves.
+#[derive(Serialize)]
+pub(super) struct PathData {
+    operations: Vec<OperationData>,
+    /// Moves of the program, and of the page.
+    pub(super) moves: usize,
+    pub(super) kept: usize,
+    /// Tolerance of thinning, mm; zero when nothing was thinned.
+    pub(super) tolerance: f64,
+    /// Whether pass names were left out.
+    pub(super) nameless: bool,
+    /// Whether `removal` holds something.
+    simulated: bool,
+    /// X Y Z (mm), A C (rad), time of the move (s): 6 floats a move.
+    #[serde(skip)]
+    pub(super) joints: Bytes,
+    /// Index of the move in its operation; empty when nothing was thinned.
+    #[serde(skip)]
+    pub(super) indices: Bytes,
+    /// 0 cut, 1 link, 2 rapid.
+    #[serde(skip)]
+    pub(super) kinds: Bytes,
+    /// Largest removal rate in the moves that a kept one stands for, mm3/min.
+    #[serde(skip)]
+    pub(super) removal: Bytes,
+}
+
+/// Tip and axis as one point: a straight line in these six is a straight move.
+type Station = [f64; 6];
+
+fn distance2(a: &Station, b: &Station) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}
+
+/// Squared distance of a station to the line between two others.
+fn off_chord2(p: &Station, a: &Station, b: &Station) -> f64 {
+    let (mut along, mut length) = (0.0, 0.0);
+    for k in 0..6 {
+        along += (p[k] - a[k]) * (b[k] - a[k]);
+        length += (b[k] - a[k]) * (b[k] - a[k]);
+    }
+    let t = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
+    let mut foot = *a;
+    for k in 0..6 {
+        foot[k] += (b[k] - a[k]) * t;
+    }
+    distance2(p, &foot)
+}
+
+/// Marks the stations of a run that must stay so that all others lie within the tolerance of the chords (Douglas and
+/// Peucker); both ends stay.
+fn mark(stations: &[Station], tolerance: f64, keep: &mut [bool]) {
+    let Some(last) = stations.len().checked_sub(1) else { return };
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((from, to)) = open.pop() {
+        let farthest = (from + 1..to)
+            .map(|i| (off_chord2(&stations[i], &stations[from], &stations[to]), i))
+            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        if let Some((off, middle)) = farthest
+            && off > tolerance * tolerance
+        {
+            keep[middle] = true;
+            open.extend([(from, middle), (middle, to)]);
+        }
+    }
+}
+
+/// Which moves of an operation stay at a tolerance.
+fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> {
+    let mut keep = vec![tolerance <= 0.0; moves.len()];
+    let mut start = 0;
+    for i in 0..moves.len() {
+        let border = moves.get(i + 1).is_none_or(|next| {
+            (tolerance < LAST_TOLERANCE && (next.pass != moves[i].pass || next.kind != moves[i].kind))
+                || i + 1 - start >= LONGEST_RUN
+        });
+        if border {
+            mark(&stations[start..=i], tolerance, &mut keep[start..=i]);
+            // A run begins where the one before ends.
+            start = i;
+        }
+    }
+    keep
+}
+
+/// The moves of a motion. `removal` holds removal rates by operation and move in mm3/min when stock was simulated,
+/// `lines` the NC line (from 1) of operation and move.
+pub(super) fn paths(
+    program: &Program,
+    motion: &Motion,
+    removal: Option<&[Vec<f64>]>,
+    lines: &[(u32, u32, u32)],
+) -> PathData {
+    let stations: Vec<Vec<Station>> = motion
+        .operations
+        .iter()
+        .map(|o| {
+            let station = |m: &JointMove| {
+                let pose = program.machine.forward(&m.joints);
+                let (t, a) = (pose.tip, pose.axis * ARM);
+                [t.x, t.y, t.z, a.x, a.y, a.z]
+            };
+            o.moves.iter().map(station).collect()
+        })
+        .collect();
+    let moves: usize = motion.operations.iter().map(|o| o.moves.len()).sum();
+    let mut tolerance = 0.0;
+    let keep = loop {
+        let keep: Vec<Vec<bool>> =
+            motion.operations.iter().zip(&stations).map(|(o, s)| thin(s, &o.moves, tolerance)).collect();
+        let kept = keep.iter().flatten().filter(|k| **k).count();
+        // No part is a kilometre long: then every path is its ends.
+        if kept <= MOST_MOVES || tolerance > 1e6 {
+            break keep;
+        }
+        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { FIRST_TOLERANCE };
+    };
+    let names: usize = motion.operations.iter().flat_map(|o| &o.labels).map(String::len).sum();
+    let mut data = PathData {
+        operations: Vec::new(),
+        moves,
+        kept: 0,
+        tolerance,
+        nameless: names > MOST_NAMES,
+        simulated: removal.is_some(),
+        joints: Bytes::default(),
+        indices: Bytes::default(),
+        kinds: Bytes::default(),
+        removal: Bytes::default(),
+    };
+    for (index, (operation, keep)) in motion.operations.iter().zip(&keep).enumerate() {
+        let declared = &program.operations[operation.operation];
+        let first = data.kept;
+        let mut passes: Vec<[usize; 2]> = Vec::new();
+        let (mut time, mut rate) = (0.0, 0.0_f64);
+        for (i, m) in operation.moves.iter().enumerate() {
+            // What lies between two kept moves took its time too.
+            time += m.time;
+            rate = rate.max(removal.and_then(|r| r.get(index)?.get(i)).copied().unwrap_or(0.0));
+            if !keep[i] {
+                continue;
+            }
+            if passes.last().is_none_or(|p| p[1] != m.pass as usize) {
+                passes.push([data.kept, m.pass as usize]);
+            }
+            let j = &m.joints;
+            [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c, time].into_iter().for_each(|v| data.joints.f32(v));
+            if tolerance > 0.0 {
+                data.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
+            }
+            if removal.is_some() {
+                data.removal.f32(rate);
+            }
+            data.kinds.u8(match m.kind {
+                MoveKind::Cut => 0,
+                MoveKind::Link => 1,
+                MoveKind::Rapid => 2,
+            });
+            (time, rate) = (0.0, 0.0);
+            data.kept += 1;
+        }
+        if data.nameless {
+            passes.clear();
+        }
+        data.operations.push(OperationData {
+            name: declared.name.clone(),
+            tool: program.tools[declared.tool].name.clone(),
+            first,
+            count: data.kept - first,
+            passes,
+            labels: if data.nameless { Vec::new() } else { operation.labels.clone() },
+            lines: line_runs(index, lines),
+            speed: declared.speed.get(),
+            feed: declared.feed.get(),
+        });
+    }
+    data
+}
+
+/// Runs of moves of an operation whose lines follow one another.
+fn line_runs(operation: usize, lines: &[(u32, u32, u32)]) -> Vec<[u32; 2]> {
+    let mut runs: Vec<[u32; 2]> = Vec::new();
+    for (_, index, line) in lines.iter().filter(|l| l.0 as usize == operation) {
+        if runs.last().is_none_or(|r| i64::from(*line) - i64::from(r[1]) != i64::from(*index) - i64::from(r[0])) {
+            runs.push([*index, *line]);
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Brute force: every station lies near the chord of the kept ones around it.
+        #[test]
+        fn thinned_stations_stay_within_the_tolerance(
+            heights in prop::collection::vec(-1.0..1.0_f64, 2..60),
+            tolerance in 0.01..1.0_f64,
+        ) {
+            let stations: Vec<Station> =
+                heights.iter().enumerate().map(|(i, h)| [i as f64, *h, 0.0, h * h, 0.0, 1.0]).collect();
+            let mut keep = vec![false; stations.len()];
+            mark(&stations, tolerance, &mut keep);
+            let kept: Vec<usize> = (0..keep.len()).filter(|i| keep[*i]).collect();
+            prop_assert_eq!(kept[0], 0);
+            prop_assert_eq!(kept[kept.len() - 1], stations.len() - 1);
+            for pair in kept.windows(2) {
+                for i in pair[0]..=pair[1] {
+                    let off = off_chord2(&stations[i], &stations[pair[0]], &stations[pair[1]]).sqrt();
+                    prop_assert!(off <= tolerance + 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lines_that_follow_one_another_are_one_run() {
+        let lines = [(0, 0, 10), (0, 1, 11), (0, 2, 13), (1, 0, 20), (1, 1, 21)];
+        assert_eq!(line_runs(0, &lines), [[0, 10], [2, 13]]);
+        assert_eq!(line_runs(1, &lines), [[0, 20]]);
+    }
+}

@@ -1,0 +1,254 @@
+// Plots over time: operations, positions, speeds and removal rate of all moves.
+const plots = $('plots');
+const pen = plots.getContext('2d');
+const span = { from: 0, to: Math.max(moves.total, 1e-6) };
+const AXES = [['X', '#d9480f'], ['Y', '#2b8a3e'], ['Z', '#1971c2'], ['A', '#c2255c'], ['C', '#7048e8']];
+const DEGREES = 180 / Math.PI;
+
+/** Value of each move: of joint k at its end in mm or degrees. */
+const positions = k => k < 3 ? moves.joints[k] : moves.joints[k].map(v => v * DEGREES);
+
+/** True when a move has one before it in its operation: the way to the first is the tool change. */
+const follows = i => i > 0 && moves.operation[i] === moves.operation[i - 1];
+
+/** Value of each move from its change and its time in s. */
+function rates(change) {
+  const out = new Float32Array(moves.count);
+  for (let i = 0; i < moves.count; i++) {
+    const time = follows(i) ? moves.end[i] - moves.end[i - 1] : 0;
+    if (time > 0) out[i] = change(i) / time;
+  }
+  return out;
+}
+
+const tipSpeed = rates(i => 60 * Math.hypot(...[0, 1, 2].map(k => moves.tips[3 * i + k] - moves.tips[3 * i - 3 + k])));
+const shares = AXES.map((_, k) => rates(i => 100 * Math.abs(moves.joints[k][i] - moves.joints[k][i - 1]) / machine.speeds[k]));
+
+/** Plots from above: what they show, their unit, lines of [name, colour, values], and whether a value holds for the whole move. */
+const ROWS = [
+  { title: 'linear axes', unit: 'mm', lines: [0, 1, 2].map(k => [...AXES[k], positions(k)]) },
+  { title: 'rotary axes', unit: 'deg', lines: [3, 4].map(k => [...AXES[k], positions(k)]) },
+  { title: 'speed of the tip', unit: 'mm/min', lines: [['tip', '#087f5b', tipSpeed]], steps: true },
+  { title: 'speed of the axes', unit: '% of limit', lines: AXES.map((a, k) => [...a, shares[k]]), steps: true },
+  {
+    title: 'engagement: material removed', unit: 'mm³/min', steps: true,
+    lines: data.paths.simulated ? [['removal rate', '#a61e4d', moves.removal]] : [],
+    without: 'the stock was not simulated',
+  },
+];
+const LEFT = 76, RIGHT = 14, TOP = 26, BOTTOM = 26, HEAD = 24;
+
+/** Least and largest value of lines, with some room; from zero where values are steps. */
+ROWS.forEach(row => {
+  let low = row.steps ? 0 : Infinity, high = row.steps ? 0 : -Infinity;
+  for (const [, , values] of row.lines) {
+    for (const v of values) { if (v < low) low = v; if (v > high) high = v; }
+  }
+  if (!(high > low)) { low = Number.isFinite(low) ? low : 0; high = low + 1; }
+  const room = 0.06 * (high - low);
+  Object.assign(row, { low: row.steps ? low : low - room, high: high + room });
+});
+
+/** 1, 2 or 5 times a power of ten, not below a value. */
+function roundStep(x) {
+  const power = 10 ** Math.floor(Math.log10(x));
+  return [1, 2, 5, 10].map(m => m * power).find(v => v >= x * (1 - 1e-9)) || x;
+}
+
+/** Steps of a clock in s. */
+const CLOCK_STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600, 1800, 3600, 7200, 18000, 36000, 86400];
+
+const figure = (v, step) => v.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
+const clockFine = (t, step) => step < 1 ? `${clock(t)}${(t % 1).toFixed(1).slice(1)}` : clock(t);
+
+/** Draws a line: as it is where moves are fewer than pixels, else the range of each column. */
+function drawLine(values, steps, [first, last], x, y, width) {
+  const few = last - first < 2 * width;
+  pen.beginPath();
+  if (few) {
+    let pending = true;
+    for (let i = first; i <= last; i++) {
+      const px = x(moves.end[i]), py = y(values[i]);
+      if (!follows(i)) { pending = true; }
+      if (pending) pen.moveTo(px, py);
+      else if (steps) { pen.lineTo(x(moves.end[i - 1]), py); pen.lineTo(px, py); }
+      else pen.lineTo(px, py);
+      pending = false;
+    }
+  } else {
+    let column = -1, low = 0, high = 0, before = null;
+    const flush = () => {
+      if (column < 0) return;
+      const a = y(low), b = y(high);
+      // A range of no height still is one pixel.
+      pen.moveTo(column + 0.5, Math.max(a, b + 1));
+      pen.lineTo(column + 0.5, b);
+    };
+    for (let i = first; i <= last; i++) {
+      const c = Math.floor(x(moves.end[i])), v = values[i];
+      if (c !== column) {
+        flush();
+        // A move over several columns: bars between its ends, or its value held.
+        if (before !== null && follows(i) && c - column > 1) {
+          for (let k = column + 1; k < c; k++) {
+            const at = share => steps ? v : before + (v - before) * share;
+            const [a, b] = [at((k - column) / (c - column)), at((k + 1 - column) / (c - column))].map(y);
+            pen.moveTo(k + 0.5, Math.max(a, b, Math.min(a, b) + 1));
+            pen.lineTo(k + 0.5, Math.min(a, b));
+          }
+        }
+        column = c;
+        low = high = v;
+        if (before !== null && follows(i) && !steps) { low = Math.min(low, before); high = Math.max(high, before); }
+      } else {
+        if (v < low) low = v;
+        if (v > high) high = v;
+      }
+      before = v;
+    }
+    flush();
+  }
+  pen.stroke();
+}
+
+/** Widths and heights of the plots in pixels of the page. */
+function layout() {
+  const width = plots.clientWidth - LEFT - RIGHT;
+  const height = (plots.clientHeight - TOP - BOTTOM) / ROWS.length;
+  return { width: Math.max(width, 1), height, x: t => LEFT + (t - span.from) / (span.to - span.from) * Math.max(width, 1) };
+}
+
+function drawPlots() {
+  const scale = ratio();
+  const w = Math.round(plots.clientWidth * scale), h = Math.round(plots.clientHeight * scale);
+  if (plots.width !== w || plots.height !== h) { plots.width = w; plots.height = h; }
+  const style = getComputedStyle(document.documentElement);
+  const colour = name => style.getPropertyValue(name).trim();
+  const [ink, soft, grid, line] = ['--ink', '--soft', '--grid', '--line'].map(colour);
+  pen.setTransform(scale, 0, 0, scale, 0, 0);
+  pen.clearRect(0, 0, plots.clientWidth, plots.clientHeight);
+  pen.font = '12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif';
+  pen.textBaseline = 'middle';
+  const { width, height, x } = layout();
+  const range = [moveAt(span.from), moveAt(span.to)];
+  if (range[0] > 0) range[0]--;
+
+  // Operations as a strip.
+  data.paths.operations.forEach((o, k) => {
+    if (!o.count) return;
+    const from = o.first ? moves.end[o.first - 1] : 0, to = moves.end[o.first + o.count - 1];
+    const a = Math.max(x(from), LEFT), b = Math.min(x(to), LEFT + width);
+    if (b <= a) return;
+    pen.fillStyle = colourOf(k);
+    pen.fillRect(a, 4, Math.max(b - a - 1, 1), 16);
+    if (pen.measureText(o.name).width + 8 < b - a) {
+      pen.fillStyle = '#fff';
+      pen.textAlign = 'left';
+      pen.fillText(o.name, a + 4, 12.5);
+    }
+  });
+
+  const step = CLOCK_STEPS.find(s => s * width / (span.to - span.from) >= 90) || 172800;
+  const times = [];
+  for (let t = Math.ceil(span.from / step - 1e-9) * step; t <= span.to; t += step) times.push(t);
+  ROWS.forEach((row, k) => {
+    const top = TOP + k * height + HEAD, bottom = TOP + (k + 1) * height - 2;
+    const y = v => bottom - (v - row.low) / (row.high - row.low) * (bottom - top);
+    pen.strokeStyle = grid;
+    pen.fillStyle = soft;
+    pen.lineWidth = 1;
+    pen.textAlign = 'right';
+    pen.beginPath();
+    for (const t of times) { pen.moveTo(x(t), top); pen.lineTo(x(t), bottom); }
+    if (row.lines.length) {
+      const rise = roundStep((row.high - row.low) * 24 / Math.max(bottom - top, 24));
+      for (let v = Math.ceil(row.low / rise) * rise; v <= row.high + 1e-9 * rise; v += rise) {
+        pen.moveTo(LEFT, y(v));
+        pen.lineTo(LEFT + width, y(v));
+        pen.fillText(figure(Math.abs(v) < rise * 1e-6 ? 0 : v, rise), LEFT - 6, y(v));
+      }
+    }
+    pen.stroke();
+    pen.strokeStyle = line;
+    pen.strokeRect(LEFT + 0.5, top + 0.5, width - 1, bottom - top - 1);
+    // Title and the names of the lines above the plot, so that nothing covers a line.
+    pen.textAlign = 'left';
+    pen.fillStyle = ink;
+    const title = `${row.title}, ${row.unit}`;
+    pen.fillText(title, LEFT, top - 9);
+    let at = LEFT + pen.measureText(title).width + 18;
+    for (const [name, tint] of row.lines) {
+      pen.fillStyle = tint;
+      pen.fillRect(at, top - 11, 14, 3);
+      pen.fillStyle = ink;
+      pen.fillText(name, at + 18, top - 9);
+      at += 18 + pen.measureText(name).width + 14;
+    }
+    if (!row.lines.length) {
+      pen.textAlign = 'center';
+      pen.fillStyle = soft;
+      pen.fillText(row.without, LEFT + width / 2, (top + bottom) / 2);
+    }
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, top, width, bottom - top);
+    pen.clip();
+    pen.lineWidth = 1.2;
+    for (const [, tint, values] of row.lines) {
+      pen.strokeStyle = tint;
+      if (moves.count) drawLine(values, row.steps, range, x, y, width);
+    }
+    pen.restore();
+  });
+  pen.fillStyle = soft;
+  pen.textAlign = 'center';
+  for (const t of times) pen.fillText(clockFine(t, step), Math.min(Math.max(x(t), LEFT), LEFT + width - 24), plots.clientHeight - BOTTOM / 2);
+  if (moves.count) {
+    const t = timeOf(show.move, show.share), at = x(t);
+    if (at >= LEFT && at <= LEFT + width) {
+      pen.strokeStyle = ink;
+      pen.lineWidth = 1;
+      pen.beginPath();
+      pen.moveTo(at, 2);
+      pen.lineTo(at, plots.clientHeight - BOTTOM);
+      pen.stroke();
+    }
+  }
+}
+
+/** Time at a share of a move. */
+function timeOf(i, share) {
+  const before = i ? moves.end[i - 1] : 0;
+  return before + (moves.end[i] - before) * share;
+}
+
+/** Shows another range of times, kept within the program. */
+function setSpan(from, to) {
+  const least = Math.min(0.5, moves.total || 1), size = Math.min(Math.max(to - from, least), Math.max(moves.total, 1e-6));
+  span.from = Math.min(Math.max(from, 0), Math.max(moves.total - size, 0));
+  span.to = span.from + size;
+  redrawPlots();
+}
+
+function zoomSpan(factor, share) {
+  const size = span.to - span.from, at = span.from + size * share;
+  setSpan(at - size * factor * share, at + size * factor * (1 - share));
+}
+
+let plotsWaiting = false;
+function redrawPlots() {
+  if (plotsWaiting) return;
+  plotsWaiting = true;
+  requestAnimationFrame(() => { plotsWaiting = false; drawPlots(); });
+}
+
+/** Joints, speed and removal rate of a move in words. */
+function figuresOf(i, share) {
+  const q = jointsOn(i, share);
+  const axes = AXES.map(([name], k) => `${name} ${(k < 3 ? q[k] : q[k] * DEGREES).toFixed(3)}`).join('  ');
+  const most = shares.reduce((best, s, k) => s[i] > best[0] ? [s[i], AXES[k][0]] : best, [0, '']);
+  const parts = [clockFine(timeOf(i, share), 0.1), axes, `tip ${tipSpeed[i].toFixed(0)} mm/min`];
+  if (most[1]) parts.push(`${most[1]} at ${most[0].toFixed(1)} % of its speed`);
+  if (data.paths.simulated) parts.push(`removal ${moves.removal[i].toFixed(0)} mm³/min`);
+  return parts.join('   ');
+}

@@ -1,0 +1,531 @@
+// Drawing of part, stock, paths and tool by WebGL2.
+const STOPS = ['#3b2fa3', '#2b6fd0', '#35b0c4', '#58b368', '#d3cc3c', '#ef8a26', '#d0251f'];
+const SPECIAL = { under: '#e11cc6', over: '#5c0d12', unreached: '#85789c', unmilled: '#b4b9c1' };
+
+const canvas = $('scene');
+const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
+const RADIUS = Math.max(...data.blank.map(([r, z]) => Math.hypot(r, z)), 1) || 1;
+const HOME = { target: middle(), azimuth: -1.15, elevation: 0.80, distance: 3.9 * outline() };
+const camera = { ...HOME, target: [...HOME.target] };
+const show = {
+  body: 'part', bands: false, scale: data.scale.map(v => v * 1e3), tool: false, move: 0, share: 1, mark: null,
+  operations: data.paths.operations.map(() => false), kinds: [true, false, false],
+};
+
+function middle() {
+  const zs = data.blank.map(p => p[1]);
+  return [0, 0, 0.5 * (Math.min(...zs) + Math.max(...zs))];
+}
+function outline() { return Math.max(...data.blank.map(p => p[0]), 1); }
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };
+
+/** Direction from the target to the eye, right and up. */
+function frameOf({ azimuth, elevation }) {
+  const back = [Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation)];
+  const right = [-Math.sin(azimuth), Math.cos(azimuth), 0];
+  return { back, right, up: cross(back, right) };
+}
+
+const FIELD = Math.tan(15 * Math.PI / 180);
+
+/** Camera to clip space, column by column; `zoomTo` narrows it to one place of the picture (x, y in -1..1). */
+function projection(zoomTo) {
+  const { back, right, up } = frameOf(camera);
+  const eye = camera.target.map((t, k) => t + back[k] * camera.distance);
+  const aspect = canvas.width / Math.max(canvas.height, 1);
+  const near = Math.max(camera.distance - 5 * RADIUS, camera.distance * 0.02), farEnd = camera.distance + 6 * RADIUS;
+  const wide = aspect < 1 ? FIELD / aspect : FIELD;
+  let sx = 1 / (wide * aspect), sy = 1 / wide, ox = 0, oy = 0;
+  if (zoomTo) {
+    const n = [canvas.width, canvas.height];
+    sx *= n[0]; sy *= n[1]; ox = zoomTo[0] * n[0]; oy = zoomTo[1] * n[1];
+  }
+  const depth = -(farEnd + near) / (farEnd - near), shift = -2 * farEnd * near / (farEnd - near);
+  const m = new Float32Array(16);
+  const e = [right, up, back].map(v => -dot(v, eye));
+  for (let k = 0; k < 3; k++) {
+    m[4 * k] = sx * right[k] + ox * back[k];
+    m[4 * k + 1] = sy * up[k] + oy * back[k];
+    m[4 * k + 2] = depth * back[k];
+    m[4 * k + 3] = -back[k];
+  }
+  m[12] = sx * e[0] + ox * e[2];
+  m[13] = sy * e[1] + oy * e[2];
+  m[14] = depth * e[2] + shift;
+  m[15] = -e[2];
+  return { m, eye, near, farEnd };
+}
+
+const PART_VERTEX = `#version 300 es
+precision highp float;
+layout(location=0) in vec3 place;
+layout(location=1) in vec2 octahedral;
+layout(location=2) in float code;
+layout(location=3) in float surface;
+uniform mat4 camera; uniform vec3 low, size; uniform vec2 turn; uniform vec2 law;
+out vec3 normal, position; out float deviation; out float state; out float kind;
+vec3 turned(vec3 p) { return vec3(p.x * turn.x - p.y * turn.y, p.x * turn.y + p.y * turn.x, p.z); }
+void main() {
+  position = turned(low + place * size);
+  vec3 n = vec3(octahedral, 1.0 - abs(octahedral.x) - abs(octahedral.y));
+  float t = max(-n.z, 0.0);
+  n.xy -= t * vec2(n.x < 0.0 ? -1.0 : 1.0, n.y < 0.0 ? -1.0 : 1.0);
+  normal = turned(normalize(n));
+  state = code > 32766.5 ? 1.0 : code < -32767.5 ? -1.0 : 0.0;
+  deviation = state == 0.0 ? law.x * sinh(code / law.y) : 0.0;
+  kind = surface;
+  gl_Position = camera * vec4(position, 1.0);
+}`;
+
+const LIGHT = `
+vec3 lit(vec3 base, vec3 n, vec3 position) {
+  vec3 toEye = normalize(eye - position);
+  if (dot(n, toEye) < 0.0) n = -n;
+  vec3 key = normalize(toEye + 0.55 * upward - 0.35 * rightward);
+  float shine = pow(max(dot(n, normalize(key + toEye)), 0.0), 40.0);
+  return base * (0.40 + 0.50 * max(dot(n, key), 0.0) + 0.16 * max(dot(n, toEye), 0.0)) + 0.10 * shine;
+}`;
+
+const PART_COLOUR = `#version 300 es
+precision highp float;
+in vec3 normal, position; in float deviation, state, kind;
+uniform vec3 eye, upward, rightward; uniform vec2 scale; uniform vec3 stops[7], special[4]; uniform float bands;
+out vec4 colour;
+${LIGHT}
+vec3 ramp(float t) {
+  float x = (t + 1.0) * 3.0;
+  int i = int(clamp(floor(x), 0.0, 5.0));
+  return mix(stops[i], stops[i + 1], clamp(x - float(i), 0.0, 1.0));
+}
+void main() {
+  vec3 base;
+  if (state > 0.02) {
+    float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
+    base = special[2] * (0.86 + 0.22 * stripe);
+  } else if (state < -0.5) {
+    base = special[3];
+  } else {
+    float t = deviation < 0.0 ? deviation / scale.x : deviation / scale.y;
+    if (bands > 0.5) t = sign(t) * (min(floor(abs(t) * 5.0), 4.0) + 0.5) / 5.0 + (abs(t) > 1.0 ? sign(t) : 0.0);
+    base = t < -1.0 ? special[0] : t > 1.0 ? special[1] : ramp(t);
+  }
+  colour = vec4(lit(base, normalize(normal), position), 1.0);
+}`;
+
+const PICK_COLOUR = `#version 300 es
+precision highp float;
+in vec3 normal, position; in float deviation, state, kind;
+uniform float sector; uniform vec2 law; uniform float wantDepth;
+out vec4 colour;
+void main() {
+  if (wantDepth > 0.5) {
+    float d = floor(gl_FragCoord.z * 16777215.0);
+    colour = vec4(mod(d, 256.0), mod(floor(d / 256.0), 256.0), floor(d / 65536.0), 255.0) / 255.0;
+    return;
+  }
+  float code = state > 0.02 ? 32767.0 : state < -0.5 ? -32768.0 : floor(asinh(deviation / law.x) * law.y + 0.5);
+  code += 32768.0;
+  colour = vec4(mod(code, 256.0), floor(code / 256.0), floor(kind + 0.5), sector + 1.0) / 255.0;
+}`;
+
+const PLAIN_VERTEX = `#version 300 es
+precision highp float;
+layout(location=0) in vec3 place;
+uniform mat4 camera, model; uniform vec3 low, size;
+out vec3 position;
+void main() {
+  vec4 p = model * vec4(low + place * size, 1.0);
+  position = p.xyz;
+  gl_Position = camera * p;
+}`;
+
+const PLAIN_COLOUR = `#version 300 es
+precision highp float;
+in vec3 position;
+uniform vec3 eye, upward, rightward; uniform vec4 tint;
+out vec4 colour;
+${LIGHT}
+void main() {
+  vec3 n = normalize(cross(dFdx(position), dFdy(position)));
+  colour = vec4(lit(tint.rgb, n, position) * tint.a, tint.a);
+}`;
+
+const LINE_VERTEX = `#version 300 es
+precision highp float;
+layout(location=0) in vec3 place;
+layout(location=1) in float way;
+uniform mat4 camera; uniform float lift;
+out float along;
+void main() {
+  along = way;
+  gl_Position = camera * vec4(place, 1.0);
+  gl_Position.z -= lift * gl_Position.w;
+}`;
+
+const LINE_COLOUR = `#version 300 es
+precision highp float;
+in float along;
+uniform vec4 tint; uniform float dash;
+out vec4 colour;
+void main() {
+  if (dash > 0.0 && fract(along / dash) > 0.55) discard;
+  colour = vec4(tint.rgb * tint.a, tint.a);
+}`;
+
+const MARK_VERTEX = `#version 300 es
+precision highp float;
+uniform mat4 camera; uniform vec3 place; uniform float points;
+void main() { gl_Position = camera * vec4(place, 1.0); gl_PointSize = points; }`;
+
+const MARK_COLOUR = `#version 300 es
+precision highp float;
+uniform vec4 tint;
+out vec4 colour;
+void main() {
+  float r = length(gl_PointCoord - 0.5) * 2.0;
+  float ring = smoothstep(0.58, 0.66, r) * (1.0 - smoothstep(0.88, 0.96, r));
+  float halo = smoothstep(0.48, 0.56, r) * (1.0 - smoothstep(0.92, 1.0, r));
+  float centre = 1.0 - smoothstep(0.10, 0.16, r);
+  float a = max(max(ring, halo * 0.9), centre);
+  colour = vec4(mix(vec3(1.0), tint.rgb, max(ring, centre)) * a, a);
+}`;
+
+/** A program with its uniforms by name. */
+function compile(vertex, fragment) {
+  const program = gl.createProgram();
+  for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  const uniforms = {};
+  const n = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
+  for (let i = 0; i < n; i++) {
+    const { name } = gl.getActiveUniform(program, i);
+    uniforms[name.replace('[0]', '')] = gl.getUniformLocation(program, name);
+  }
+  return { program, uniforms };
+}
+
+function buffer(array, target) {
+  const b = gl.createBuffer();
+  gl.bindBuffer(target, b);
+  gl.bufferData(target, array, gl.STATIC_DRAW);
+  return b;
+}
+
+/** A vertex array of attributes [buffer, location, size, type, normalised, stride, offset]. */
+function vertexArray(attributes, indices) {
+  const array = gl.createVertexArray();
+  gl.bindVertexArray(array);
+  for (const [b, location, size, type, normalised, offset] of attributes) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, b);
+    gl.enableVertexAttribArray(location);
+    gl.vertexAttribPointer(location, size, type, normalised, 0, offset || 0);
+  }
+  if (indices) gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+  gl.bindVertexArray(null);
+  return array;
+}
+
+const IDENTITY = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+
+/** Triangles of a half section turned about Z, `around` to the turn. */
+function lathe(lines, around) {
+  const out = [];
+  for (const line of lines) {
+    for (let i = 0; i + 1 < line.length; i++) {
+      const [[r0, z0], [r1, z1]] = [line[i], line[i + 1]];
+      for (let k = 0; k < around; k++) {
+        const [a, b] = [k, k + 1].map(x => 2 * Math.PI * x / around);
+        const at = (r, z, t) => [r * Math.cos(t), r * Math.sin(t), z];
+        if (r0 > 0 || z0 !== z1) out.push(...at(r0, z0, a), ...at(r0, z0, b), ...at(r1, z1, b));
+        if (r1 > 0 || z0 !== z1) out.push(...at(r0, z0, a), ...at(r1, z1, b), ...at(r1, z1, a));
+      }
+    }
+  }
+  return new Float32Array(out);
+}
+
+let scene = null;
+
+function plainMesh(floats) {
+  return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3 };
+}
+
+/** Makes all that lies on the graphics card. */
+function build() {
+  const programs = {
+    part: compile(PART_VERTEX, PART_COLOUR), pick: compile(PART_VERTEX, PICK_COLOUR),
+    plain: compile(PLAIN_VERTEX, PLAIN_COLOUR), line: compile(LINE_VERTEX, LINE_COLOUR),
+    mark: compile(MARK_VERTEX, MARK_COLOUR),
+  };
+  const place = buffer(part.positions, gl.ARRAY_BUFFER), normal = buffer(part.normals, gl.ARRAY_BUFFER);
+  const code = buffer(part.deviations, gl.ARRAY_BUFFER), surface = buffer(part.surface, gl.ARRAY_BUFFER);
+  const indices = buffer(part.indices, gl.ELEMENT_ARRAY_BUFFER);
+  const sectors = [];
+  for (let s = 0; s < data.part.sectors; s++) {
+    const angle = 2 * Math.PI * s / data.part.sectors;
+    sectors.push({
+      turn: [Math.cos(angle), Math.sin(angle)],
+      array: vertexArray([
+        [place, 0, 3, gl.UNSIGNED_SHORT, true], [normal, 1, 2, gl.SHORT, true],
+        [code, 2, 1, gl.SHORT, false, 2 * s * part.count], [surface, 3, 1, gl.UNSIGNED_BYTE, false],
+      ], indices),
+    });
+  }
+  const way = new Float32Array(moves.count);
+  for (let i = 1; i < moves.count; i++) {
+    const d = [0, 1, 2].map(k => moves.tips[3 * i + k] - moves.tips[3 * i - 3 + k]);
+    // A whole number of dashes of 12 mm, so that the length stays small.
+    way[i] = (moves.kinds[i] === moves.kinds[i - 1] ? way[i - 1] : 0) + Math.hypot(...d);
+  }
+  const tips = buffer(moves.tips, gl.ARRAY_BUFFER), ways = buffer(way, gl.ARRAY_BUFFER);
+  const lines = data.paths.operations.map(o => [0, 1, 2].map(kind => {
+    const pairs = [];
+    for (let i = o.first + 1; i < o.first + o.count; i++) if (moves.kinds[i] === kind) pairs.push(i - 1, i);
+    const b = buffer(Uint32Array.from(pairs), gl.ELEMENT_ARRAY_BUFFER);
+    return {
+      array: vertexArray([[tips, 0, 3, gl.FLOAT, false], [ways, 1, 1, gl.FLOAT, false]], b), count: pairs.length,
+    };
+  }));
+  const tools = data.tools.map(t => ({
+    name: t.name, cutter: plainMesh(lathe([t.cutter], 48)), shank: plainMesh(lathe([t.shank], 48)),
+    holder: plainMesh(lathe([t.holder], 64)),
+  }));
+  const stock = data.stock.map((s, i) => ({
+    array: vertexArray(
+      [[buffer(new Uint16Array(bytes(`stock-positions-${i}`)), gl.ARRAY_BUFFER), 0, 3, gl.UNSIGNED_SHORT, true]],
+      buffer(new Uint16Array(bytes(`stock-indices-${i}`)), gl.ELEMENT_ARRAY_BUFFER)),
+    count: 3 * s.triangles, frame: s.frame,
+  }));
+  const pick = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, pick);
+  const colours = gl.createRenderbuffer(), depths = gl.createRenderbuffer();
+  gl.bindRenderbuffer(gl.RENDERBUFFER, colours);
+  gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, 1, 1);
+  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, colours);
+  gl.bindRenderbuffer(gl.RENDERBUFFER, depths);
+  gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, 1, 1);
+  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depths);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  const closed = [...data.blank, data.blank[0]];
+  return { programs, sectors, lines, tools, stock, pick, turned: plainMesh(lathe(data.part.turned, 180)), blank: plainMesh(lathe([closed], 180)) };
+}
+
+/** Sets what all programs that shade share. */
+function use({ program, uniforms }, view) {
+  gl.useProgram(program);
+  const { up, right } = frameOf(camera);
+  if (uniforms.camera) gl.uniformMatrix4fv(uniforms.camera, false, view.m);
+  if (uniforms.eye) gl.uniform3fv(uniforms.eye, view.eye);
+  if (uniforms.upward) gl.uniform3fv(uniforms.upward, up);
+  if (uniforms.rightward) gl.uniform3fv(uniforms.rightward, right);
+  return uniforms;
+}
+
+/** Draws the part by a program; returns the triangles drawn. */
+function drawPart(which, view, perSector) {
+  const u = use(scene.programs[which], view);
+  gl.uniform3fv(u.low, data.part.frame.low);
+  gl.uniform3fv(u.size, data.part.frame.size);
+  gl.uniform2f(u.law, data.part.law[0] * 1e3, data.part.law[1]);
+  perSector(u, -1);
+  scene.sectors.forEach((s, k) => {
+    gl.uniform2fv(u.turn, s.turn);
+    perSector(u, k);
+    gl.bindVertexArray(s.array);
+    gl.drawElements(gl.TRIANGLES, part.indices.length, gl.UNSIGNED_INT, 0);
+  });
+  return scene.sectors.length * part.indices.length / 3;
+}
+
+function drawPlain(u, mesh, tint, model, frame, indexed) {
+  gl.uniform4fv(u.tint, tint);
+  gl.uniformMatrix4fv(u.model, false, model || IDENTITY);
+  gl.uniform3fv(u.low, frame ? frame.low : [0, 0, 0]);
+  gl.uniform3fv(u.size, frame ? frame.size : [1, 1, 1]);
+  gl.bindVertexArray(mesh.array);
+  if (indexed) gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_SHORT, 0);
+  else gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
+  return mesh.count / 3;
+}
+
+/** Model matrix of a tool at a tip along an axis. */
+function toolModel({ tip, axis }) {
+  const side = unit(cross(Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], axis)), other = cross(axis, side);
+  return new Float32Array([...side, 0, ...other, 0, ...axis, 0, ...tip, 1]);
+}
+
+/** Draws everything that is to be shown; returns what was drawn. */
+function draw() {
+  const drawn = { triangles: 0, segments: 0 };
+  if (!scene) return drawn;
+  const view = projection();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, canvas.width, canvas.height);
+  gl.clearColor(0, 0, 0, 0);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  gl.enable(gl.DEPTH_TEST);
+  gl.disable(gl.BLEND);
+  if (show.body === 'part') {
+    drawn.triangles += drawPart('part', view, (u, sector) => {
+      if (sector >= 0) return;
+      gl.uniform2fv(u.scale, show.scale);
+      gl.uniform3fv(u.stops, STOPS.flatMap(rgb));
+      gl.uniform3fv(u.special, [SPECIAL.under, SPECIAL.over, SPECIAL.unreached, SPECIAL.unmilled].flatMap(rgb));
+      gl.uniform1f(u.bands, show.bands ? 1 : 0);
+    });
+    drawn.triangles += drawPlain(use(scene.programs.plain, view), scene.turned, [...rgb(SPECIAL.unmilled), 1]);
+  } else if (show.body === 'blank') {
+    drawn.triangles += drawPlain(use(scene.programs.plain, view), scene.blank, [0.80, 0.66, 0.50, 1]);
+  } else if (scene.stock[show.body]) {
+    const s = scene.stock[show.body];
+    drawn.triangles += drawPlain(use(scene.programs.plain, view), s, [0.80, 0.66, 0.50, 1], null, s.frame, true);
+  }
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  const u = use(scene.programs.line, view);
+  gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
+  scene.lines.forEach((kinds, k) => {
+    if (!show.operations[k]) return;
+    kinds.forEach((line, kind) => {
+      if (!show.kinds[kind] || !line.count) return;
+      gl.uniform4fv(u.tint, [...rgb(colourOf(k)), kind === 1 ? 0.5 : 1]);
+      gl.uniform1f(u.dash, kind === 2 ? 4 : 0);
+      gl.bindVertexArray(line.array);
+      gl.drawElements(gl.LINES, line.count, gl.UNSIGNED_INT, 0);
+      drawn.segments += line.count / 2;
+    });
+  });
+  if (show.tool && moves.count) drawn.triangles += drawTool(view);
+  if (show.mark) {
+    gl.disable(gl.DEPTH_TEST);
+    const m = use(scene.programs.mark, view);
+    gl.uniform3fv(m.place, show.mark);
+    gl.uniform1f(m.points, 34 * ratio());
+    gl.uniform4fv(m.tint, [0.85, 0.05, 0.35, 1]);
+    gl.bindVertexArray(null);
+    gl.drawArrays(gl.POINTS, 0, 1);
+  }
+  return drawn;
+}
+
+function drawTool(view) {
+  const o = data.paths.operations[moves.operation[show.move]];
+  const tool = scene.tools.find(t => t.name === o.tool);
+  if (!tool) return 0;
+  const u = use(scene.programs.plain, view);
+  const model = toolModel(poseOn(show.move, show.share));
+  // Through a tool near a marked place the place stays in sight.
+  const alpha = show.mark ? 0.42 : 0.9;
+  let triangles = 0;
+  for (const [mesh, tint] of [[tool.cutter, [0.93, 0.75, 0.25]], [tool.shank, [0.62, 0.66, 0.72]], [tool.holder, [0.30, 0.36, 0.46]]]) {
+    // Depth first, so that only the front of a translucent tool is seen.
+    gl.colorMask(false, false, false, false);
+    drawPlain(u, mesh, [...tint, alpha], model);
+    gl.colorMask(true, true, true, true);
+    gl.depthFunc(gl.LEQUAL);
+    triangles += drawPlain(u, mesh, [...tint, alpha], model);
+    gl.depthFunc(gl.LESS);
+  }
+  return triangles;
+}
+
+/** What lies at a place of the picture (pixels): surface, sector, deviation code; or its depth. */
+function pick(x, y, wantDepth) {
+  if (!scene || show.body !== 'part') return null;
+  const at = [2 * x / canvas.clientWidth - 1, 1 - 2 * y / canvas.clientHeight];
+  const view = projection(at);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, scene.pick);
+  gl.viewport(0, 0, 1, 1);
+  gl.clearColor(0, 0, 0, 0);
+  gl.disable(gl.BLEND);
+  gl.enable(gl.DEPTH_TEST);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  drawPart('pick', view, (u, sector) => {
+    if (sector < 0) gl.uniform1f(u.wantDepth, wantDepth ? 1 : 0); else gl.uniform1f(u.sector, sector);
+  });
+  const found = new Uint8Array(4);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  if (!found[3]) return null;
+  if (!wantDepth) return { code: found[0] + 256 * found[1] - 32768, surface: found[2], sector: found[3] - 1 };
+  const z = 2 * (found[0] + 256 * found[1] + 65536 * found[2]) / 16777215 - 1;
+  const along = 2 * view.farEnd * view.near / (view.farEnd + view.near - z * (view.farEnd - view.near));
+  const { back, right, up } = frameOf(camera);
+  const aspect = canvas.width / canvas.height, wide = aspect < 1 ? FIELD / aspect : FIELD;
+  return view.eye.map((e, k) => e + along * (at[0] * wide * aspect * right[k] + at[1] * wide * up[k] - back[k]));
+}
+
+const ratio = () => Math.min(window.devicePixelRatio || 1, 2);
+
+let waiting = false;
+function redraw() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; draw(); });
+}
+
+function resize() {
+  const w = Math.max(1, Math.round(canvas.clientWidth * ratio())), h = Math.max(1, Math.round(canvas.clientHeight * ratio()));
+  if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
+  draw();
+}
+
+/** True when something of the part stands between a point and an eye in a direction from it. */
+function hidden(point, direction) {
+  const STEP = 5, NEAR = 2.5, WIDE2 = (2 * data.part.gap) ** 2 * 0.25;
+  for (const { turn } of scene.sectors) {
+    const into = p => [p[0] * turn[0] + p[1] * turn[1], p[1] * turn[0] - p[0] * turn[1], p[2]];
+    const from = into(point), way = into(direction);
+    for (let i = 0; i < part.place.length; i += 3 * STEP) {
+      const x = part.place[i] - from[0], y = part.place[i + 1] - from[1], z = part.place[i + 2] - from[2];
+      const along = x * way[0] + y * way[1] + z * way[2];
+      if (along > NEAR && x * x + y * y + z * z - along * along < WIDE2) return true;
+    }
+  }
+  return false;
+}
+
+/** Direction to look from that sees a point, as near to its normal as nothing hides it. */
+function sight(point, normal) {
+  let best = null;
+  for (let e = -1; e <= 6; e++) {
+    for (let a = 0; a < 16; a++) {
+      const elevation = e * 0.24, azimuth = a * Math.PI / 8;
+      const { back } = frameOf({ azimuth, elevation });
+      const facing = dot(back, normal);
+      if (facing > 0.12 && (!best || facing > best.facing) && !hidden(point, back)) best = { azimuth, elevation, facing };
+    }
+  }
+  return best || { azimuth: Math.atan2(normal[1], normal[0]), elevation: Math.max(0.2, Math.asin(normal[2])) };
+}
+
+let flight = 0;
+/** Moves the camera evenly to another place. */
+function fly(to) {
+  const from = { ...camera, target: [...camera.target] };
+  let turn = to.azimuth - from.azimuth;
+  turn -= 2 * Math.PI * Math.round(turn / (2 * Math.PI));
+  const still = matchMedia('(prefers-reduced-motion: reduce)').matches || document.visibilityState === 'hidden';
+  const start = performance.now(), mine = ++flight;
+  const step = now => {
+    if (mine !== flight) return;
+    const raw = still ? 1 : Math.min((now - start) / 450, 1), t = raw * raw * (3 - 2 * raw);
+    camera.azimuth = from.azimuth + turn * t;
+    camera.elevation = from.elevation + (to.elevation - from.elevation) * t;
+    camera.distance = from.distance * (to.distance / from.distance) ** t;
+    camera.target = from.target.map((v, k) => v + (to.target[k] - v) * t);
+    draw();
+    if (raw < 1) requestAnimationFrame(step);
+  };
+  step(start);
+}

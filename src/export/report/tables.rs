@@ -1,0 +1,291 @@
+//! The tables of the report, which need no script to be read.
+
+use super::Input;
+use super::markup::{Cell, escaped, table};
+use super::places::{Places, amount};
+use crate::contract::clock;
+use crate::diag::Severity;
+use crate::verify::clearance::Clearance;
+
+/// Sum of the times of all operations, s.
+pub(super) fn total_time(input: &Input<'_>) -> f64 {
+    input.certificate.operations.iter().flat_map(|o| o.time).sum()
+}
+
+/// Part, machine, dialect, inputs: one line a fact.
+pub(super) fn header(input: &Input<'_>) -> String {
+    let certificate = input.certificate;
+    let vanes = input.program.part.vane_count;
+    let mut facts = vec![
+        ("machine", certificate.machine_name.clone()),
+        ("NC dialect", input.post.to_owned()),
+        ("machining time", format!("{} h:mm:ss", clock(total_time(input)))),
+        ("vanes", vanes.to_string()),
+        ("surface samples", format!("{} mm apart", certificate.spacing)),
+        ("inputs sha256", input.hash.to_owned()),
+        ("compiler", format!("impellerc {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    facts.insert(
+        2,
+        ("NC program", input.nc_lines.map_or_else(|| "none: a fault stopped it".to_owned(), |n| format!("{n} lines"))),
+    );
+    let item = |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{}</dd></div>\n", escaped(value));
+    facts.iter().map(item).collect()
+}
+
+/// All contracts hold, or how many do not: class and words.
+pub(super) fn verdict(input: &Input<'_>) -> (&'static str, String) {
+    let errors = input.findings.iter().filter(|d| d.severity == Severity::Error).count();
+    let contracts = &input.certificate.contracts;
+    let failed = contracts.iter().filter(|c| !c.holds).count();
+    match (failed, errors) {
+        (0, 0) if contracts.is_empty() => ("good", "no fault found, no contract asked for".to_owned()),
+        (0, 0) if contracts.len() == 1 => ("good", "the contract holds".to_owned()),
+        (0, 0) => ("good", format!("all {} contracts hold", contracts.len())),
+        (0, n) => ("bad", format!("{n} faults, no NC program")),
+        (n, _) => ("bad", format!("{n} of {} contracts fail", contracts.len())),
+    }
+}
+
+/// Contracts and operations.
+pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
+    let certificate = input.certificate;
+    let rows: Vec<Vec<Cell>> = certificate
+        .contracts
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let (class, word) = if c.holds { ("good", "holds") } else { ("bad", "FAILS") };
+            let [bound, found] = &c.figures;
+            let relation = if c.relation == ">=" { "at least" } else { "at most" };
+            vec![
+                Cell::words(c.name()),
+                Cell::figure(format!("{relation} {bound}")),
+                Cell::figure(found.as_str()).place(places.contracts.get(i).copied().flatten()),
+                Cell::words(word).class(class),
+            ]
+        })
+        .collect();
+    let mut out = if rows.is_empty() {
+        "<p>The job has no <code>require</code>: nothing was asked for.</p>".to_owned()
+    } else {
+        table("Contracts", &["contract", "wanted", "found", "verdict"], &rows)
+    };
+    let allowed: Vec<Vec<Cell>> = certificate
+        .allowed
+        .iter()
+        .enumerate()
+        .map(|(i, a)| {
+            vec![
+                Cell::words(format!("{} {}", a.kind, a.scope)),
+                Cell::figure(a.figure.as_str()).place(places.allowed.get(i).copied().flatten()),
+                Cell::words(if a.excuses { a.reason.clone() } else { format!("{} (needless)", a.reason) }),
+            ]
+        })
+        .collect();
+    if !allowed.is_empty() {
+        out.push_str(&table("Knowingly left", &["allowed", "found", "reason"], &allowed));
+    }
+    out
+}
+
+/// Operations with their times, ways and clearances.
+pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
+    let program = input.program;
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    let (mut moves, mut length, mut time) = (0, [0.0; 3], [0.0; 3]);
+    for (i, (o, planned)) in input.certificate.operations.iter().zip(&input.motion.operations).enumerate() {
+        let declared = &program.operations[planned.operation];
+        let gap = |c: &Option<Clearance>| c.as_ref().map_or_else(|| "> 5".to_owned(), |c| format!("{:.3}", c.distance));
+        let place = |k: usize| places.operations.get(i).and_then(|p| p[k]);
+        rows.push(vec![
+            Cell::words(o.name.as_str()),
+            Cell::words(o.tool.as_str()),
+            Cell::figure(format!("{:.0}", declared.speed.get())),
+            Cell::figure(format!("{:.0}", declared.feed.get())),
+            Cell::figure(o.passes.to_string()),
+            Cell::figure(o.moves.to_string()),
+            Cell::figure(format!("{:.2}", o.length[0] * 1e-3)),
+            Cell::figure(clock(o.time[0])),
+            Cell::figure(clock(o.time[1])),
+            Cell::figure(clock(o.time[2])),
+            Cell::figure(gap(&o.shank)).place(place(0)),
+            Cell::figure(gap(&o.holder)).place(place(1)),
+        ]);
+        moves += o.moves;
+        for k in 0..3 {
+            length[k] += o.length[k];
+            time[k] += o.time[k];
+        }
+    }
+    let empty = || Cell::figure("");
+    rows.push(vec![
+        Cell::words("total"),
+        Cell::words(""),
+        empty(),
+        empty(),
+        empty(),
+        Cell::figure(moves.to_string()),
+        Cell::figure(format!("{:.2}", length[0] * 1e-3)),
+        Cell::figure(clock(time[0])),
+        Cell::figure(clock(time[1])),
+        Cell::figure(clock(time[2])),
+        empty(),
+        empty(),
+    ]);
+    let headings = [
+        "operation",
+        "tool",
+        "spindle, rpm",
+        "feed, mm/min",
+        "passes",
+        "moves",
+        "cut, m",
+        "time cut",
+        "time link",
+        "time rapid",
+        "shank to part, mm",
+        "holder to part, mm",
+    ];
+    table("Operations (times in h:mm:ss)", &headings, &rows)
+}
+
+/// Surfaces, rest, axes, tools, findings, notes.
+pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
+    let mut out = surfaces(input, places);
+    out.push_str(&rest(input, places));
+    out.push_str(&axes(input));
+    out.push_str(&tools(input));
+    if !input.notes.is_empty() {
+        let rows: Vec<Vec<Cell>> = input
+            .notes
+            .iter()
+            .map(|(operation, note)| vec![Cell::words(operation.as_str()), Cell::words(note.as_str())])
+            .collect();
+        out.push_str(&table("How the operations were planned", &["operation", "decision"], &rows));
+    }
+    out
+}
+
+/// What the diagnostics say, worst first.
+pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
+    let mut order: Vec<usize> = (0..input.findings.len()).collect();
+    order.sort_by_key(|i| std::cmp::Reverse(input.findings[*i].severity));
+    let rows: Vec<Vec<Cell>> = order
+        .into_iter()
+        .map(|i| {
+            let d = &input.findings[i];
+            let (class, word) = match d.severity {
+                Severity::Error => ("bad", "error"),
+                Severity::Warning => ("warn", "warning"),
+                Severity::Remark => ("", "remark"),
+            };
+            vec![
+                Cell::words(format!("{word} {}", d.code.id())).class(class),
+                Cell::words(d.message.as_str()),
+                Cell::words(d.place.as_ref().map_or_else(String::new, |p| p.what.clone()))
+                    .place(places.findings.get(i).copied().flatten()),
+                Cell::words(d.help.clone().unwrap_or_default()),
+            ]
+        })
+        .collect();
+    if rows.is_empty() { String::new() } else { table("Findings", &["code", "what", "where", "way out"], &rows) }
+}
+
+fn surfaces(input: &Input<'_>, places: &Places) -> String {
+    let rows: Vec<Vec<Cell>> = input
+        .certificate
+        .surfaces
+        .iter()
+        .enumerate()
+        .map(|(i, s)| {
+            let place = |k: usize| places.surfaces.get(i).and_then(|p| p[k]);
+            let um =
+                |mm: f64| if mm >= crate::verify::surface::FAR { "-".to_owned() } else { format!("{:.2}", mm * 1e3) };
+            vec![
+                Cell::words(s.surface.as_str()),
+                Cell::figure(format!("{:.0}", s.area)),
+                Cell::figure(um(s.gouge.depth)).place(place(0)),
+                Cell::figure(if place(1).is_some() { um(s.excess.value) } else { amount(s.excess.value.max(0.0)) })
+                    .place(place(1)),
+                Cell::figure(um(s.percentiles[0])),
+                Cell::figure(um(s.percentiles[1])),
+                Cell::figure(um(s.percentiles[2])),
+            ]
+        })
+        .collect();
+    let headings = [
+        "surface",
+        "area, mm2",
+        "deepest cut, um",
+        "most left, um",
+        "5 % lie below, um",
+        "50 % below, um",
+        "95 % below, um",
+    ];
+    table("Surfaces: deviation of the swept cutters from the design (cut below zero, left above)", &headings, &rows)
+}
+
+fn rest(input: &Input<'_>, places: &Places) -> String {
+    let rows: Vec<Vec<Cell>> = input
+        .certificate
+        .rest
+        .iter()
+        .enumerate()
+        .map(|(i, r)| {
+            let name = input.certificate.operations.get(r.operation as usize).map_or("", |o| o.name.as_str());
+            vec![
+                Cell::words(format!("after {name}")),
+                Cell::figure(format!("{:.3}", r.least)),
+                Cell::figure(format!("{:.3}", r.median)),
+                Cell::figure(format!("{:.3}", r.most)).place(places.rest.get(i).copied()),
+                Cell::figure(format!("{:.1}", r.cleared * 100.0)),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let headings = ["stock", "least, mm", "median, mm", "most, mm", "room cleared, %"];
+    table("Stock on the surfaces after roughing", &headings, &rows)
+}
+
+fn axes(input: &Input<'_>) -> String {
+    let machine = &input.certificate.machine;
+    let rows: Vec<Vec<Cell>> = machine
+        .axes
+        .iter()
+        .map(|a| {
+            let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
+            vec![
+                Cell::words(format!("{}, {unit}", a.axis)),
+                Cell::figure(format!("{:.3} .. {:.3}", a.used[0], a.used[1])),
+                Cell::figure(format!("{:.1} .. {:.1}", a.travel[0], a.travel[1])),
+                Cell::figure(format!("{:.1}", a.speed_share * 100.0)),
+            ]
+        })
+        .collect();
+    let caption = format!("Axes (least angle to the pole while cutting: {:.3} deg)", machine.pole_distance);
+    table(&caption, &["axis", "used", "travel", "largest speed, % of limit"], &rows)
+}
+
+fn tools(input: &Input<'_>) -> String {
+    let rows: Vec<Vec<Cell>> = input
+        .program
+        .tools
+        .iter()
+        .map(|(_, t)| {
+            vec![
+                Cell::words(t.name.as_str()),
+                Cell::figure(t.number.to_string()),
+                Cell::words(t.solid.cutter.keyword()),
+                Cell::figure(format!("{:.3}", 2.0 * t.solid.radius())),
+                Cell::figure(t.flutes.to_string()),
+                Cell::figure(format!("{:.1}", t.solid.flute_length)),
+                Cell::figure(format!("{:.1}", t.solid.holder.first().map_or(t.solid.length(), |s| s.from))),
+            ]
+        })
+        .collect();
+    let headings = ["tool", "number", "cutter", "diameter, mm", "flutes", "flute length, mm", "reach to holder, mm"];
+    table("Tools", &headings, &rows)
+}

@@ -1,0 +1,207 @@
+//! The report as its reader sees it: in a browser, and as a file.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "support/browser.rs"]
+mod browser;
+
+use browser::{Page, colours, count};
+use impellerc::diag::codes::verification;
+use impellerc::diag::{Diag, Sink};
+use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::entity::PrimaryMap;
+use impellerc::export::report::{self, Input};
+use impellerc::ir::{Operation, Program, Tool};
+use impellerc::passes::pipeline;
+use impellerc::verify;
+use nalgebra::Point3;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Compiles a job that is the reduced one with other contracts; gives what was said and the folder with the outputs.
+fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
+    let original = std::fs::read_to_string("jobs/reduced/reduced.imp").unwrap();
+    let job = original.replace("require clearance >= 0.5 mm", contracts);
+    assert_ne!(job, original);
+    std::fs::write(folder.join("job.imp"), job).unwrap();
+    std::fs::copy("jobs/reduced/vane_curves.csv", folder.join("vane_curves.csv")).unwrap();
+    let report = folder.join("part.html");
+    let output = Command::new(env!("CARGO_BIN_EXE_impellerc"))
+        .args(["--library", "jobs/_lib"])
+        .arg(folder.join("job.imp"))
+        .arg("-o")
+        .arg(folder.join("part.nc"))
+        .arg("--report")
+        .arg(&report)
+        .output()
+        .unwrap();
+    (output, report)
+}
+
+/// Text between two marks.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
+    let from = text.find(start).unwrap_or_else(|| panic!("no {start}")) + start.len();
+    &text[from..from + text[from..].find(end).unwrap()]
+}
+
+#[test]
+fn a_reader_sees_part_scale_plots_and_worst_places() {
+    let Some(program) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm\nrequire gouge <= 2 mm");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut page = Page::open(&program, &report, [1680, 1700], &folder.path().join("profile"));
+
+    let [scene, scale, plots] = ["#scene", "#scale", "#plots"].map(|s| page.place(s));
+    let first = page.screenshot();
+    // Shaded surfaces in the colours of the scale; an empty canvas has a dozen greys.
+    let part = first.part(scene);
+    assert!(colours(&part) > 150, "{} colours in the view", colours(&part));
+    let bar = first.part(scale);
+    assert!(colours(&bar) > 60, "{} colours in the scale", colours(&bar));
+    for end in [[0x3b, 0x2f, 0xa3], [0xd0, 0x25, 0x1f]] {
+        assert!(count(&bar, end) > 20, "the scale does not reach {end:?}");
+    }
+    let drawn = first.part(plots);
+    for (axis, colour) in [("X", [0xd9, 0x48, 0x0f]), ("Y", [0x2b, 0x8a, 0x3e]), ("Z", [0x19, 0x71, 0xc2])] {
+        assert!(count(&drawn, colour) > 300, "{} pixels of axis {axis}", count(&drawn, colour));
+    }
+    for (axis, colour) in [("A", [0xc2, 0x25, 0x5c]), ("C", [0x70, 0x48, 0xe8])] {
+        assert!(count(&drawn, colour) > 300, "{} pixels of axis {axis}", count(&drawn, colour));
+    }
+
+    // The paths of the first operation appear in its colour.
+    let orange = [0xe8, 0x59, 0x0c];
+    let before = count(&part, orange);
+    page.click("#operations input");
+    let after = count(&page.screenshot().part(scene), orange);
+    assert!(after > before + 300, "{before} orange pixels without paths, {after} with them");
+    page.click("#operations input");
+
+    // A worst place jumps to the middle of the view, with a ring about it.
+    page.click("#places button");
+    let jumped = page.screenshot().part(scene);
+    let changed = part.iter().zip(&jumped).filter(|(a, b)| a != b).count();
+    assert!(changed * 10 > part.len(), "{changed} of {} pixels changed", part.len());
+    let middle = [scene[0] + scene[2] / 2 - 20, scene[1] + scene[3] / 2 - 20, 40, 40];
+    let ring = [217, 13, 89];
+    let seen = count(&page.screenshot().part(middle), ring);
+    assert!(seen > 60, "{seen} pixels of the ring about the place");
+    assert!(page.evaluate("document.getElementById('readout').textContent").contains("mm"));
+    assert!(page.evaluate("document.getElementById('move').textContent").contains("NC line"));
+
+    // Every other view and body draws too.
+    page.click("[data-view=top]");
+    let top = page.screenshot().part(scene);
+    page.evaluate("const b = document.getElementById('body'); b.value = 'blank'; b.dispatchEvent(new Event('change'))");
+    page.settle();
+    let blank = page.screenshot().part(scene);
+    let changed = top.iter().zip(&blank).filter(|(a, b)| a != b).count();
+    assert!(changed * 10 > top.len(), "the blank looks like the part: {changed} pixels changed");
+
+    let address = format!("file://{}", report.display());
+    assert_eq!(page.requests, [address], "the page asks for nothing but itself");
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
+
+#[test]
+fn the_file_is_whole_bounded_and_the_same_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    // In a pipe nothing is said about progress: neither bars nor control signs.
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(!said.contains('\u{1b}') && !said.contains('\r') && !said.contains("verify"), "{said:?}");
+
+    let html = std::fs::read_to_string(&report).unwrap();
+    assert!(html.len() < 15_000_000, "{} bytes", html.len());
+    assert!(!html.contains("<!--@"), "a mark was not filled");
+    for outside in ["src=", "href=", "@import", "fetch(", "XMLHttpRequest", "WebSocket", "://"] {
+        assert!(!html.contains(outside), "the page names {outside}");
+    }
+    let data = between(&html, "id=\"data\">", "</script>");
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let moves = data["paths"]["kept"].as_u64().unwrap() as usize;
+    assert_eq!(data["paths"]["operations"].as_array().unwrap().len(), 4);
+    let joints = browser::base64(between(&html, "id=\"joints\">", "</script>"));
+    assert_eq!(joints.len(), moves * 6 * 4);
+    let finite = |four: &[u8]| f32::from_le_bytes([four[0], four[1], four[2], four[3]]).is_finite();
+    assert!(joints.chunks(4).all(finite), "joints that are no numbers");
+
+    let (_, again) = compile(folder.path(), "require clearance >= 0.4 mm");
+    assert!(std::fs::read_to_string(again).unwrap() == html, "the same job made another report");
+}
+
+#[test]
+fn a_failed_contract_is_shown_and_nothing_else_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm\nrequire excess <= 1 um");
+    assert!(!output.status.success());
+    assert!(!folder.path().join("part.nc").exists());
+    let html = std::fs::read_to_string(report).unwrap();
+    assert!(html.contains("1 of 2 contracts fail"));
+    assert!(html.contains("none: a fault stopped it"));
+}
+
+#[test]
+fn texts_of_the_job_stay_texts() {
+    let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
+    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
+    let mut program: Program =
+        driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+    let mut sink = Sink::default();
+    let mut motion = pipeline::run(&program, &mut sink).unwrap().motion;
+    let mut certificate = verify::certify(&program, &motion, &mut sink).unwrap();
+    let (samples, deviations) = report::deviations(&program, &motion, certificate.spacing);
+    let name = |text: &mut String| hostile.clone_into(text);
+    let (mut operations, mut tools) = (PrimaryMap::new(), PrimaryMap::new());
+    for (_, o) in program.operations.iter() {
+        operations.push(Operation { name: hostile.to_owned(), ..o.clone() });
+    }
+    for (_, t) in program.tools.iter() {
+        tools.push(Tool { name: hostile.to_owned(), ..t.clone() });
+    }
+    (program.operations, program.tools) = (operations, tools);
+    motion.operations.iter_mut().flat_map(|o| &mut o.labels).for_each(name);
+    certificate.operations.iter_mut().for_each(|o| {
+        name(&mut o.name);
+        name(&mut o.tool);
+    });
+    [&mut program.name, &mut program.machine.name, &mut certificate.name, &mut certificate.machine_name]
+        .into_iter()
+        .for_each(name);
+    let finding = Diag::warning(verification::NOT_REACHED, hostile).place(hostile, Point3::origin()).help(hostile);
+    let html = report::report(&Input {
+        program: &program,
+        motion: &motion,
+        certificate: &certificate,
+        samples: &samples,
+        deviations: &deviations,
+        findings: &[finding],
+        hash: hostile,
+        post: hostile,
+        nc_lines: None,
+        lines: &[],
+        notes: &[(hostile.to_owned(), hostile.to_owned())],
+        stock: &[],
+        removal: None,
+    });
+    // Elements that begin, and handlers: only those of the page itself.
+    assert!(!html.contains("<img") && !html.contains("<script>window"));
+    let lower = html.to_lowercase();
+    // One for the data, one for each array, one that is run.
+    assert_eq!((lower.matches("<script").count(), lower.matches("</script").count()), (9, 9));
+
+    let Some(browser) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("hostile.html");
+    std::fs::write(&file, &html).unwrap();
+    let mut page = Page::open(&browser, &file, [1400, 1000], &folder.path().join("profile"));
+    assert_eq!(page.evaluate("typeof window.broken"), "undefined");
+    assert_eq!(page.evaluate("document.querySelector('h1').textContent"), hostile);
+    assert_eq!(page.evaluate("document.querySelector('#operations label').textContent"), hostile);
+    page.click("#places button");
+    assert!(page.evaluate("document.getElementById('move').textContent").contains(hostile));
+    assert_eq!(page.evaluate("typeof window.broken"), "undefined");
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
