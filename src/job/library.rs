@@ -15,6 +15,10 @@ type Text = Spanned<String>;
 /// Bound of lengths in library files, mm.
 const LONGEST: f64 = 100_000.0;
 
+/// Control cycle where the machine file gives none, s: slow for controls of milling machines, so that what the joints
+/// do between two positions is not told too small.
+const DEFAULT_CYCLE: f64 = 0.002;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MachineFile {
@@ -28,6 +32,7 @@ struct MachineFile {
     part: PartTable,
     spindle: SpindleTable,
     rapid: Text,
+    cycle: Option<Text>,
 }
 
 #[derive(Deserialize)]
@@ -284,6 +289,14 @@ pub(super) fn machine(
         );
         return None;
     };
+    let mut assumed = table.assumed;
+    let cycle = match &table.cycle {
+        Some(text) => reader.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
+        None => {
+            assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
+            DEFAULT_CYCLE
+        }
+    };
     let spec = MachineSpec {
         name: name.to_owned(),
         linear: [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)],
@@ -292,7 +305,8 @@ pub(super) fn machine(
         part_origin: reader.point(&table.part.origin),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
-        assumed: table.assumed,
+        cycle,
+        assumed,
     };
     (!reader.faults).then_some(spec)
 }

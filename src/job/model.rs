@@ -50,6 +50,8 @@ pub struct MachineSpec {
     pub spindle: [Rpm; 2],
     /// Speed of rapid moves.
     pub rapid: MmPerMin,
+    /// Time between two positions that the control gives to its drives, s.
+    pub cycle: f64,
     /// What the file marks as assumed.
     pub assumed: Vec<String>,
 }

@@ -51,6 +51,22 @@ pub struct Machine {
     pub spindle: [f64; 2],
     /// Speed of rapid moves of the tip that the planner assumes for times, mm/s.
     pub rapid: f64,
+    /// Time between two positions that the control gives to its drives, s; between them each joint runs evenly.
+    pub cycle: f64,
     /// What its file marks as assumed.
     pub assumed: Vec<String>,
+}
+
+impl Machine {
+    /// Speed limits of X, Y, Z (mm/s), A and C (rad/s).
+    pub fn speeds(&self) -> [f64; 5] {
+        let [x, y, z] = self.linear.map(|l| l.speed);
+        [x, y, z, self.tilt.speed, self.turn.speed]
+    }
+
+    /// Acceleration limits of X, Y, Z (mm/s2), A and C (rad/s2).
+    pub fn accelerations(&self) -> [f64; 5] {
+        let [x, y, z] = self.linear.map(|l| l.acceleration);
+        [x, y, z, self.tilt.acceleration, self.turn.acceleration]
+    }
 }

@@ -4,8 +4,10 @@
 //! Rotary angles are in radians and in the ISO sense: the word describes the tool relative to the part, the table
 //! turns the other way. At (A, C) the tool axis in the part frame is (sin A sin C, -sin A cos C, cos A).
 
+pub mod interpolation;
 pub mod machine;
 pub mod transform;
 
+pub use interpolation::Interpolation;
 pub use machine::{LinearAxis, Machine, RotaryAxis};
 pub use transform::{Joints, Pose, inverse};

@@ -201,6 +201,7 @@ fn machine(spec: &MachineSpec) -> Machine {
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
         spindle: spec.spindle.map(crate::units::Rpm::get),
         rapid: spec.rapid.get() / 60.0,
+        cycle: spec.cycle,
         assumed: spec.assumed.clone(),
     }
 }

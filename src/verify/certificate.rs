@@ -199,21 +199,27 @@ impl Certificate {
             )?;
         }
         writeln!(t)?;
-        writeln!(t, "axes: used, travel, largest speed as a share of the limit")?;
+        writeln!(
+            t,
+            "axes: used, travel, largest speed reached, largest acceleration asked for inside of blocks, of the limits"
+        )?;
         for a in &self.machine.axes {
             let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
             writeln!(
                 t,
-                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %",
+                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %  {:>5.1} %",
                 a.axis,
                 a.used[0],
                 a.used[1],
                 a.travel[0],
                 a.travel[1],
-                a.speed_share * 100.0
+                a.speed_share * 100.0,
+                a.acceleration_share * 100.0
             )?;
         }
         writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
+        writeln!(t)?;
+        self.write_runs(t)?;
         match &self.rapid {
             Some(c) => writeln!(t, "  at rapid the tool stays {:.3} mm outside of the stock", c.distance)?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
@@ -234,6 +240,40 @@ impl Certificate {
         for a in &self.allowed {
             let needless = if a.excuses { "" } else { "; needless" };
             writeln!(t, "  {} {}: {}, {}: {}{needless}", a.kind, a.scope, a.figure, a.place, a.reason)?;
+        }
+        Ok(())
+    }
+
+    fn write_runs(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(
+            t,
+            "motion between blocks: tip straight, A and C linear, within the accelerations of the axes. Slowest cutting block"
+        )?;
+        writeln!(
+            t,
+            "as a share of its feed; time without bounds on accelerations; how far tip or flutes leave the motion, um:"
+        )?;
+        writeln!(
+            t,
+            "rounded corners, control cycle; and how far they would by great circles, and by linear joints without TCP"
+        )?;
+        writeln!(
+            t,
+            "  {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "operation", "slowest", "unbound", "corners", "cycle", "circles", "no TCP"
+        )?;
+        for ((o, run), other) in self.operations.iter().zip(&self.machine.runs).zip(&self.machine.other_rules) {
+            writeln!(
+                t,
+                "  {:<12} {:>7.1} % {:>9} {:>9.2} {:>9.2} {:>9.2} {:>9.2}",
+                o.name,
+                run.slowest.value * 100.0,
+                clock(run.programmed.iter().sum()),
+                run.corners.value * 1e3,
+                run.cycle.value * 1e3,
+                other.great_circle.value * 1e3,
+                other.joints_linear.value * 1e3
+            )?;
         }
         Ok(())
     }

@@ -1,9 +1,12 @@
-//! V4: joints within their travel, also between the ends of a move, and axis speeds within their limits.
+//! V4: joints within their travel, also between the ends of a move, axis speeds within their limits, the feed really
+//! reached, and how far the real motion leaves the one that was verified.
 
+use super::dynamics::{self, Peak, Run};
 use super::sweep::At;
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine};
+use crate::kin::{Interpolation, Joints, Machine};
 use nalgebra::Point3;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Places inside a move at which the joints are looked at. The tip runs straight and the rotary axes evenly, so that
@@ -22,8 +25,11 @@ pub struct AxisRange {
     pub used: [f64; 2],
     /// Travel, mm or deg.
     pub travel: [f64; 2],
-    /// Largest speed used as a share of the limit.
+    /// Largest speed that is reached, as a share of the limit.
     pub speed_share: f64,
+    /// Largest acceleration inside of blocks that the programmed feeds would take, as a share of the limit: above 1 the
+    /// control slows down.
+    pub acceleration_share: f64,
 }
 
 /// What an axis does wrong.
@@ -54,6 +60,16 @@ pub struct FastestAxis {
     pub tip: [f64; 3],
 }
 
+/// How far the tool would leave the verified motion between blocks if the control filled in by another rule, from the
+/// tip to the end of the flutes, mm. While cutting and linking.
+#[derive(Clone, Debug, Serialize)]
+pub struct OtherRules {
+    /// Tool axis on great circles instead of linear rotary axes.
+    pub great_circle: Peak,
+    /// Without tool centre point control.
+    pub joints_linear: Peak,
+}
+
 /// Figures of the machine check.
 #[derive(Clone, Debug, Serialize)]
 pub struct MachineReport {
@@ -63,8 +79,12 @@ pub struct MachineReport {
     pub pole_distance: f64,
     /// Worst fault of each axis.
     pub faults: Vec<AxisFault>,
-    /// For each operation the axis that comes nearest to its speed limit.
+    /// For each operation the axis that comes nearest to its speed limit, as it is reached.
     pub fastest: Vec<Option<FastestAxis>>,
+    /// How each operation runs.
+    pub runs: Vec<Run>,
+    /// What other rules of interpolation would do in each operation.
+    pub other_rules: Vec<OtherRules>,
 }
 
 const LETTERS: [char; 5] = ['X', 'Y', 'Z', 'A', 'C'];
@@ -73,38 +93,32 @@ fn coordinates(j: &Joints) -> [f64; 5] {
     [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
 }
 
-/// Travel and speed limits in the units of the joints.
-fn limits(machine: &Machine) -> ([[f64; 2]; 5], [f64; 5]) {
+/// Travel in the units of the joints.
+fn travel(machine: &Machine) -> [[f64; 2]; 5] {
     let l = &machine.linear;
-    (
-        [
-            [l[0].min, l[0].max],
-            [l[1].min, l[1].max],
-            [l[2].min, l[2].max],
-            [machine.tilt.min, machine.tilt.max],
-            [machine.turn.min, machine.turn.max],
-        ],
-        [l[0].speed, l[1].speed, l[2].speed, machine.tilt.speed, machine.turn.speed],
-    )
+    [
+        [l[0].min, l[0].max],
+        [l[1].min, l[1].max],
+        [l[2].min, l[2].max],
+        [machine.tilt.min, machine.tilt.max],
+        [machine.turn.min, machine.turn.max],
+    ]
 }
 
 /// Checks every move.
 pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let machine = &program.machine;
-    let (travel, speed) = limits(machine);
+    let (travel, speed) = (travel(machine), machine.speeds());
     let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
-    let mut share = [0.0_f64; 5];
     let mut pole = f64::INFINITY;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
-    let mut fastest_axes = Vec::new();
     for (o, operation) in motion.operations.iter().enumerate() {
-        let mut most: Option<(f64, usize, At)> = None;
         let mut before: Option<&Joints> = None;
         for (i, m) in operation.moves.iter().enumerate() {
             let at =
                 At { operation: u32::try_from(o).unwrap_or(u32::MAX), index: u32::try_from(i).unwrap_or(u32::MAX) };
             if m.kind == MoveKind::Cut {
-                pole = pole.min(m.joints.a.sin().abs().asin());
+                pole = pole.min(to_pole(before.map_or(m.joints.a, |b| b.a), m.joints.a));
             }
             let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some());
             for k in 0..5 {
@@ -122,10 +136,6 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
                         .windows(2)
                         .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / m.time / speed[k])
                         .fold(0.0, f64::max);
-                    share[k] = share[k].max(fastest);
-                    if most.is_none_or(|m| fastest > m.0) {
-                        most = Some((fastest, k, at));
-                    }
                     if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
                         faults[5 + k] =
                             Some(AxisFault { axis: LETTERS[k], value: fastest, bound: 1.0, speed: true, at });
@@ -134,30 +144,66 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             }
             before = Some(&m.joints);
         }
-        fastest_axes.push(most.map(|(share, k, at)| {
-            let end = operation.moves.get(at.index as usize).map(|m| machine.forward(&m.joints).tip);
-            let tip = end.unwrap_or_else(Point3::origin);
-            FastestAxis { axis: LETTERS[k], share, at, tip: [tip.x, tip.y, tip.z] }
-        }));
     }
     let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
     let mut faults: Vec<AxisFault> = faults.into_iter().flatten().collect();
     for f in faults.iter_mut().filter(|f| !f.speed && matches!(f.axis, 'A' | 'C')) {
         (f.value, f.bound) = (f.value.to_degrees(), f.bound.to_degrees());
     }
+    let count = motion.operations.len();
+    let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o)).collect();
+    let other_rules = (0..count).into_par_iter().map(|o| other_rules(program, motion, o)).collect();
+    let most = |peaks: &dyn Fn(&Run) -> Peak| runs.iter().map(|r| peaks(r).value).fold(0.0, f64::max);
     MachineReport {
         axes: (0..5)
             .map(|k| AxisRange {
                 axis: LETTERS[k],
                 used: used[k].map(|x| shown(k, x)),
                 travel: travel[k].map(|x| shown(k, x)),
-                speed_share: share[k],
+                speed_share: most(&|r| r.speed[k]),
+                acceleration_share: most(&|r| r.asked[k]),
             })
             .collect(),
         pole_distance: pole.to_degrees(),
         faults,
-        fastest: fastest_axes,
+        fastest: runs.iter().map(|run| fastest(program, motion, run)).collect(),
+        runs,
+        other_rules,
     }
+}
+
+/// Least angle to the pole between two positions of A, radians.
+fn to_pole(from: f64, to: f64) -> f64 {
+    let half_turns = |a: f64| (a / std::f64::consts::PI).floor();
+    if half_turns(from) != half_turns(to) {
+        return 0.0;
+    }
+    from.sin().abs().asin().min(to.sin().abs().asin())
+}
+
+/// The axis of a run that comes nearest to its limit.
+fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
+    let (axis, peak) = LETTERS.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+    let at = peak.at?;
+    let end = motion.operations.get(at.operation as usize)?.moves.get(at.index as usize)?;
+    let tip = program.machine.forward(&end.joints).tip;
+    Some(FastestAxis { axis, share: peak.value, at, tip: [tip.x, tip.y, tip.z] })
+}
+
+fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRules {
+    let mut found = OtherRules { great_circle: Peak::NONE, joints_linear: Peak::NONE };
+    let Some(moves) = motion.operations.get(operation) else { return found };
+    let height = program.tools[program.operations[moves.operation].tool].solid.flute_length;
+    for (i, pair) in moves.moves.windows(2).enumerate().filter(|(_, pair)| pair[1].kind != MoveKind::Rapid) {
+        let at = At {
+            operation: u32::try_from(operation).unwrap_or(u32::MAX),
+            index: u32::try_from(i + 1).unwrap_or(u32::MAX),
+        };
+        let by = |rule: Interpolation| rule.deviation(&program.machine, &pair[0].joints, &pair[1].joints, height);
+        found.great_circle.raise(by(Interpolation::GreatCircle), at);
+        found.joints_linear.raise(by(Interpolation::JointsLinear), at);
+    }
+    found
 }
 
 /// Joints along a move; only its end when it positions from an unknown place.

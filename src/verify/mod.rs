@@ -10,12 +10,14 @@
 //! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
+//! | | what feed is reached, how far does the real motion leave the verified one? | [`dynamics`] |
 //!
 //! Not checked yet: stock removal block by block, acceleration.
 
 pub mod certificate;
 pub mod clearance;
 mod contracts;
+pub mod dynamics;
 pub mod machine;
 mod measure;
 pub mod rest;
@@ -116,6 +118,10 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
+    // What the machine really takes, not what the feeds ask for.
+    for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
+        operation.time = run.time;
+    }
     report_faults(program, motion, &certificate, sink);
     let narrower = Narrower { program, motion, samples: &samples };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);

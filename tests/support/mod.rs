@@ -109,6 +109,7 @@ pub fn machine() -> Machine {
         part_origin: Vector3::new(0.0, 0.0, 80.0),
         spindle: [100.0, 18000.0],
         rapid: 500.0,
+        cycle: 0.002,
         assumed: Vec::new(),
     }
 }

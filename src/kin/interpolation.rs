@@ -1,0 +1,77 @@
+//! What a control does between two blocks, and how far two rules lie apart.
+
+use super::{Joints, Machine, Pose, transform::axis_at};
+use nalgebra::Vector3;
+
+/// Rule by which a control fills in between the ends of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Tool centre point control: the tip straight on the part, the rotary axes linear with its way (Siemens ORIAXES,
+    /// LinuxCNC under its kinematics). This is what a motion means.
+    RotaryLinear,
+    /// Tool centre point control with the tool axis on a great circle (Siemens ORIVECT, Heidenhain vectors).
+    GreatCircle,
+    /// No tool centre point control: all joints linear.
+    JointsLinear,
+}
+
+impl Interpolation {
+    /// Tool at a share `t` of the block, in [0, 1].
+    pub fn pose(self, machine: &Machine, from: &Joints, to: &Joints, t: f64) -> Pose {
+        let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+        if self == Self::JointsLinear {
+            return machine.forward(&Joints { xyz: from.xyz + (to.xyz - from.xyz) * t, a, c });
+        }
+        let ends = [machine.forward(from), machine.forward(to)];
+        let tip = ends[0].tip + (ends[1].tip - ends[0].tip) * t;
+        let axis =
+            if self == Self::GreatCircle { great_circle(&ends[0].axis, &ends[1].axis, t) } else { axis_at(a, c) };
+        Pose { tip, axis }
+    }
+
+    /// Largest distance at equal shares of the block between the tool under this rule and under
+    /// [`Self::RotaryLinear`], for points of the tool axis from the tip to a height over it, mm. Looked at in the
+    /// quarters of the block.
+    pub fn deviation(self, machine: &Machine, from: &Joints, to: &Joints, height: f64) -> f64 {
+        // The rules only differ where something turns.
+        if self == Self::RotaryLinear || (from.a == to.a && from.c == to.c) {
+            return 0.0;
+        }
+        let apart = |t: f64| {
+            let [p, q] = [self, Self::RotaryLinear].map(|rule| rule.pose(machine, from, to, t));
+            let tip = p.tip - q.tip;
+            // The distance is convex over the height.
+            tip.norm().max((tip + (p.axis - q.axis) * height).norm())
+        };
+        apart(0.25).max(apart(0.5)).max(apart(0.75))
+    }
+}
+
+/// Even turn from one unit vector to another; of opposite ones, which have no great circle of their own, the first.
+fn great_circle(from: &Vector3<f64>, to: &Vector3<f64>, t: f64) -> Vector3<f64> {
+    let angle = from.cross(to).norm().atan2(from.dot(to));
+    let sine = angle.sin();
+    // So near to each other the chord is the arc; opposite ones end here too.
+    if sine < 1e-9 {
+        return if angle < 1.0 { (from + (to - from) * t).normalize() } else { *from };
+    }
+    (from * ((1.0 - t) * angle).sin() + to * (t * angle).sin()) / sine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_great_circle_turns_evenly_in_one_plane() {
+        let (p, q) = (axis_at(0.4, 0.3), axis_at(1.1, -0.9));
+        let angle = p.angle(&q);
+        for k in 0..=10 {
+            let t = f64::from(k) / 10.0;
+            let v = great_circle(&p, &q, t);
+            assert!((v.norm() - 1.0).abs() < 1e-14 && (v.angle(&p) - t * angle).abs() < 1e-7);
+            assert!(v.dot(&p.cross(&q)).abs() < 1e-14);
+        }
+        assert_eq!(great_circle(&p, &-p, 0.3), p);
+    }
+}

@@ -1,0 +1,331 @@
+//! Feed that the machine really reaches: the fastest run through the blocks of an operation that keeps the speed and
+//! the acceleration of every axis, as a control with look-ahead does it.
+//!
+//! A block is cut into cells in which the joints are parabolas of the programmed time tau (the time that feed and axis
+//! speeds ask for). The run is y(tau) = (dtau/dt)^2, at most 1. With q' and q'' the derivatives by tau, the axis speed is
+//! q' sqrt(y) and its acceleration q'' y + q' y'/2. Held in every cell: |q'| sqrt(y) <= speed, and
+//! |q''| y + |q'| |y'|/2 <= acceleration, so that the time is that of a feasible run, never below the true least.
+//! One pass forward and one backward find y; a cell is run through with up, even and down phases in closed form.
+//!
+//! At a block's end the direction jumps. The control rounds that with the acceleration of its slowest axis in a time T,
+//! and leaves the corner by |jump of velocity| T / 8; the speed there is such that neither tip nor flutes leave it by
+//! more than the chord tolerance, which the posts give to the control, and that T fits between the middles of both
+//! blocks. A jump that both ends of a block have is curvature cut into chords: it counts as q'' of the block.
+//! The program of an operation begins and ends at rest.
+
+use super::sweep::At;
+use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::{Joints, Machine};
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
+
+/// Turn of a cell, radians: the third derivative of a joint 300 mm from a rotary axis then bends by 0.1 um.
+const CELL_TURN: f64 = std::f64::consts::PI / 90.0;
+
+/// Most cells of a block; a block of 2000 deg has no more.
+const MOST_CELLS: f64 = 1000.0;
+
+/// Something that is largest at one place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// How much.
+    pub value: f64,
+    /// Move.
+    pub at: Option<At>,
+}
+
+impl Peak {
+    /// Nothing yet.
+    pub const NONE: Self = Self { value: 0.0, at: None };
+
+    /// Takes a larger value.
+    pub fn raise(&mut self, value: f64, at: At) {
+        if value > self.value {
+            *self = Self { value, at: Some(at) };
+        }
+    }
+}
+
+/// How one operation runs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Run {
+    /// Time of cutting, links and rapids with speeds and accelerations kept, s.
+    pub time: [f64; 3],
+    /// The same with accelerations without bounds, s.
+    pub programmed: [f64; 3],
+    /// Share of the programmed feed with which the slowest cutting block is run through, and that block.
+    pub slowest: Peak,
+    /// Largest speed of X, Y, Z, A, C that is reached, as a share of the limit.
+    pub speed: [Peak; 5],
+    /// Largest acceleration of the axes inside of blocks that the programmed feed would take, as a share of the limit:
+    /// above 1 the control slows down.
+    pub asked: [Peak; 5],
+    /// How far tip or flutes leave the programmed corners at the speed reached, mm; not at rapid, nor the next figure.
+    pub corners: Peak,
+    /// How far the tool leaves the path between two positions that the control gives to its drives, mm.
+    pub cycle: Peak,
+}
+
+/// A piece of a block with even derivatives.
+#[derive(Clone, Copy)]
+struct Cell {
+    block: u32,
+    kind: MoveKind,
+    /// Programmed time, s.
+    width: f64,
+    /// Largest |q'| and |q''|, the latter with the curvature that is cut into chords.
+    rate: [f64; 5],
+    bend: [f64; 5],
+    /// Largest y.
+    cap: f64,
+    /// Ratio of dtau/dt after its start to that before; zero where the axes must stand.
+    ratio: f64,
+    /// Largest y before its start that the corner there allows, and the distance by which it is rounded for y = 1.
+    corner: f64,
+    rounding: f64,
+    /// |q''| of the linear joints as a vector.
+    sag: f64,
+}
+
+/// Limits that a run keeps.
+struct Limits {
+    speed: [f64; 5],
+    acceleration: [f64; 5],
+    chord: f64,
+    height: f64,
+}
+
+type Joint5 = [f64; 5];
+
+fn joints5(j: &Joints) -> Joint5 {
+    [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+}
+
+/// A block as it begins and ends.
+struct Block {
+    time: f64,
+    cells: std::ops::Range<usize>,
+    /// q' at start and end.
+    ends: [Joint5; 2],
+    /// Velocity of the tip on the part, by tau.
+    tip: Vector3<f64>,
+    /// Jump of q' at its start, in the time of this block.
+    jump: Joint5,
+}
+
+/// Runs one operation of a motion.
+pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
+    let mut report = Run {
+        time: [0.0; 3],
+        programmed: [0.0; 3],
+        slowest: Peak { value: 1.0, at: None },
+        speed: [Peak::NONE; 5],
+        asked: [Peak::NONE; 5],
+        corners: Peak::NONE,
+        cycle: Peak::NONE,
+    };
+    let Some(moves) = motion.operations.get(operation) else { return report };
+    let declared = &program.operations[moves.operation];
+    let (machine, t) = (&program.machine, &program.tolerances);
+    let limits = Limits {
+        speed: machine.speeds(),
+        acceleration: machine.accelerations(),
+        chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
+        height: program.tools[declared.tool].solid.flute_length,
+    };
+    let mut cells = Vec::new();
+    let mut last: Option<Block> = None;
+    for (i, pair) in moves.moves.windows(2).enumerate() {
+        let m = &pair[1];
+        if m.time > 0.0 {
+            let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
+            let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
+            join(&limits, last.as_ref(), &mut block, &mut cells);
+            last = Some(block);
+        }
+    }
+    if let Some(last) = &last {
+        finish(&limits, last, &[0.0; 5], &mut cells);
+    }
+    let nodes = passes(&limits, &cells);
+    let operation = u32::try_from(operation).unwrap_or(u32::MAX);
+    let (mut programmed, mut spent) = (0.0, 0.0);
+    for (i, (cell, [from, to])) in cells.iter().zip(nodes).enumerate() {
+        let at = At { operation, index: cell.block };
+        let (time, peak) = phases(&limits, cell, from, to);
+        let kind = match cell.kind {
+            MoveKind::Cut => 0,
+            MoveKind::Link => 1,
+            MoveKind::Rapid => 2,
+        };
+        report.time[kind] += time;
+        report.programmed[kind] += cell.width;
+        for k in 0..5 {
+            report.speed[k].raise((peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
+            report.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
+        }
+        // At rapid nothing is near that would mind.
+        let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
+        if cell.ratio > 0.0 && !rapid(cell) && i.checked_sub(1).and_then(|b| cells.get(b)).is_some_and(|c| !rapid(c)) {
+            report.corners.raise(from / (cell.ratio * cell.ratio) * cell.rounding, at);
+        }
+        if !rapid(cell) {
+            report.cycle.raise(cell.sag * peak * machine.cycle * machine.cycle / 8.0, at);
+        }
+        (programmed, spent) = (programmed + cell.width, spent + time);
+        if cells.get(i + 1).is_none_or(|next| next.block != cell.block) {
+            if kind == 0 && programmed < report.slowest.value * spent {
+                report.slowest = Peak { value: programmed / spent, at: Some(at) };
+            }
+            (programmed, spent) = (0.0, 0.0);
+        }
+    }
+    report
+}
+
+/// Cells of a block; the corner at its start is not known yet.
+fn block(
+    machine: &Machine,
+    from: &Joints,
+    to: &Joints,
+    (index, kind, time): (u32, MoveKind, f64),
+    cells: &mut Vec<Cell>,
+) -> Block {
+    let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
+    let at = |t: f64| {
+        let tip = tips[0] + (tips[1] - tips[0]) * t;
+        joints5(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t))
+    };
+    let count = ((to.a - from.a).hypot(to.c - from.c) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
+    let width = time / count;
+    let first = cells.len();
+    let mut ends = [[0.0; 5]; 2];
+    let mut q0 = joints5(from);
+    for cell in 0..count as usize {
+        let (middle, end) = (at((cell as f64 + 0.5) / count), at((cell as f64 + 1.0) / count));
+        let each =
+            |f: &dyn Fn(f64, f64, f64) -> f64| -> Joint5 { std::array::from_fn(|k| f(q0[k], middle[k], end[k])) };
+        let start_rate = each(&|a, b, c| (4.0 * b - 3.0 * a - c) / width);
+        let end_rate = each(&|a, b, c| (a - 4.0 * b + 3.0 * c) / width);
+        let bend = each(&|a, b, c| (4.0 * (a - 2.0 * b + c)).abs() / (width * width));
+        if cell == 0 {
+            ends[0] = start_rate;
+        }
+        ends[1] = end_rate;
+        cells.push(Cell {
+            block: index,
+            kind,
+            width,
+            rate: std::array::from_fn(|k| start_rate[k].abs().max(end_rate[k].abs())),
+            bend,
+            cap: 1.0,
+            ratio: 1.0,
+            corner: f64::INFINITY,
+            rounding: 0.0,
+            sag: Vector3::new(bend[0], bend[1], bend[2]).norm(),
+        });
+        q0 = end;
+    }
+    Block { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5] }
+}
+
+/// Sets the corner between two blocks, and finishes the first of them.
+fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut [Cell]) {
+    let at = block.cells.start;
+    let Some(before) = before else {
+        cells[at].ratio = 0.0;
+        return;
+    };
+    let (v1, v2) = (&before.ends[1], &block.ends[0]);
+    // The joints together keep their speed, weighed by how fast they get rid of it.
+    let size = |v: &Joint5| (0..5).map(|k| (v[k] / limits.acceleration[k]).powi(2)).sum::<f64>().sqrt();
+    let ratio = size(v1) / size(v2);
+    // A block that moves nothing is a stop.
+    if ratio <= 0.0 || !ratio.is_finite() {
+        cells[at].ratio = 0.0;
+        finish(limits, before, &[0.0; 5], cells);
+        return;
+    }
+    let jump: Joint5 = std::array::from_fn(|k| (v2[k] * ratio - v1[k]).abs());
+    let rounded = (0..5).map(|k| jump[k] / limits.acceleration[k]).fold(0.0, f64::max);
+    let flutes = (block.tip * ratio - before.tip).norm() + limits.height * jump[3].hypot(jump[4]);
+    let cell = &mut cells[at];
+    cell.ratio = ratio;
+    cell.rounding = rounded * flutes / 8.0;
+    if rounded > 0.0 {
+        cell.corner = 0.5 * (before.time + block.time / ratio) / rounded;
+        cell.corner = cell.corner.min(limits.chord / cell.rounding);
+    }
+    block.jump = jump.map(|j| j / ratio);
+    finish(limits, before, &jump, cells);
+}
+
+/// Curvature and largest y of a block whose jump at the end is known.
+fn finish(limits: &Limits, block: &Block, jump: &Joint5, cells: &mut [Cell]) {
+    for cell in &mut cells[block.cells.clone()] {
+        for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
+            cell.bend[k] += start.min(*end) / block.time;
+            if cell.rate[k] > 0.0 {
+                cell.cap = cell.cap.min((limits.speed[k] / cell.rate[k]).powi(2));
+            }
+            if cell.bend[k] > 0.0 {
+                cell.cap = cell.cap.min(limits.acceleration[k] / cell.bend[k]);
+            }
+        }
+    }
+}
+
+/// Largest y that is reached from y over a stretch of a cell.
+fn rise(limits: &Limits, cell: &Cell, y: f64, width: f64) -> f64 {
+    (0..5)
+        .filter(|k| cell.rate[*k] > 0.0)
+        .map(|k| {
+            let way = 2.0 * width / cell.rate[k];
+            (y + way * limits.acceleration[k]) / (1.0 + way * cell.bend[k])
+        })
+        .fold(cell.cap, f64::min)
+}
+
+/// y at start and end of every cell.
+fn passes(limits: &Limits, cells: &[Cell]) -> Vec<[f64; 2]> {
+    let mut nodes = vec![[0.0; 2]; cells.len()];
+    let mut start = 0.0;
+    for (i, cell) in cells.iter().enumerate() {
+        let next = cells.get(i + 1).filter(|n| n.ratio > 0.0);
+        let node = next.map_or(0.0, |n| n.corner.min(n.cap / (n.ratio * n.ratio)));
+        let end = rise(limits, cell, start, cell.width).min(node);
+        nodes[i] = [start, end];
+        start = next.map_or(0.0, |n| end * n.ratio * n.ratio);
+    }
+    let mut end = 0.0;
+    for (i, cell) in cells.iter().enumerate().rev() {
+        let [before, after] = nodes[i];
+        let after = after.min(end);
+        let before = before.min(rise(limits, cell, after, cell.width));
+        nodes[i] = [before, after];
+        end = if cell.ratio > 0.0 { before / (cell.ratio * cell.ratio) } else { 0.0 };
+    }
+    nodes
+}
+
+/// Time of a cell between two values of y, and the largest y in it.
+fn phases(limits: &Limits, cell: &Cell, from: f64, to: f64) -> (f64, f64) {
+    // Both slopes meet at the peak, unless the cap cuts it off.
+    let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
+    let slope = (0..5)
+        .filter(|k| cell.rate[*k] > 0.0)
+        .map(|k| 2.0 * (limits.acceleration[k] - cell.bend[k] * peak).max(0.0) / cell.rate[k])
+        .fold(f64::INFINITY, f64::min);
+    // No slope is left only where y cannot change.
+    let leg = |y: f64| if slope > 0.0 { (peak - y) / slope } else { 0.0 };
+    let (mut up, mut down) = (leg(from), leg(to));
+    let sum = up + down;
+    if sum > cell.width {
+        (up, down) = (up * cell.width / sum, down * cell.width / sum);
+    }
+    let top = peak.sqrt();
+    let over = |width: f64, y: f64| if width > 0.0 { 2.0 * width / (y.sqrt() + top) } else { 0.0 };
+    let even = (cell.width - up - down).max(0.0);
+    let even = if even > 0.0 { even / top } else { 0.0 };
+    (over(up, from) + even + over(down, to), peak)
+}
