@@ -218,12 +218,12 @@ impl Certificate {
             )?;
         }
         writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
-        writeln!(t)?;
-        self.write_runs(t)?;
         match &self.rapid {
             Some(c) => writeln!(t, "  at rapid the tool stays {:.3} mm outside of the stock", c.distance)?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
         }
+        writeln!(t)?;
+        self.write_runs(t)?;
         if !self.contracts.is_empty() {
             writeln!(t)?;
             writeln!(t, "contracts")?;

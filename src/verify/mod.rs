@@ -12,7 +12,7 @@
 //! | V4 | are the axes within travel and speed? | [`machine`] |
 //! | | what feed is reached, how far does the real motion leave the verified one? | [`dynamics`] |
 //!
-//! Not checked yet: stock removal block by block, acceleration.
+//! Not checked yet: stock removal block by block, jerk.
 
 pub mod certificate;
 pub mod clearance;
