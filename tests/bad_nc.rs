@@ -284,6 +284,30 @@ fn verify(nc: &std::path::Path) -> (Option<i32>, String) {
     (run.status.code(), text)
 }
 
+/// Each of many blocks is understood and wrong: turns of C that nobody can be sure of.
+#[test]
+fn many_wrong_blocks_are_told_in_short() {
+    let at = SIEMENS.find("N130").unwrap();
+    let mut long = SIEMENS[..at].to_owned();
+    for i in 0..200_000 {
+        let (x, y) = [(0.5, 0.0), (0.0, 0.5), (-0.5, 0.0), (0.0, -0.5)][i * 3 % 4];
+        long.push_str(&format!("N9 G1 X{} A3={x} B3={y} C3=0.8660254\n", 20 + i % 7));
+    }
+    long.push_str(&SIEMENS[SIEMENS.find("N140").unwrap()..]);
+    let start = Instant::now();
+    let moves = read("siemens-840d", &long).unwrap();
+    let program = support::flank_only(&[0]);
+    let mut sink = Sink::default();
+    let lines = std::cell::Cell::new(0);
+    let span = |line: usize| {
+        lines.set(lines.get() + 1);
+        Span::new(impellerc::source::SourceId(0), line..line)
+    };
+    assert!(motion_of(&program, &moves, &span, &mut sink).is_none());
+    assert!(sink.has_errors() && sink.diags().len() <= 20 && lines.get() <= 20, "{}", sink.diags().len());
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
 #[test]
 fn files_that_are_no_text_or_too_large_or_missing() {
     let folder = tempfile::tempdir().unwrap();
@@ -304,7 +328,10 @@ fn files_that_are_no_text_or_too_large_or_missing() {
     fails("IMP0821", "control character");
     std::fs::write(&path, "N".repeat(1 << 20)).unwrap();
     fails("IMP0821", "longer than");
+    // The job's dialect is the other one: the text is recognised; as an unknown one it is read as the job's.
     std::fs::write(&path, LINUXCNC).unwrap();
+    fails("IMP0822", "operation 1 of the text uses tool 2");
+    std::fs::write(&path, "O1\nG91 G28 Z0\n").unwrap();
     fails("IMP0821", "line 1 is not understood");
     std::fs::write(&path, SIEMENS).unwrap();
     fails("IMP0822", "operation 1 of the text uses tool t2");

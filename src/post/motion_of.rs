@@ -29,6 +29,9 @@ impl NcMotion {
     }
 }
 
+/// Most faults of one text that are told.
+const MOST_FAULTS: usize = 20;
+
 /// Feed and spindle speed above the job's that is rounding, as a share.
 const ROUNDING: f64 = 1e-6;
 
@@ -54,7 +57,7 @@ pub fn motion_of(
     sink: &mut Sink,
 ) -> Option<NcMotion> {
     let sections = sections(moves);
-    let mut reader = Interpreter { program, span, sink, sound: true };
+    let mut reader = Interpreter { program, span, sink, sound: true, told: 0 };
     let mut result = NcMotion::default();
     let mut before = (0.0, 0.0);
     let operations: Vec<(OperationId, &Operation)> = program.operations.iter().collect();
@@ -106,17 +109,32 @@ struct Interpreter<'a> {
     span: &'a dyn Fn(usize) -> Span,
     sink: &'a mut Sink,
     sound: bool,
+    told: usize,
 }
 
 impl Interpreter<'_> {
     fn fault(&mut self, code: Code, line: usize, text: String, help: &str) -> Diag {
+        // Finding a line takes as long as the text is.
+        if self.told >= MOST_FAULTS {
+            return Diag::error(code, text);
+        }
         Diag::error(code, text).label((self.span)(line), "this block").help(help)
+    }
+
+    /// Tells a fault. Beyond the most that are told the text is not measured: each of a million blocks may have one.
+    fn tell(&mut self, diag: Diag) {
+        self.told += 1;
+        if self.told <= MOST_FAULTS {
+            self.sink.push(diag);
+        } else {
+            self.sound = false;
+        }
     }
 
     /// A fault with which the rest cannot be measured.
     fn fatal(&mut self, code: Code, line: usize, text: String, help: &str) {
         let diag = self.fault(code, line, text, help);
-        self.sink.push(diag);
+        self.tell(diag);
         self.sound = false;
     }
 
@@ -150,7 +168,7 @@ impl Interpreter<'_> {
                 "bring tools, speeds and order of the operations of text and job together",
             )
             .label(span, "the operation of the job");
-        self.sink.push(diag);
+        self.tell(diag);
         self.sound = false;
         false
     }
@@ -195,7 +213,7 @@ impl Interpreter<'_> {
                         text,
                         "move the tip with the turn, or turn at rapid outside of the stock",
                     );
-                    self.sink.push(diag);
+                    self.tell(diag);
                 }
             }
             made.moves.push(next);
@@ -211,7 +229,7 @@ impl Interpreter<'_> {
             let text = "the table turns while the tool comes down to the first position".to_owned();
             let help = "turn A and C to the positions of the first move before the transformation is switched on";
             let diag = self.fault(post::NC_POSITIONING, m.line, text, help);
-            self.sink.push(diag);
+            self.tell(diag);
         }
         let unsure = (to.1 - before.1).abs() >= FRAC_PI_2 || to.0 * before.0 < 0.0;
         if matches!(m.direction, Direction::Axis(_)) && unsure {
@@ -220,7 +238,7 @@ impl Interpreter<'_> {
             let diag = self
                 .fault(post::AMBIGUOUS_VECTOR, m.line, text, "more blocks between the directions, or A= C= at rapid")
                 .note("a direction vector fits two rotary positions; the control takes the nearer one");
-            self.sink.push(diag);
+            self.tell(diag);
         }
     }
 
@@ -237,7 +255,7 @@ impl Interpreter<'_> {
             let diag = self
                 .fault(post::NC_SMOOTHING, m.line, text, "smooth within the chord tolerance of the job")
                 .label(operation.span, "the operation of the job");
-            self.sink.push(diag);
+            self.tell(diag);
         }
     }
 
