@@ -259,20 +259,47 @@ impl Part {
         length / self.face(side).surface.root.derivatives_extended(u).first.norm()
     }
 
-    /// True for a point of the room between inlet cone and outlet cylinder, where milled surfaces are.
-    fn between_inlet_and_outlet(&self, p: &Point3<f64>) -> bool {
-        let (r, z) = (p.x.hypot(p.y), p.z);
+    /// The room between inlet cone and outlet cylinder, where milled surfaces are.
+    pub fn room(&self) -> Room {
         let (hub, shroud) = (self.hub.meridian(0.0).point, self.shroud.meridian(0.0).point);
-        // Side of the inlet line on which the channel lies.
-        let side = |r: f64, z: f64| (shroud.x - hub.x) * (z - hub.y) - (shroud.y - hub.y) * (r - hub.x);
         let outlet = self.hub.meridian(1.0).point;
-        side(r, z) * side(outlet.x, outlet.y) >= 0.0 && r <= outlet.x.max(self.shroud.meridian(1.0).point.x)
+        let mut room = Room { inlet: hub, across: shroud - hub, outlet: f64::INFINITY };
+        // Side of the inlet line on which the channel lies.
+        if room.side(outlet.x, outlet.y) < 0.0 {
+            room.across = -room.across;
+        }
+        room.outlet = outlet.x.max(self.shroud.meridian(1.0).point.x);
+        room
+    }
+}
+
+/// The room between inlet cone and outlet cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Point of the inlet line, (r, z).
+    inlet: Vector2<f64>,
+    /// Along the inlet line, the room on its left.
+    across: Vector2<f64>,
+    /// Radius of the outlet.
+    outlet: f64,
+}
+
+impl Room {
+    fn side(&self, r: f64, z: f64) -> f64 {
+        self.across.x * (z - self.inlet.y) - self.across.y * (r - self.inlet.x)
+    }
+
+    /// True for a point in it.
+    pub fn holds(&self, p: &Point3<f64>) -> bool {
+        let r = (p.x * p.x + p.y * p.y).sqrt();
+        self.side(r, p.z) >= 0.0 && r <= self.outlet
     }
 }
 
 fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut Vec<Sample>) {
     let face = part.face(side);
     let nu = steps(guide_length(part, side) * UNEVEN, spacing);
+    let room = part.room();
     // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
     let beyond = [0.0, 1.0].map(|u| (part.root_step(side, u, radius) * nu as f64).ceil() as i64);
     for i in -beyond[0]..=nu as i64 + beyond[1] {
@@ -293,7 +320,7 @@ fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut V
                 to_face
             };
             let position = centre + direction * radius;
-            if part.between_inlet_and_outlet(&position) {
+            if room.holds(&position) {
                 out.push(Sample {
                     surface: SurfaceId { kind: SurfaceKind::Fillet(side), sector: 0 },
                     position,
@@ -316,7 +343,7 @@ fn guide_length_at(part: &Part, side: Side, nu: usize) -> f64 {
 }
 
 /// Normal of the hub at the foot of a point.
-fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
+pub(super) fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
     let r = at.x.hypot(at.y);
     let (u, _) = part.hub.closest(Vector2::new(r, at.z));
     let n = part.hub.meridian_normal(u);
@@ -324,7 +351,7 @@ fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
-fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
+pub(super) fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
     const ROWS: usize = 400;
     let face = part.face(side);
     let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
@@ -351,7 +378,7 @@ fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
 }
 
 /// Azimuth of a border at a hub parameter, its ends continued level.
-fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
+pub(super) fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
     let i = border.partition_point(|p| p[0] <= u);
     let (first, last) = (border.first()?, border.last()?);
     if i == 0 {

@@ -12,6 +12,7 @@
 //! | [`Motion`] | joint positions, branch and winding chosen, feeds and times | dialect |
 
 pub mod cc;
+pub mod chart;
 pub mod cl;
 pub mod design;
 pub mod motion;

@@ -99,6 +99,8 @@ pub struct Certificate {
     pub machine_name: String,
     /// Spacing of the samples of the design surfaces, mm.
     pub spacing: f64,
+    /// How far the proved bounds may lie beyond what was found, mm.
+    pub slack: f64,
     /// Milled surfaces.
     pub surfaces: Vec<SurfaceReport>,
     /// Operations in order.
@@ -131,8 +133,11 @@ pub fn describe(program: &Program, motion: &Motion, at: Option<At>) -> String {
     format!("{name}, {label}, move {}", at.index)
 }
 
+/// In place of a figure where no cutter comes near.
+const NOT_REACHED: &str = "not reached";
+
 fn um(mm: f64) -> String {
-    if mm >= super::surface::FAR { "not reached".to_owned() } else { format!("{:.2}", mm * 1e3) }
+    if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { format!("{:.2}", mm * 1e3) }
 }
 
 impl Certificate {
@@ -144,41 +149,72 @@ impl Certificate {
         t
     }
 
-    fn write(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
-        writeln!(t, "certificate of {} on {}", self.name, self.machine_name)?;
-        writeln!(t)?;
+    fn write_surfaces(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
-            "surfaces: swept cutters of the whole program against the design, samples {} mm apart, um",
+            "surfaces: cutters of the whole program swept against the design, um; proved over cells of {} mm and less",
             self.spacing
         )?;
         writeln!(
             t,
-            "  {:<26} {:>8} {:>9}  {:<30} {:>11}  {:<30}",
-            "surface", "samples", "gouge", "at (mm)", "excess", "at (mm)"
+            "  {:<24} {:>7} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
+            "surface", "mm2", "gouge", "at most", "at (mm)", "excess", "at most", "at (mm)", "5 %", "50 %", "95 %"
         )?;
         for s in &self.surfaces {
             let at = |p: [f64; 3]| format!("({:.3}, {:.3}, {:.3})", p[0], p[1], p[2]);
             writeln!(
                 t,
-                "  {:<26} {:>8} {:>9}  {:<30} {:>11}  {:<30}",
+                "  {:<24} {:>7.1} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
                 s.surface,
-                s.samples,
+                s.area,
                 um(s.gouge.depth),
+                um(s.gouge_bound),
                 at(s.gouge.point),
                 um(s.excess.value),
-                at(s.excess.point)
+                um(s.excess_bound),
+                at(s.excess.point),
+                um(s.percentiles[0]),
+                um(s.percentiles[1]),
+                um(s.percentiles[2]),
             )?;
         }
-        let worst = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
-        if let Some(s) = worst(&|s| s.gouge.depth) {
-            let place = describe(program, motion, s.gouge.at);
-            writeln!(t, "  deepest cut {} um on {}: {place}", um(s.gouge.depth), s.surface)?;
+        let most = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
+        let bound = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().map(f).fold(0.0, f64::max);
+        if let Some(s) = most(&|s| s.gouge.depth) {
+            let (found, place) = (um(s.gouge.depth), describe(program, motion, s.gouge.at));
+            let bound = um(bound(&|s| s.gouge_bound));
+            writeln!(t, "  no gouge over {bound} um anywhere, deepest found {found} um on {}: {place}", s.surface)?;
         }
-        if let Some(s) = worst(&|s| s.excess.value) {
-            let place = describe(program, motion, s.excess.at);
-            writeln!(t, "  most left {} um on {}: {place}", um(s.excess.value), s.surface)?;
+        if let Some(s) = most(&|s| s.excess.value) {
+            let (found, place) = (um(s.excess.value), describe(program, motion, s.excess.at));
+            match um(bound(&|s| s.excess_bound)) {
+                bound if found == NOT_REACHED => writeln!(t, "  {bound}: {}", s.surface)?,
+                bound => {
+                    writeln!(t, "  nowhere more than {bound} um left, most found {found} um on {}: {place}", s.surface)?
+                }
+            }
         }
+        for s in self.surfaces.iter().filter(|s| s.not_reached > 0.0) {
+            let causes: Vec<String> =
+                s.nearest_there.iter().map(|(operation, area)| self.cause(*operation, *area)).collect();
+            let limit = um(super::surface::NOT_REACHED);
+            writeln!(t, "  over {limit} um left on {:.2} mm2 of {}: {}", s.not_reached, s.surface, causes.join(", "))?;
+        }
+        Ok(())
+    }
+
+    /// Why an area is not reached.
+    fn cause(&self, operation: Option<u32>, area: f64) -> String {
+        match operation.and_then(|o| self.operations.get(o as usize)) {
+            Some(o) => format!("{area:.2} mm2 where {} comes nearest", o.name),
+            None => format!("{area:.2} mm2 where no operation comes near"),
+        }
+    }
+
+    fn write(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
+        writeln!(t, "certificate of {} on {}", self.name, self.machine_name)?;
+        writeln!(t)?;
+        self.write_surfaces(program, motion, t)?;
         writeln!(t)?;
         self.write_operations(t)?;
         writeln!(t)?;

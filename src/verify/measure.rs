@@ -1,4 +1,4 @@
-//! Figures of contracts: what the certificate has, narrowed to the surfaces and operations that a contract names.
+//! Figures of contracts: what the certificate has proved, narrowed to the surfaces and operations that a contract names.
 
 use super::certificate::Certificate;
 use super::clearance::Clearance;
@@ -68,13 +68,13 @@ pub(super) fn measure(
     narrow: &dyn Narrow,
 ) -> Result<Figure, Unmeasured> {
     match kind {
-        ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge.depth, s.gouge.point, s.gouge.at))),
+        ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.point, s.gouge.at))),
         ContractKind::Excess => {
             let mut region = region.clone();
             for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
                 *done &= after.is_none_or(|last| o <= last);
             }
-            let excess = |s: &SurfaceReport| (s.excess.value.max(0.0), s.excess.point, s.excess.at);
+            let excess = |s: &SurfaceReport| (s.excess_bound, s.excess.point, s.excess.at);
             Ok(worst(certificate, narrow, &region, excess))
         }
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),

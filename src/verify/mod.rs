@@ -14,6 +14,8 @@
 //!
 //! Not checked yet: stock removal block by block, jerk.
 
+mod bounds;
+mod cells;
 pub mod certificate;
 pub mod clearance;
 mod contracts;
@@ -89,7 +91,7 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     }
     let samples = design::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let surfaces = surfaces(program, &samples, &sweeps);
+    let surfaces = surface::certify(&program.part, &sweeps, SPACING);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let stock_cloud = Cloud::new(stock_points(program));
     let stock = &stock_cloud;
@@ -109,6 +111,7 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
         spacing: SPACING,
+        slack: surface::SLACK,
         surfaces,
         operations,
         labels: Vec::new(),
@@ -128,15 +131,6 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     Ok(certificate)
 }
 
-/// What some cutters leave on every milled surface.
-fn surfaces(program: &Program, samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<surface::SurfaceReport> {
-    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
-    let deviations = surface::deviations(&milled, sweeps);
-    let mut surfaces = surface::reports(&milled, &deviations);
-    surfaces.par_iter_mut().for_each(|s| surface::refine(&program.part, s, sweeps, SPACING));
-    surfaces
-}
-
 /// Distance within which bodies are looked for: enough to judge every contract on it.
 fn search(program: &Program) -> f64 {
     let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
@@ -154,7 +148,7 @@ impl measure::Narrow for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
-        surfaces(self.program, self.samples, &sweeps)
+        surface::certify(&self.program.part, &sweeps, SPACING)
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {

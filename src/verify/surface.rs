@@ -1,18 +1,34 @@
-//! V2: what the whole program leaves on every design surface.
+//! V2: what the whole program leaves on every design surface, proved between samples.
 //!
-//! For a sample p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
-//! Negative is gouge, positive is excess.
+//! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
+//! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::ir::chart`]). g is
+//! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
+//! surface, by the bounds of [`super::bounds`], and divided where they fall short. A deeper place that comes up moves
+//! the goal with it.
+//!
+//! The one quantity that is measured instead of proved is how far a surface leaves the biquadratic through nine points
+//! of a cell; it is taken from third differences, with a margin.
 
+use super::cells::{Found, Goals, Grid, Looked, Proved, Surface, Task, deviation};
 use super::sweep::{At, Sweep};
-use crate::ir::design::{self, Sample, SurfaceId, SurfaceKind};
-use crate::ir::{Part, Side};
+use crate::ir::Part;
+use crate::ir::chart::charts;
+use crate::ir::design::{Sample, SurfaceId};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
-/// Distance beyond which a sample counts as not reached, mm; no search goes on beyond it.
+/// Distance beyond which a place counts as out of reach of all cutters, mm; no search goes on beyond it.
 pub const FAR: f64 = 20.0;
+
+/// How far a proved bound may lie beyond the worst value found, mm.
+pub const SLACK: f64 = 5e-4;
+
+/// The same for the excess, as a share of it, where that is more.
+const SLACK_SHARE: f64 = 0.02;
+
+/// g from which a place counts as not reached, mm: no finishing leaves a tenth of a millimetre.
+pub const NOT_REACHED: f64 = 0.1;
 
 /// A place on a surface with what was found there.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,89 +51,154 @@ pub struct Worst {
 pub struct SurfaceReport {
     /// Name.
     pub surface: String,
-    /// Samples.
+    /// Cells of the first division.
     pub samples: usize,
+    /// Points at which g was computed and cells that were proved, for the work done.
+    pub points: usize,
     /// Area, mm2.
     pub area: f64,
-    /// Deepest cut: the least g.
+    /// Deepest cut found: the least g.
     pub gouge: Worst,
-    /// Most left: the largest g.
+    /// No cut into the surface is deeper, mm.
+    pub gouge_bound: f64,
+    /// Most left that was found: the largest g.
     pub excess: Worst,
-    /// 5, 50 and 95 percent of the samples lie below these g, mm.
+    /// Nowhere is more left, mm; [`FAR`] where nothing comes near.
+    pub excess_bound: f64,
+    /// 5, 50 and 95 percent of the area lie below these g, mm.
     pub percentiles: [f64; 3],
+    /// Area where more than [`NOT_REACHED`] is left, mm2.
+    pub not_reached: f64,
+    /// Operations, by index in the motion, that come nearest to the area not reached, with their shares of it in mm2;
+    /// `None` where nothing comes near.
+    pub nearest_there: Vec<(Option<u32>, f64)>,
     /// Id of the surface.
     #[serde(skip)]
     pub id: SurfaceId,
 }
 
-/// Samples that one thread takes at a time; within them each starts from what its neighbour found.
-const RUN: usize = 256;
-
-/// g of every sample, with the move that makes it.
-pub fn deviations(samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<(f64, Option<At>)> {
-    samples
-        .par_chunks(RUN)
-        .flat_map_iter(|run| {
-            let mut guess: Option<(usize, u32)> = None;
-            run.iter()
-                .map(|s| {
-                    let (g, at, found) = deviation(&s.position, sweeps, guess);
-                    guess = found.or(guess);
-                    (g, at)
-                })
-                .collect::<Vec<_>>()
-        })
-        .collect()
-}
-
-/// g of a point; `guess` is a sweep and a piece that came near to a neighbour.
-fn deviation(
-    p: &Point3<f64>,
-    sweeps: &[Sweep<'_>],
-    guess: Option<(usize, u32)>,
-) -> (f64, Option<At>, Option<(usize, u32)>) {
-    let mut best = (FAR, None, None);
-    let near = guess.and_then(|(sweep, piece)| sweeps.get(sweep)?.distance_to_piece(piece, p));
-    if let Some(n) = near.filter(|n| n.distance < FAR) {
-        best = (n.distance, Some(n.at), guess);
-    }
-    // The last operations come nearest: with them first the others are soon out of the question.
-    for (index, sweep) in sweeps.iter().enumerate().rev() {
-        if let Some(n) = sweep.nearest(p, best.0) {
-            best = (n.distance, Some(n.at), Some((index, n.piece)));
+/// Figures of all milled surfaces, in the order of surfaces.
+pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64) -> Vec<SurfaceReport> {
+    let charts = charts(part);
+    let grids: Vec<Vec<Grid>> =
+        charts.iter().map(|c| c.patches(spacing).into_par_iter().map(|p| Grid::new(c, p)).collect()).collect();
+    let mut surfaces: Vec<(usize, Surface<'_>)> = Vec::new();
+    for sector in 0..part.vane_count {
+        for (k, chart) in charts.iter().enumerate() {
+            let id = SurfaceId { kind: chart.kind, sector };
+            surfaces.push((k, Surface { chart, turn: part.sector_rotation(sector), id }));
         }
     }
-    best
+    surfaces.sort_by_key(|(_, s)| s.id);
+    let tasks: Vec<(usize, Task<'_>)> = surfaces
+        .iter()
+        .enumerate()
+        .flat_map(|(s, (k, surface))| grids[*k].iter().map(move |grid| (s, Task { surface, grid, sweeps })))
+        .collect();
+    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| task.look()).collect();
+    let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
+    for ((s, _), looked) in tasks.iter().zip(&looked) {
+        ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
+    }
+    let goals: Vec<Goals> = ranges.iter().map(|range| goals(*range)).collect();
+    let proved: Vec<Proved> =
+        tasks.par_iter().zip(&looked).with_max_len(1).map(|((s, task), l)| task.prove(l, goals[*s])).collect();
+    let all: Vec<(usize, &Task<'_>, &Looked, &Proved)> =
+        tasks.iter().zip(&looked).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
+    all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
 }
 
-/// Step at which the search for the worst point of a surface ends, mm: g changes by far less than a micrometre over it.
-const FINEST: f64 = 1e-3;
+/// What is to be proved of a surface on which g was found between two values.
+fn goals([least, most]: [f64; 2]) -> Goals {
+    Goals { low: least - SLACK, high: most + SLACK.max(SLACK_SHARE * most) }
+}
 
-/// Moves the worst places of a surface from the samples to the worst points between them, and measures depths.
-pub fn refine(part: &Part, report: &mut SurfaceReport, sweeps: &[Sweep<'_>], spacing: f64) {
-    let id = report.id;
-    for (worst, sign) in [(&mut report.gouge, 1.0), (&mut report.excess, -1.0)] {
-        if worst.value < FAR {
-            let start = Point3::from(worst.point);
-            let cost = |p: &Point3<f64>, _: &Vector3<f64>| sign * deviation(p, sweeps, None).0;
-            if let Some(p) = climb(part, id, &start, spacing, &cost) {
-                let (g, at, _) = deviation(&p, sweeps, None);
-                (worst.value, worst.at, worst.point) = (g, at, [p.x, p.y, p.z]);
-            }
+/// The figures of one surface from those of its patches.
+fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
+    let surface = patches[0].1.surface;
+    let all = patches.iter().fold(Proved::NOTHING, |all, p| all.join(p.3));
+    let cells: Vec<(f64, f64, Option<At>)> =
+        patches.iter().flat_map(|(_, task, looked, _)| looked.cells(task)).collect();
+    let gouge = extreme(surface, all.least, -1.0, sweeps);
+    let excess = extreme(surface, all.most, 1.0, sweeps);
+    let area: f64 = cells.iter().map(|c| c.1).sum();
+    let nearest_there = nearest_there(&cells);
+    // A deep cut is proved by its depth: the bound of g says how much more there may be.
+    let gouge_bound = (-all.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
+    SurfaceReport {
+        surface: surface.id.to_string(),
+        samples: cells.len(),
+        points: all.points,
+        area,
+        gouge_bound,
+        excess_bound: all.high.max(excess.value).clamp(0.0, FAR),
+        percentiles: percentiles(&cells, area),
+        not_reached: nearest_there.iter().map(|n| n.1).sum(),
+        nearest_there,
+        gouge,
+        excess,
+        id: surface.id,
+    }
+}
+
+/// g of samples, for pictures.
+pub fn deviations(samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<f64> {
+    samples.par_iter().map(|s| deviation(&s.position, sweeps).0).collect()
+}
+
+/// g below which 5, 50 and 95 percent of the area lie.
+fn percentiles(cells: &[(f64, f64, Option<At>)], area: f64) -> [f64; 3] {
+    let mut sorted: Vec<(f64, f64)> = cells.iter().map(|c| (c.0, c.1)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    [0.05, 0.5, 0.95].map(|share| {
+        let mut below = 0.0;
+        let found = sorted.iter().find(|(_, a)| {
+            below += a;
+            below >= share * area
+        });
+        found.or(sorted.last()).map_or(FAR, |f| f.0)
+    })
+}
+
+/// Operations that come nearest to the area not reached.
+fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
+    let mut found: Vec<(Option<u32>, f64)> = Vec::new();
+    for (_, area, at) in cells.iter().filter(|c| c.0 > NOT_REACHED) {
+        let operation = at.map(|a| a.operation);
+        match found.iter_mut().find(|n| n.0 == operation) {
+            Some(n) => n.1 += area,
+            None => found.push((operation, *area)),
         }
     }
-    let gouge = &mut report.gouge;
-    gouge.depth = (-gouge.value).max(0.0);
+    found.sort_by_key(|n| n.0);
+    found
+}
+
+/// The extreme of g that was found on a surface, followed to where it is most extreme (`sign` -1 for the least).
+fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
+    let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
     // Only a cut deeper than any tolerance can be deeper along the normal than in distance.
-    if gouge.value < -DEEP {
-        let cost = |p: &Point3<f64>, normal: &Vector3<f64>| -depth(p, normal, sweeps);
-        let deepest = climb(part, id, &Point3::from(gouge.point), spacing, &cost);
-        if let Some((p, normal)) = deepest.and_then(|p| design::project(part, id, &p)) {
-            let (g, at, _) = deviation(&p, sweeps, None);
-            (gouge.depth, gouge.value, gouge.at) = (depth(&p, &normal, sweeps), g, at);
-            gouge.point = [p.x, p.y, p.z];
+    let deep = sign < 0.0 && value < -DEEP;
+    let measure = |xy: [f64; 2]| {
+        let (p, normal, _) = place(surface, xy);
+        if !surface.holds(&p) {
+            f64::NEG_INFINITY
+        } else if deep {
+            depth(&p, &normal, sweeps)
+        } else {
+            sign * deviation(&p, sweeps).0
         }
-    }
+    };
+    let (best, most) = if value < FAR { climb(surface, start, measure) } else { (start, FAR) };
+    let (p, _, parameters) = place(surface, best);
+    let (value, at) = deviation(&p, sweeps);
+    let depth = if deep { most } else { (-value).max(0.0) };
+    Worst { value, point: [p.x, p.y, p.z], parameters, at, depth }
+}
+
+fn place(surface: &Surface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
+    let place = surface.chart.place(x, y);
+    (surface.turn * place.position, surface.turn * place.normal, place.parameters)
 }
 
 /// Depth from which the way along the normal is followed, mm.
@@ -130,7 +211,7 @@ const DEPTH_STEPS: usize = 400;
 fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     let mut depth = 0.0;
     for _ in 0..DEPTH_STEPS {
-        let (g, ..) = deviation(&(p - normal * depth), sweeps, None);
+        let (g, _) = deviation(&(p - normal * depth), sweeps);
         if g > -1e-7 {
             break;
         }
@@ -139,94 +220,38 @@ fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     depth
 }
 
-/// Pattern search over a surface for the least cost, from a sample; `None` when no point is better than the sample.
-fn climb(
-    part: &Part,
-    id: SurfaceId,
-    start: &Point3<f64>,
-    spacing: f64,
-    cost: &dyn Fn(&Point3<f64>, &Vector3<f64>) -> f64,
-) -> Option<Point3<f64>> {
-    let (mut at, mut normal) = design::project(part, id, start)?;
-    let mut least = cost(&at, &normal);
-    let mut moved = false;
-    let mut step = 0.5 * spacing;
-    // Each round halves the step or walks on; walks end at the rim of the cut.
-    for _ in 0..SEARCH_ROUNDS {
+/// Step at which the search for the worst place ends, mm: g changes by far less than a micrometre over it.
+const FINEST: f64 = 1e-3;
+
+/// Rounds of that search: some twenty to the finest step and walks over some millimetres.
+const ROUNDS: usize = 100;
+
+/// Climbs a measure over a surface by a pattern search in its chart.
+fn climb(surface: &Surface<'_>, start: [f64; 2], measure: impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
+    const PROBE: f64 = 0.02;
+    // Shares of the chart that make a millimetre.
+    let unit = [0, 1].map(|k| {
+        let mut other = start;
+        other[k] += if start[k] > 0.5 { -PROBE } else { PROBE };
+        PROBE / (surface.point(start) - surface.point(other)).norm().max(1e-6)
+    });
+    let (mut best, mut most, mut step) = (start, measure(start), 0.1);
+    for _ in 0..ROUNDS {
         if step <= FINEST {
             break;
         }
-        let first = normal.cross(&Vector3::new(normal.y, normal.z, -normal.x)).normalize();
-        let second = normal.cross(&first);
-        let better = [first, -first, second, -second].into_iter().find_map(|d| {
-            let (p, n) = design::project(part, id, &(at + d * step))?;
-            let c = cost(&p, &n);
-            (c < least && on_sampled(part, id, &p)).then_some((p, n, c))
+        let better = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].into_iter().find_map(|(i, j)| {
+            let next = [best[0] + i * step * unit[0], best[1] + j * step * unit[1]];
+            if next.iter().any(|c| !(0.0..=1.0).contains(c)) {
+                return None;
+            }
+            let value = measure(next);
+            (value > most).then_some((next, value))
         });
         match better {
-            Some(found) => {
-                (at, normal, least) = found;
-                moved = true;
-            }
+            Some(found) => (best, most) = found,
             None => step *= 0.5,
         }
     }
-    moved.then_some(at)
-}
-
-/// Rounds of the search: some twenty to the finest step and walks over some millimetres.
-const SEARCH_ROUNDS: usize = 100;
-
-/// True where no fillet takes the place of the surface, and below the tips.
-fn on_sampled(part: &Part, id: SurfaceId, p: &Point3<f64>) -> bool {
-    let Some((_, normal)) = design::project(part, id, p) else { return false };
-    let radius = part.fillet.map_or(0.0, crate::units::Mm::get);
-    let centre = p + normal * radius;
-    match id.kind {
-        SurfaceKind::Face(_) => part.hub.distance(&centre) >= radius && part.shroud.distance(p) <= 1e-9,
-        _ => [Side::Pressure, Side::Suction].into_iter().all(|side| {
-            (0..part.vane_count).all(|sector| {
-                let face = SurfaceId { kind: SurfaceKind::Face(side), sector };
-                design::project(part, face, &centre).is_none_or(|(q, _)| (q - centre).norm() >= radius)
-            })
-        }),
-    }
-}
-
-/// Figures per surface, in the order of the surfaces.
-pub fn reports(samples: &[Sample], deviations: &[(f64, Option<At>)]) -> Vec<SurfaceReport> {
-    let mut groups: BTreeMap<SurfaceId, Vec<usize>> = BTreeMap::new();
-    for (i, s) in samples.iter().enumerate() {
-        groups.entry(s.surface).or_default().push(i);
-    }
-    groups
-        .into_iter()
-        .filter_map(|(id, indices)| {
-            let worst = |i: usize| {
-                let (s, (value, at)) = (&samples[i], deviations[i]);
-                let Point3 { coords } = s.position;
-                Worst {
-                    value,
-                    point: [coords.x, coords.y, coords.z],
-                    parameters: s.parameters,
-                    at,
-                    depth: (-value).max(0.0),
-                }
-            };
-            let least = *indices.iter().min_by(|a, b| deviations[**a].0.total_cmp(&deviations[**b].0))?;
-            let most = *indices.iter().max_by(|a, b| deviations[**a].0.total_cmp(&deviations[**b].0))?;
-            let mut values: Vec<f64> = indices.iter().map(|i| deviations[*i].0).collect();
-            values.sort_by(f64::total_cmp);
-            let percentile = |p: f64| values[((values.len() - 1) as f64 * p) as usize];
-            Some(SurfaceReport {
-                surface: id.to_string(),
-                samples: indices.len(),
-                area: indices.iter().map(|i| samples[*i].area).sum(),
-                gouge: worst(least),
-                excess: worst(most),
-                percentiles: [percentile(0.05), percentile(0.5), percentile(0.95)],
-                id,
-            })
-        })
-        .collect()
+    (best, most)
 }

@@ -1,11 +1,15 @@
-//! The cutters of a whole program, swept over continuous time.
+//! The cutters of a whole program, swept over continuous time, with lower bounds that are proved.
 //!
 //! Poses come from the joints by forward kinematics alone. Between moves the tip runs straight in the part frame and
-//! the rotary axes run linearly. Moves are cut into pieces of at most one degree of turn; in such a piece the signed
-//! distance of a fixed point to the moving convex cutter has one minimum in time (for a pure shift it is convex), which
-//! golden section finds.
+//! the rotary axes run linearly.
+//!
+//! Seen from the tool, a fixed point p runs on a path q(t) with q' and q''. The signed distance f to a convex cutter is
+//! convex, so at any time s the tangent bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2 (t - s)^2 max|q''|. With
+//! the turn w of a piece and the way v of its tip, |q''| <= 3/2 w^2 |q| + 2 w v: A and C stand at right angles, so that
+//! their angular velocities add by Pythagoras, and their angular acceleration is at most their product. The first term
+//! vanishes at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
-use crate::collide::{ToolSolid, tool::tool_coordinates};
+use crate::collide::{Slope, ToolSolid, tool::tool_coordinates};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Machine, transform::axis_at};
 use nalgebra::{Point3, Vector3};
@@ -16,9 +20,14 @@ const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 /// Longest way of the tip in a piece, mm: long links would lie in one node with everything that they pass.
 const PIECE_LENGTH: f64 = 3.0;
 
-/// Golden section steps: a piece of some millimetres shrinks to a tenth of a micrometre, where a round minimum is flat
-/// far below a nanometre.
-const GOLDEN_STEPS: u32 = 24;
+/// What the search for the nearest time may miss through the turn of a piece, mm; pieces are halved down to it.
+const TURN_SLACK: f64 = 2e-5;
+
+/// Slope over time, in mm over a piece, that counts as none.
+const FLAT: f64 = 1e-6;
+
+/// Steps of the search for a minimum: bisection alone would need 30.
+const STEPS: usize = 60;
 
 /// Pieces in a leaf of the hierarchy.
 const LEAF: usize = 4;
@@ -50,6 +59,8 @@ pub struct Piece {
     axes: [Vector3<f64>; 2],
     /// Half of the tip's way, and half of the turn, radians.
     reach: (f64, f64),
+    /// Place among the pieces of the operation in the order of time.
+    order: u32,
 }
 
 impl Piece {
@@ -61,18 +72,53 @@ impl Piece {
 
     fn new(at: At, kind: MoveKind, tips: [Point3<f64>; 2], rotary: [(f64, f64); 2]) -> Self {
         let axes = rotary.map(|(a, c)| axis_at(a, c));
-        let mut piece = Self { at, kind, tips, rotary, axes, middle: (tips[0], Vector3::z()), reach: (0.0, 0.0) };
+        let mut piece =
+            Self { at, kind, tips, rotary, axes, middle: (tips[0], Vector3::z()), reach: (0.0, 0.0), order: 0 };
         piece.middle = piece.pose(0.5);
         piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * turn(rotary));
         piece
     }
 
-    /// The same for pieces of at most [`PIECE_TURN`]: the axis as the parabola through its ends and its middle, which
-    /// leaves the true curve by less than 2e-7 there, 0.01 um at 50 mm over the tip.
-    fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
+    /// Tip and axis at a share of the piece, and the change of the axis over the share. For pieces of at most
+    /// [`PIECE_TURN`]: the axis as the parabola through its ends and its middle, which leaves the true curve by at most
+    /// [`Self::parabola_error`].
+    fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
         let (w0, w1, w2) = ((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
         let axis = self.axes[0] * w0 + self.middle.1 * w1 + self.axes[1] * w2;
-        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis)
+        let change = self.axes[0] * (4.0 * t - 3.0) + self.middle.1 * (4.0 - 8.0 * t) + self.axes[1] * (4.0 * t - 1.0);
+        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change)
+    }
+
+    /// Bound of the distance between the parabola of the axis and the axis: the largest |t (t - 1/2) (t - 1)| / 6 times
+    /// the third derivative, which for two even turns at right angles stays below 3 w^3.
+    fn parabola_error(&self) -> f64 {
+        let turn = 2.0 * self.reach.1;
+        0.0081 * 3.0 * turn * turn * turn
+    }
+
+    /// How the way of the touched point, and of all within a radius about it, may bend over the piece.
+    pub fn drift(&self, touch: &Touch, radius: f64) -> Drift {
+        let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
+        // Farthest that any of the points gets from the tip.
+        let arm = touch.rho + touch.s.abs() + way + radius;
+        Drift { bend: 1.5 * turn * turn * arm + 2.0 * turn * way, turn, flaw: self.parabola_error() * arm, radius }
+    }
+
+    /// Centre of a ball of a radius at the tip, and its change over the share.
+    pub fn ball_centre(&self, t: f64, radius: f64) -> (Point3<f64>, Vector3<f64>) {
+        let (tip, axis, change) = self.quick_pose(t);
+        (tip + axis * radius, self.tips[1] - self.tips[0] + change * radius)
+    }
+
+    /// Bound of the second derivative of that centre, and the error of the quick poses there.
+    pub fn ball_bend(&self, radius: f64) -> (f64, f64) {
+        let turn = 2.0 * self.reach.1;
+        (1.5 * turn * turn * radius, self.parabola_error() * radius)
+    }
+
+    /// Change of tip and axis over the share, at the middle.
+    pub fn speed(&self) -> (Vector3<f64>, Vector3<f64>) {
+        (self.tips[1] - self.tips[0], self.axes[1] - self.axes[0])
     }
 
     /// The two halves.
@@ -142,6 +188,8 @@ struct Node {
 pub struct Sweep<'a> {
     solid: &'a ToolSolid,
     pieces: Vec<Piece>,
+    /// Index of each piece in the order of time.
+    in_order: Vec<u32>,
     nodes: Vec<Node>,
 }
 
@@ -152,8 +200,6 @@ pub struct Nearest {
     pub distance: f64,
     /// Where in the program.
     pub at: At,
-    /// Index of the piece, a good first guess for a neighbouring point.
-    pub piece: u32,
 }
 
 impl<'a> Sweep<'a> {
@@ -167,9 +213,16 @@ impl<'a> Sweep<'a> {
         }
         let mut nodes = Vec::with_capacity(pieces.len());
         let count = pieces.len();
+        for (order, piece) in pieces.iter_mut().enumerate() {
+            piece.order = u32::try_from(order).unwrap_or(u32::MAX);
+        }
         nodes.push(node(&pieces, 0));
         build(&mut pieces, 0, count, 0, &mut nodes);
-        Some(Self { solid, pieces, nodes })
+        let mut in_order = vec![0; count];
+        for (index, piece) in pieces.iter().enumerate() {
+            in_order[piece.order as usize] = u32::try_from(index).unwrap_or(u32::MAX);
+        }
+        Some(Self { solid, pieces, in_order, nodes })
     }
 
     /// Least distance below `cutoff` of a point to the swept cutter.
@@ -212,55 +265,218 @@ impl<'a> Sweep<'a> {
         self.solid.cutter_distance(rho, s) - node.spread.0 - node.spread.1 * (rho * rho + s * s).sqrt()
     }
 
-    fn value(&self, piece: &Piece, t: f64, p: &Point3<f64>) -> f64 {
-        let (tip, axis) = piece.quick_pose(t);
-        let (rho, s) = tool_coordinates(p, &tip, &axis);
-        self.solid.cutter_distance(rho, s)
-    }
-
-    /// Distance of a point to the cutter swept over one piece, given by [`Nearest::piece`] of this sweep.
-    pub fn distance_to_piece(&self, piece: u32, p: &Point3<f64>) -> Option<Nearest> {
-        let (mut least, mut best) = (f64::INFINITY, None);
-        if (piece as usize) < self.pieces.len() {
-            self.visit(piece, p, &mut least, &mut best);
-        }
-        best
+    /// The cutter against a point at a share of a piece.
+    pub(super) fn touch(&self, piece: &Piece, t: f64, p: &Point3<f64>) -> Touch {
+        let (tip, axis, turning) = piece.quick_pose(t);
+        let d = p - tip;
+        let s = d.dot(&axis);
+        let radial = d - axis * s;
+        let rho = radial.norm();
+        let Slope { value, rho: out, s: up } = self.solid.cutter_slope(rho, s);
+        // On the axis any radial direction will do; there the slope across is none by symmetry.
+        let gradient = if rho > 1e-12 { radial * (out / rho) + axis * up } else { axis * up };
+        let travel = piece.tips[1] - piece.tips[0];
+        let ds = d.dot(&turning) - travel.dot(&axis);
+        let drho = if rho > 1e-12 { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
+        Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
     }
 
     /// Improves `least` and `best` by a piece.
     fn visit(&self, index: u32, p: &Point3<f64>, least: &mut f64, best: &mut Option<Nearest>) {
+        if let Some(touch) = self.least(index, p, *least, TURN_SLACK) {
+            *least = touch.value;
+            *best = Some(Nearest { distance: touch.value, at: self.pieces[index as usize].at });
+        }
+    }
+
+    /// Where a point is nearest to the cutter over a piece, if nearer than `least`; nowhere is it nearer by `slack`.
+    pub fn least(&self, index: u32, p: &Point3<f64>, mut least: f64, slack: f64) -> Option<Touch> {
         let piece = &self.pieces[index as usize];
-        let (tip, axis) = piece.middle;
-        let (rho, s) = tool_coordinates(p, &tip, &axis);
-        if self.solid.cutter_distance(rho, s) - piece.displacement((rho * rho + s * s).sqrt()) >= *least {
-            return;
-        }
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (0.0, 1.0);
-        let (mut a, mut b) = (1.0 - golden, golden);
-        let (mut fa, mut fb) = (self.value(piece, a, p), self.value(piece, b, p));
-        let mut found = fa.min(fb).min(self.value(piece, 0.0, p)).min(self.value(piece, 1.0, p));
-        // The distance changes at most this much over the whole piece.
-        let slope = 2.0 * piece.displacement((rho * rho + s * s).sqrt() + piece.reach.0);
-        for _ in 0..GOLDEN_STEPS {
-            if found - slope * (high - low) >= *least {
-                return;
+        let mut best = None;
+        let mut spans = Spans::whole();
+        while let Some((from, to)) = spans.pop() {
+            let start = self.touch(piece, 0.5 * (from + to), p);
+            let drift = piece.drift(&start, 0.0);
+            if start.value - drift.loss(&start, (from, to)) >= least {
+                continue;
             }
-            if fa < fb {
-                (high, b, fb) = (b, a, fa);
-                a = high - golden * (high - low);
-                fa = self.value(piece, a, p);
+            let found = self.minimum(piece, start, p, (from, to));
+            if found.value < least {
+                (least, best) = (found.value, Some(found));
+            }
+            let loss = drift.loss(&found, (from, to));
+            if loss > slack && found.value - loss < least {
+                spans.halve((from, to));
+            }
+        }
+        best
+    }
+
+    /// Where the distance is least between two shares, if it has one minimum there: a root of its rate by secants
+    /// between brackets that never grow.
+    pub(super) fn minimum(&self, piece: &Piece, start: Touch, p: &Point3<f64>, (from, to): (f64, f64)) -> Touch {
+        if start.rate.abs() <= FLAT {
+            return start;
+        }
+        let falls = start.rate < 0.0;
+        let end = self.touch(piece, if falls { to } else { from }, p);
+        if (end.rate < 0.0) == falls || end.rate.abs() <= FLAT {
+            return end;
+        }
+        // Rates at the brackets: below zero at the low, above at the high.
+        let (mut low, mut high) = if falls { (start, end) } else { (end, start) };
+        let (mut weight_low, mut weight_high) = (low.rate, high.rate);
+        let mut last_low = None;
+        for _ in 0..STEPS {
+            let t = (low.t * weight_high - high.t * weight_low) / (weight_high - weight_low);
+            let t = if t > low.t && t < high.t { t } else { 0.5 * (low.t + high.t) };
+            let next = self.touch(piece, t, p);
+            if next.rate.abs() <= FLAT || high.t - low.t < 1e-9 {
+                return next;
+            }
+            // Halving the weight of an end that stays keeps the secants from creeping (Illinois).
+            if next.rate < 0.0 {
+                (low, weight_low) = (next, next.rate);
+                if last_low == Some(true) {
+                    weight_high *= 0.5;
+                }
+                last_low = Some(true);
             } else {
-                (low, a, fa) = (a, b, fb);
-                b = low + golden * (high - low);
-                fb = self.value(piece, b, p);
+                (high, weight_high) = (next, next.rate);
+                if last_low == Some(false) {
+                    weight_low *= 0.5;
+                }
+                last_low = Some(false);
             }
-            found = found.min(fa).min(fb);
         }
-        if found < *least {
-            *least = found;
-            *best = Some(Nearest { distance: found, at: piece.at, piece: index });
+        if low.value < high.value { low } else { high }
+    }
+
+    /// Adds the pieces whose cutter may come below `cutoff` anywhere within `radius` of a point.
+    pub fn gather(&self, p: &Point3<f64>, radius: f64, cutoff: f64, into: &mut impl FnMut(u32)) {
+        let mut stack = vec![0_u32];
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if self.bound(node, p) - radius >= cutoff {
+                continue;
+            }
+            if node.child == 0 {
+                for index in node.range.0..node.range.1 {
+                    let piece = &self.pieces[index as usize];
+                    let (rho, s) = tool_coordinates(p, &piece.middle.0, &piece.middle.1);
+                    let moved = piece.displacement((rho * rho + s * s).sqrt());
+                    if self.solid.cutter_distance(rho, s) - moved - radius < cutoff {
+                        into(index);
+                    }
+                }
+            } else {
+                stack.extend([node.child + 1, node.child]);
+            }
         }
+    }
+
+    /// A piece, by its index here.
+    pub fn piece(&self, index: u32) -> &Piece {
+        &self.pieces[index as usize]
+    }
+
+    /// The piece that follows another in time.
+    pub fn after(&self, index: u32) -> Option<u32> {
+        self.in_order.get(self.pieces[index as usize].order as usize + 1).copied()
+    }
+
+    /// The piece before another in time.
+    pub fn before(&self, index: u32) -> Option<u32> {
+        self.in_order.get((self.pieces[index as usize].order as usize).checked_sub(1)?).copied()
+    }
+
+    /// Move of a piece.
+    pub fn at(&self, piece: u32) -> At {
+        self.pieces[piece as usize].at
+    }
+
+    /// The tool.
+    pub fn solid(&self) -> &ToolSolid {
+        self.solid
+    }
+}
+
+/// A cutter against a point at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Share of the piece.
+    pub t: f64,
+    /// Signed distance.
+    pub value: f64,
+    /// How it changes with the point, part frame.
+    pub gradient: Vector3<f64>,
+    /// How it changes with the share.
+    pub rate: f64,
+    /// Distance of the point from the tool axis.
+    pub rho: f64,
+    /// Height of the point over the tip.
+    pub s: f64,
+}
+
+impl Touch {
+    /// Nothing near.
+    pub const FAR: Self =
+        Self { t: 0.0, value: f64::INFINITY, gradient: Vector3::new(0.0, 0.0, 0.0), rate: 0.0, rho: 0.0, s: 0.0 };
+}
+
+/// How far the way of a point, seen from the tool, may leave a straight line within a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Drift {
+    /// Bound of the second derivative over the share, mm.
+    pub bend: f64,
+    /// Turn over the whole piece, radians.
+    pub turn: f64,
+    /// Error of the quick poses, mm.
+    pub flaw: f64,
+    /// Distance of the farthest point that is asked about from the touched one, mm.
+    pub radius: f64,
+}
+
+impl Drift {
+    /// What the tangent in the share at a touch gives away between two shares, mm.
+    pub fn loss(&self, touch: &Touch, (from, to): (f64, f64)) -> f64 {
+        let (before, after) = (touch.t - from, to - touch.t);
+        let down = (touch.rate * before).max(-touch.rate * after).max(0.0);
+        let h = before.max(after);
+        down + 0.5 * self.bend * h * h + self.turn * h * self.radius + self.flaw
+    }
+}
+
+/// Spans of shares that are still to be searched: halving one takes one more place at most.
+pub struct Spans {
+    open: [(f64, f64); Self::MOST],
+    count: usize,
+}
+
+impl Spans {
+    const MOST: usize = 24;
+
+    /// The whole piece.
+    pub fn whole() -> Self {
+        Self { open: [(0.0, 1.0); Self::MOST], count: 1 }
+    }
+
+    /// The next span.
+    pub fn pop(&mut self) -> Option<(f64, f64)> {
+        self.count = self.count.checked_sub(1)?;
+        Some(self.open[self.count])
+    }
+
+    /// Both halves of a span are still to be searched. False when spans have become too short.
+    pub fn halve(&mut self, (from, to): (f64, f64)) -> bool {
+        if self.count + 2 > Self::MOST {
+            return false;
+        }
+        let middle = 0.5 * (from + to);
+        self.open[self.count] = (middle, to);
+        self.open[self.count + 1] = (from, middle);
+        self.count += 2;
+        true
     }
 }
 

@@ -70,7 +70,7 @@ pub fn deviations(program: &Program, motion: &Motion, spacing: f64) -> (Vec<Samp
     let samples = design::sample(&program.part, spacing);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
-    let mut found = surface::deviations(&milled, &sweeps).into_iter().map(|(g, _)| g);
+    let mut found = surface::deviations(&milled, &sweeps).into_iter();
     let deviations =
         samples.iter().map(|s| if s.surface.milled() { found.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect();
     (samples, deviations)

@@ -1,0 +1,233 @@
+//! Charts: every milled surface of a sector as the image of the unit square, so that it can be divided without gaps.
+//!
+//! | surface | x | y |
+//! |---|---|---|
+//! | face | u, from inlet to outlet | from the fillet (or the hub) up the ruling to the shroud |
+//! | fillet | along the rolling ball, on beyond both ends of the face | from the contact on the face to that on the hub |
+//! | hub | u of the hub | from the clockwise wall of the channel to the other |
+
+use super::design::{self, Room, SurfaceKind};
+use super::part::{Part, Side};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Rows of the tables of borders and rolling balls: some 0.2 mm apart, where cubic interpolation of a curve that bends
+/// over millimetres is right to a nanometre (tested).
+const ROWS: usize = 400;
+
+/// A milled surface of sector 0 over the unit square.
+#[derive(Clone, Debug)]
+pub struct Chart<'a> {
+    /// Which one.
+    pub kind: SurfaceKind,
+    part: &'a Part,
+    room: Room,
+    form: Form,
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    /// v at the lower and upper border of a face, row by row.
+    Face { borders: Vec<[f64; 2]> },
+    /// Centre of the rolling ball, unit vectors from it to face and hub.
+    Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
+    /// First azimuth and opening angle of the channel.
+    Hub { borders: Vec<[f64; 2]> },
+}
+
+/// A place of a chart.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Position, part frame, sector 0.
+    pub position: Point3<f64>,
+    /// Unit normal out of the material.
+    pub normal: Vector3<f64>,
+    /// Parameters: (u, v) of a face, (u, share of the arc) of a fillet, (u, share across) of the hub.
+    pub parameters: [f64; 2],
+}
+
+/// A rectangle of the unit square, divided into cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Least and largest x.
+    pub x: [f64; 2],
+    /// Least and largest y.
+    pub y: [f64; 2],
+    /// Cells along x.
+    pub columns: usize,
+    /// Cells along y.
+    pub rows: usize,
+}
+
+/// Cells along a side of a patch.
+const PATCH: usize = 8;
+
+/// Charts of all milled surfaces of sector 0.
+pub fn charts(part: &Part) -> Vec<Chart<'_>> {
+    let sides = [Side::Pressure, Side::Suction];
+    let mut charts: Vec<Chart<'_>> = sides.iter().map(|side| face(part, *side)).collect();
+    if let Some(radius) = part.fillet {
+        charts.extend(sides.iter().filter_map(|side| fillet(part, *side, radius.get())));
+    }
+    charts.extend(hub(part));
+    charts
+}
+
+fn rows() -> impl IndexedParallelIterator<Item = f64> {
+    (0..ROWS + 1).into_par_iter().map(|i| i as f64 / ROWS as f64)
+}
+
+fn face(part: &Part, side: Side) -> Chart<'_> {
+    let borders = rows()
+        .map(|u| {
+            let low = part
+                .fillet
+                .and_then(|r| part.fillet_tangent(side, u, r.get()))
+                .unwrap_or_else(|| part.ruling_meets(side, u, &part.hub, 0.0));
+            [low, part.ruling_meets(side, u, &part.shroud, 1.0)]
+        })
+        .collect();
+    Chart { kind: SurfaceKind::Face(side), part, room: part.room(), form: Form::Face { borders } }
+}
+
+fn fillet(part: &Part, side: Side, radius: f64) -> Option<Chart<'_>> {
+    let face = part.face(side);
+    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
+    let (from, to) = (-part.root_step(side, 0.0, radius), 1.0 + part.root_step(side, 1.0, radius));
+    let ball = |u: f64| {
+        let v = part.fillet_tangent(side, u, radius)?;
+        let to_face = -face.normal(u, v);
+        let centre = face.surface.point(u, v) - to_face * radius;
+        Some([centre.coords, to_face, -design::hub_normal(part, &centre)])
+    };
+    let found: Vec<Option<[Vector3<f64>; 3]>> = rows().map(|x| ball(from + (to - from) * x)).collect();
+    // Far beyond an end there may be no ball; the surface is the run about the middle.
+    let middle = ROWS / 2;
+    found[middle]?;
+    let first = (0..middle).rev().find(|i| found[*i].is_none()).map_or(0, |i| i + 1);
+    let last = (middle..=ROWS).find(|i| found[*i].is_none()).unwrap_or(ROWS + 1);
+    let balls: Vec<[Vector3<f64>; 3]> = found[first..last].iter().copied().flatten().collect();
+    let u = [first, last - 1].map(|i| from + (to - from) * i as f64 / ROWS as f64);
+    (balls.len() > 3).then_some(Chart {
+        kind: SurfaceKind::Fillet(side),
+        part,
+        room: part.room(),
+        form: Form::Fillet { radius, u, balls },
+    })
+}
+
+fn hub(part: &Part) -> Option<Chart<'_>> {
+    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
+    let (a, b) = (design::hub_border(part, part.first_wall), design::hub_border(part, second));
+    let borders: Option<Vec<[f64; 2]>> = (0..=ROWS)
+        .map(|i| {
+            let u = i as f64 / ROWS as f64;
+            let (from, to) = (design::border_azimuth(&a, u)?, design::border_azimuth(&b, u)?);
+            let ahead = to - from;
+            let angle = ahead - std::f64::consts::TAU * (ahead / std::f64::consts::TAU).round() + part.pitch();
+            Some([from, angle.max(0.0)])
+        })
+        .collect();
+    Some(Chart { kind: SurfaceKind::Hub, part, room: part.room(), form: Form::Hub { borders: borders? } })
+}
+
+impl Chart<'_> {
+    /// The place of (x, y), both in [0, 1].
+    pub fn place(&self, x: f64, y: f64) -> Place {
+        match &self.form {
+            Form::Face { borders } => {
+                let SurfaceKind::Face(side) = self.kind else { return self.nowhere() };
+                let [low, high] = level(borders, x);
+                let v = low + (high - low) * y;
+                let face = self.part.face(side);
+                let (position, su, sv) = face.surface.tangents(x, v);
+                let normal = su.cross(&sv).normalize() * face.orientation;
+                Place { position, normal, parameters: [x, v] }
+            }
+            Form::Fillet { radius, u, balls } => {
+                let [centre, to_face, to_hub] = smooth(balls, x);
+                let (to_face, to_hub) = (to_face.normalize(), to_hub.normalize());
+                let angle = to_face.dot(&to_hub).clamp(-1.0, 1.0).acos();
+                // Great arc from the face contact to the hub contact.
+                let direction = if angle > 1e-9 {
+                    (to_face * ((1.0 - y) * angle).sin() + to_hub * (y * angle).sin()) / angle.sin()
+                } else {
+                    to_face
+                };
+                let position = Point3::from(centre + direction * *radius);
+                Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
+            }
+            Form::Hub { borders } => {
+                let [from, angle] = level(borders, x);
+                let azimuth = from + angle * y;
+                let position = self.part.hub.point(x, azimuth);
+                Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
+            }
+        }
+    }
+
+    fn nowhere(&self) -> Place {
+        Place { position: Point3::origin(), normal: Vector3::z(), parameters: [0.0; 2] }
+    }
+
+    /// True when a place belongs to the part: fillets end at the inlet cone and the outlet cylinder.
+    pub fn is_milled(&self, position: &Point3<f64>) -> bool {
+        !matches!(self.form, Form::Fillet { .. }) || self.room.holds(position)
+    }
+
+    /// Patches that cover the square once, with cells of at most `spacing` on the surface, mm.
+    pub fn patches(&self, spacing: f64) -> Vec<Patch> {
+        let length = |a: (f64, f64), b: (f64, f64)| -> f64 {
+            const PARTS: usize = 40;
+            let at = |k: usize| {
+                let t = k as f64 / PARTS as f64;
+                self.place(a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t).position
+            };
+            (0..PARTS).map(|k| (at(k + 1) - at(k)).norm()).sum()
+        };
+        let along = [0.0, 0.5, 1.0].map(|y| length((0.0, y), (1.0, y))).into_iter().fold(0.0, f64::max);
+        let strips = (along / (spacing * PATCH as f64)).ceil().max(1.0) as usize;
+        let mut patches = Vec::new();
+        for i in 0..strips {
+            let x = [i as f64 / strips as f64, (i + 1) as f64 / strips as f64];
+            let across = x.map(|x| length((x, 0.0), (x, 1.0))).into_iter().fold(0.0, f64::max);
+            let rows = (across / spacing).ceil().max(2.0) as usize;
+            let count = rows.div_ceil(PATCH);
+            for j in 0..count {
+                let (first, last) = (j * rows / count, (j + 1) * rows / count);
+                let y = [first as f64 / rows as f64, last as f64 / rows as f64];
+                patches.push(Patch { x, y, columns: PATCH, rows: last - first });
+            }
+        }
+        patches
+    }
+}
+
+/// Index and share of x in a table of evenly spaced rows.
+fn row(count: usize, x: f64) -> (usize, f64) {
+    let at = x.clamp(0.0, 1.0) * (count - 1) as f64;
+    let i = (at as usize).min(count.saturating_sub(2));
+    (i, at - i as f64)
+}
+
+/// Linear interpolation: borders only divide one surface from the next.
+fn level(table: &[[f64; 2]], x: f64) -> [f64; 2] {
+    let (i, t) = row(table.len(), x);
+    let (a, b) = (&table[i], &table[i + 1]);
+    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
+}
+
+/// Cubic interpolation through four rows: these are the surface.
+fn smooth(table: &[[Vector3<f64>; 3]], x: f64) -> [Vector3<f64>; 3] {
+    let (i, t) = row(table.len(), x);
+    let start = i.saturating_sub(1).min(table.len() - 4);
+    let t = t + (i - start) as f64;
+    // Lagrange weights of the rows 0, 1, 2, 3.
+    let w = [
+        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        -t * (t - 1.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    ];
+    std::array::from_fn(|k| (0..4).map(|j| table[start + j][k] * w[j]).sum())
+}
