@@ -3,6 +3,7 @@
 mod library;
 mod nc_check;
 mod report;
+mod rest_stock;
 mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
@@ -39,6 +40,10 @@ pub struct Options {
     pub certificate: Option<PathBuf>,
     /// Where to write the report, also when a contract fails.
     pub report: Option<PathBuf>,
+    /// Edge of the cells of the stock simulation, mm, instead of the usual.
+    pub stock_cell: Option<f64>,
+    /// Folder for a mesh of the stock after each operation.
+    pub stock: Option<PathBuf>,
     /// Print this stage value and stop there.
     pub emit: Option<Emit>,
 }
@@ -85,6 +90,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     let post = find_post(&program, sink)?;
+    if let Some(folder) = &options.stock {
+        rest_stock::check(folder).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    }
     for path in [&options.output, &options.certificate, &options.report].into_iter().flatten() {
         // Told before the minute that planning takes, not after it.
         output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
@@ -105,7 +113,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = planned;
         return Ok(());
     }
-    let (judged, certificate) = stages.run("verify", || crate::verify::examine(&program, plan.motion, sink))?;
+    let (judged, certificate) = stages.run("verify", || rest_stock::examine(options, &program, plan.motion, sink))?;
     let inputs = inputs(sources);
     let shown = report::Shown {
         program: &program,

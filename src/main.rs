@@ -46,6 +46,14 @@ struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
 
+    /// Edge of the cells of the stock simulation; the certificate says what was taken
+    #[arg(long, value_name = "MM")]
+    stock_cell: Option<f64>,
+
+    /// Folder to write the stock after each operation to, as STL
+    #[arg(long, value_name = "DIR")]
+    stock: Option<PathBuf>,
+
     /// Write a report to look at in a browser: deviations, paths, plots, contracts; also when a contract fails
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -144,6 +152,8 @@ fn main() -> ExitCode {
                 picture: arguments.picture,
                 certificate: arguments.certificate,
                 report: arguments.report,
+                stock_cell: arguments.stock_cell,
+                stock: arguments.stock,
                 emit: arguments.emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,
                     EmitArgument::Job => Emit::Job,

@@ -59,6 +59,26 @@ impl Shape {
         }
     }
 
+    /// Bound on how far the derivative by the place, a vector, changes within `reach` of a point outside or on the body
+    /// at a distance from the axis and a height; 2 where it may jump.
+    pub(super) fn bend(&self, rho: f64, s: f64, reach: f64) -> f64 {
+        let (radius, top) = match *self {
+            // Beside the edge at the tip both coordinates may change by the reach.
+            Self::Flat { radius, top } if rho - radius + s > 2.0 * reach => (rho, top),
+            Self::Ball { radius, top } => (rho.hypot((radius - s).max(0.0)), top),
+            Self::Other { cutter, top } if cutter.tip_radius() > 0.0 => {
+                // Outside, the centre of curvature lies no nearer than the least radius of curvature.
+                (cutter.least_curvature_radius().min(rho), top)
+            }
+            _ => return 2.0,
+        };
+        // The plane at the end of the flutes makes an edge.
+        if top - s < 2.0 * reach + (rho - radius).abs() || radius <= 2.0 * reach {
+            return 2.0;
+        }
+        reach / (radius - reach)
+    }
+
     /// The function at a distance from the axis and a height.
     #[inline]
     pub(super) fn at(&self, rho: f64, s: f64) -> Value {

@@ -26,7 +26,7 @@ pub struct BlockCut {
     pub block: u32,
     /// Removed volume, mean of the three families, mm3.
     pub volume: f64,
-    /// Lowest and highest height over the tip where material was removed.
+    /// Lowest and highest height over the tip where material was removed; above and below all when it only rubbed.
     pub height: [f64; 2],
     /// Extent of the removed material across way and axis, from the axis.
     pub side: [f64; 2],
@@ -120,12 +120,16 @@ fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps
     let outside = |m: &Moving| (0..3).any(|k| m.high[k] < field.low[k] || m.low[k] > high[k]);
     let prepared: Vec<Prepared> = steps
         .par_iter()
+        .enumerate()
         .zip(&ordinals)
-        .map(|(step, &ordinal)| {
+        .map(|((n, step), &ordinal)| {
+            let before = n.checked_sub(1).map(|n| &steps[n]);
+            let follows = before
+                .is_some_and(|b| b.kind != StepKind::Rapid && b.tips[1] == step.tips[0] && b.axes[2] == step.axes[0]);
             let bodies = body
                 .iter()
-                .map(|(what, shape)| (Some(*what), Moving::new(step, *shape)))
-                .chain(std::iter::once((None, Moving::new(step, *cutter))))
+                .map(|(what, shape)| (Some(*what), Moving::new(step, *shape, false)))
+                .chain(std::iter::once((None, Moving::new(step, *cutter, follows))))
                 .filter(|(_, m)| !outside(m))
                 .collect();
             Prepared { ordinal, bodies }

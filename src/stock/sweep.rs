@@ -32,7 +32,7 @@ pub(super) struct Look {
     /// Derivative by the place.
     pub(super) normal: Vector3<f64>,
     /// Derivative by time.
-    slope: f64,
+    pub(super) slope: f64,
     /// Time.
     pub(super) t: f64,
 }
@@ -51,6 +51,13 @@ impl Sweep {
     #[inline]
     pub(super) fn pose(&self, t: f64) -> (Vector3<f64>, Vector3<f64>) {
         (self.tip + self.way * t, self.axis[0] + (self.axis[1] + self.axis[2] * t) * t)
+    }
+
+    /// Distance from the axis and height over the tip of a place at the start.
+    pub(super) fn at_start(&self, p: &Vector3<f64>) -> (f64, f64) {
+        let d = p - self.tip;
+        let s = d.dot(&self.axis[0]);
+        ((d - self.axis[0] * s).norm(), s)
     }
 
     /// Way of the tip.

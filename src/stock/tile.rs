@@ -22,6 +22,10 @@ const COARSE: usize = FINE / GROUP;
 /// Rays of a fine group.
 const MEMBERS: usize = GROUP * GROUP;
 
+/// Length along a ray from which a chip tells where the cutter is engaged, mm: shorter ones come from rubbing along a
+/// surface that was cut before.
+const NOTABLE: f64 = 0.01;
+
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
 /// below.
 const MOST_NEWTON: u32 = 40;
@@ -32,6 +36,10 @@ pub(super) struct Moving {
     pub(super) sweep: Sweep,
     pub(super) shape: Shape,
     pub(super) kind: StepKind,
+    /// True when the same body has just swept to where this one starts: no material is inside of it there.
+    pub(super) follows: bool,
+    /// Turn of the axis, radians, a little more: by as much less than convex is the function along a line and in time.
+    turn: f64,
     /// Corners of a box around all of it.
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
@@ -50,7 +58,7 @@ pub(super) struct Moving {
 const SAG: f64 = 5e-3;
 
 impl Moving {
-    pub(super) fn new(step: &Step, shape: Shape) -> Self {
+    pub(super) fn new(step: &Step, shape: Shape, follows: bool) -> Self {
         let sweep = Sweep::new(step);
         let (from, to, radius) = shape.extent();
         let (tip, axis) = sweep.pose(0.5);
@@ -65,6 +73,7 @@ impl Moving {
             }
         }
         let turn = (step.axes[0] - axis).norm().max((step.axes[2] - axis).norm());
+        let whole = 1.01 * ((step.axes[0] - axis).norm() + (step.axes[2] - axis).norm());
         let moved = 0.5 * sweep.way().norm() + turn * (from.abs().max(to.abs()) + radius) + SAG;
         let across = axis.cross(sweep.way());
         // A plunge has no side: any will do.
@@ -75,7 +84,7 @@ impl Moving {
             axis.cross(&unit).normalize()
         });
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
-        Self { sweep, shape, kind: step.kind, low, high, tip, axis, from, to, radius, side }
+        Self { sweep, shape, kind: step.kind, follows, turn: whole, low, high, tip, axis, from, to, radius, side }
     }
 
     /// Part of a line along an axis that can lie within `lateral` of the sweep; `o` has zero along the axis.
@@ -113,15 +122,15 @@ impl Moving {
         };
         let first = self.sweep.least(&self.shape, &at(a), *guess, lateral);
         *guess = first.t;
-        if first.f > lateral && first.normal[axis] >= 0.0 {
+        if first.f > lateral && first.normal[axis] >= self.turn {
             return true;
         }
         let last = self.sweep.least(&self.shape, &at(b), *guess, lateral);
         *guess = last.t;
-        if last.f > lateral && last.normal[axis] <= 0.0 {
+        if last.f > lateral && last.normal[axis] <= -self.turn {
             return true;
         }
-        let (da, db) = (first.normal[axis], last.normal[axis]);
+        let (da, db) = (first.normal[axis] - self.turn, last.normal[axis] + self.turn);
         if da < 0.0 && db > 0.0 {
             // Where the tangents meet lies below the least.
             let share = db / (db - da);
@@ -140,18 +149,18 @@ impl Moving {
         let least = |x: f64, guess: f64, cutoff: f64| self.sweep.least(&self.shape, &at(x), guess, cutoff);
         let first = least(a, *guess, GAP);
         *guess = first.t;
-        let leaving = first.normal[axis];
+        let leaving = first.normal[axis] - self.turn;
         if leaving >= 0.0 && (first.f > GAP || -first.f < SKIN * leaving) {
             return None;
         }
         let last = least(b, *guess, GAP);
-        let leaving = -last.normal[axis];
+        let leaving = -last.normal[axis] - self.turn;
         if leaving >= 0.0 && (last.f > GAP || -last.f < SKIN * leaving) {
             *guess = last.t;
             return None;
         }
-        // Tangent steps from an end that lies outside. Turning makes the function a little less than convex: a step
-        // that ends inside is taken back by the secant, which lies between.
+        // Tangent steps from an end that lies outside, steeper by the turn. Should one end inside all the same, it is
+        // taken back by the secant, which lies between.
         let approach = |mut x: f64, mut look: super::sweep::Look, sign: f64| {
             let mut outside: Option<(f64, f64)> = None;
             for _ in 0..MOST_NEWTON {
@@ -161,7 +170,7 @@ impl Moving {
                     Some((far, f)) if look.f < 0.0 => x += (far - x) * look.f / (look.f - f),
                     _ => {
                         outside = Some((x, look.f));
-                        let down = look.normal[axis] * sign;
+                        let down = look.normal[axis] * sign - self.turn;
                         if down >= 0.0 {
                             return None;
                         }
@@ -179,6 +188,22 @@ impl Moving {
         let (to, t_to) = approach(b, last, -1.0)?;
         *guess = t_from;
         (to - from > SKIN).then_some(Chip { from, to, times: [t_from, t_to] })
+    }
+
+    /// True when the sweep takes nothing from the rays of a group that has material from `starts` on, `sign` telling the
+    /// direction: at its start the body was outside of all of it, and from there on it moves away.
+    fn behind(&self, axis: usize, o: &Vector3<f64>, starts: [f64; 2], sign: f64, lateral: f64) -> bool {
+        let reach = lateral.hypot(0.5 * (starts[1] - starts[0]));
+        let mut p = *o;
+        p[axis] = 0.5 * (starts[0] + starts[1]);
+        let look = self.sweep.look(&self.shape, &p, 0.0);
+        if look.slope <= 0.0 || look.normal[axis] * sign <= self.turn {
+            return false;
+        }
+        let (rho, s) = self.sweep.at_start(&p);
+        let bend = self.shape.bend(rho, s, reach);
+        let speed = self.sweep.way().norm() + self.turn * (rho.hypot(s) + reach);
+        look.slope > bend * speed + self.turn * reach && look.normal[axis] * sign > bend + self.turn
     }
 
     /// Place of the deepest point inside the sweep on a stretch, and its depth; `None` when none is deeper than `least`.
@@ -236,7 +261,7 @@ struct Chip {
 pub(super) struct Removal {
     /// Length along the rays.
     pub(super) length: f64,
-    /// Lowest and highest height over the tip.
+    /// Lowest and highest height over the tip; reversed infinities when nothing notable was removed.
     pub(super) height: [f64; 2],
     /// Extent across way and axis, from the axis.
     pub(super) side: [f64; 2],
@@ -496,6 +521,9 @@ impl Tile {
                 let Some(chip) = moving.cut(axis, o, part, guess) else { continue };
                 cuts.push([chip.from, chip.to]);
                 removal.length += chip.to - chip.from;
+                if chip.to - chip.from < NOTABLE {
+                    continue;
+                }
                 for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
                     let (tip, axis_now) = moving.sweep.pose(t);
                     let mut d = o - tip;
@@ -548,22 +576,32 @@ fn narrow(
     guess: &mut f64,
 ) -> Option<[f64; 2]> {
     let middle = 0.5 * (a + b);
-    let mut below = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut above = below;
+    const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+    // Extents of the material, and of its ends towards the middle.
+    let (mut below, mut above, mut ends, mut starts) = (NONE, NONE, NONE, NONE);
+    let join = |x: &mut [f64; 2], from: f64, to: f64| *x = [x[0].min(from), x[1].max(to)];
     for [from, to] in members.iter().flat_map(Ray::intervals) {
         let (from, to) = (from.max(a), to.min(b));
         if from >= to {
             continue;
         }
         if from < middle {
-            below = [below[0].min(from), below[1].max(to.min(middle))];
+            let end = to.min(middle);
+            join(&mut below, from, end);
+            join(&mut ends, end, end);
         }
         if to > middle {
-            above = [above[0].min(from.max(middle)), above[1].max(to)];
+            let start = from.max(middle);
+            join(&mut above, start, to);
+            join(&mut starts, start, start);
         }
     }
-    let mut open = |part: [f64; 2]| part[0] < part[1] && !moving.clear(axis, o, part, lateral, guess);
-    match (open(below), open(above)) {
+    let mut open = |part: [f64; 2], ends: [f64; 2], sign: f64| {
+        part[0] < part[1]
+            && !(moving.follows && moving.behind(axis, o, ends, sign, lateral))
+            && !moving.clear(axis, o, part, lateral, guess)
+    };
+    match (open(below, ends, -1.0), open(above, starts, 1.0)) {
         (false, false) => None,
         (true, false) => Some([a, middle]),
         (false, true) => Some([middle, b]),

@@ -3,6 +3,7 @@
 use super::clearance::Clearance;
 use super::machine::MachineReport;
 use super::rest::RestReport;
+use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use super::sweep::At;
 use crate::contract::clock;
@@ -114,6 +115,8 @@ pub struct Certificate {
     pub machine: MachineReport,
     /// Stock after each roughing operation.
     pub rest: Vec<RestReport>,
+    /// The stock through the program; `None` when it could not be simulated.
+    pub stock: Option<StockReport>,
     /// Contracts.
     pub contracts: Vec<ContractReport>,
     /// What is taken out of them.
@@ -235,6 +238,10 @@ impl Certificate {
             )?;
         }
         writeln!(t)?;
+        if let Some(stock) = &self.stock {
+            stock.write(t)?;
+            writeln!(t)?;
+        }
         writeln!(
             t,
             "axes: used, travel, largest speed reached, largest acceleration asked for inside of blocks, of the limits"

@@ -2,6 +2,7 @@
 
 use super::certificate::Certificate;
 use super::clearance::Clearance;
+use super::stock::{OperationStock, StockReport};
 use super::surface::{FAR, SurfaceReport};
 use super::sweep::At;
 use crate::contract::{ContractKind, Guarded, Region, SurfaceClass};
@@ -81,7 +82,9 @@ pub(super) fn measure(
         ContractKind::Time => Ok(time(certificate, region)),
         ContractKind::AxisSpeed => Ok(axis_speed(certificate, region)),
         ContractKind::Rest => rest(certificate, region, after),
-        ContractKind::Air | ContractKind::RemovalRate | ContractKind::RestVolume => Err(Unmeasured::NeedsStock),
+        ContractKind::Air => air(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
+        ContractKind::RemovalRate => removal_rate(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
+        ContractKind::RestVolume => Err(Unmeasured::NeedsStock),
     }
 }
 
@@ -174,6 +177,38 @@ fn time(certificate: &Certificate, region: &Region) -> Figure {
     let name = longest.and_then(|(o, _)| certificate.operations.get(o)).map_or("", |o| o.name.as_str());
     let what = longest.map_or_else(String::new, |(_, t)| format!("{} of it in {name}", crate::contract::clock(t)));
     Figure { value: sum, what, point: None, at: None, operation: longest.map(|l| l.0) }
+}
+
+/// Share of the time at feed without removal.
+fn air(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
+    let chosen = region.operations();
+    let (mut sum, mut worst): ([f64; 2], Option<&OperationStock>) = ([0.0; 2], None);
+    for o in stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true)) {
+        sum = [sum[0] + o.feed[0], sum[1] + o.feed[1]];
+        if worst.is_none_or(|w| o.feed[1] > w.feed[1]) {
+            worst = Some(o);
+        }
+    }
+    let what = worst.map_or_else(String::new, |w| format!("{} of it in {}", crate::contract::clock(w.feed[1]), w.name));
+    let value = if sum[0] > 0.0 { sum[1] / sum[0] } else { 0.0 };
+    Ok(Figure { value, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
+}
+
+/// Largest removal rate, mm3/min.
+fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
+    let chosen = region.operations();
+    let rates = stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true));
+    let largest = rates.filter_map(|o| o.rate.map(|r| (o, r))).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+    Ok(largest.map_or_else(
+        || none(0.0, "nothing is removed"),
+        |(o, r)| Figure {
+            value: r.value * 60.0,
+            what: o.name.clone(),
+            point: Some(r.tip),
+            at: Some(r.at),
+            operation: Some(o.operation as usize),
+        },
+    ))
 }
 
 fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {

@@ -9,10 +9,11 @@
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], [`sweep`] |
 //! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
 //! | | what does roughing leave? | [`rest`] |
+//! | V3 | what happens to the stock, block by block? | [`stock`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
 //! | | what feed is reached, how far does the real motion leave the verified one? | [`dynamics`] |
 //!
-//! Not checked yet: stock removal block by block, jerk.
+//! Not checked yet: jerk.
 
 mod bounds;
 mod cells;
@@ -23,6 +24,7 @@ pub mod dynamics;
 pub mod machine;
 mod measure;
 pub mod rest;
+pub mod stock;
 pub mod structure;
 pub mod surface;
 pub mod sweep;
@@ -64,20 +66,22 @@ impl<T> Verified<T> {
 /// # Errors
 /// Anything that breaks a rule of the machine or a contract of the job; all of it is in the sink.
 pub fn verify(program: &Program, motion: Motion, sink: &mut Sink) -> Result<(Verified<Motion>, Certificate), Aborted> {
-    let (judged, certificate) = examine(program, motion, sink)?;
+    let (judged, certificate) = examine(program, motion, &mut stock::Settings::default(), sink)?;
     judged.map(|motion| (motion, certificate)).map_err(|_| Aborted)
 }
 
-/// Verifies a motion and gives it back as it is when it is refused, so that what failed can be shown.
+/// Verifies a motion with settings of the stock simulation, and gives it back as it is when it is refused, so that what
+/// failed can be shown.
 ///
 /// # Errors
 /// The motion is malformed; what else breaks a rule or a contract is in the sink.
 pub fn examine(
     program: &Program,
     motion: Motion,
+    settings: &mut stock::Settings<'_>,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
-    let certificate = certify(program, &motion, sink)?;
+    let certificate = certify_with(program, &motion, settings, sink)?;
     Ok((if sink.has_errors() { Err(motion) } else { Ok(Verified(motion)) }, certificate))
 }
 
@@ -86,6 +90,19 @@ pub fn examine(
 /// # Errors
 /// The motion is malformed.
 pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Certificate, Aborted> {
+    certify_with(program, motion, &mut stock::Settings::default(), sink)
+}
+
+/// [`certify`] with settings of the stock simulation.
+///
+/// # Errors
+/// As [`certify`].
+pub fn certify_with(
+    program: &Program,
+    motion: &Motion,
+    settings: &mut stock::Settings<'_>,
+    sink: &mut Sink,
+) -> Result<Certificate, Aborted> {
     if !structure::check(program, motion, sink) {
         return Err(Aborted);
     }
@@ -93,11 +110,10 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let surfaces = surface::certify(&program.part, &sweeps, SPACING);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
-    let stock_cloud = Cloud::new(stock_points(program));
-    let stock = &stock_cloud;
+    let blank = Cloud::new(stock_points(program));
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
-        .map(|o| operation_report(program, motion, o, &design_cloud, stock, search))
+        .map(|o| operation_report(program, motion, o, &design_cloud, &blank, search))
         .collect();
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let roughing: Vec<usize> = motion
@@ -118,6 +134,7 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         rapid,
         machine: machine::check(program, motion),
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
+        stock: stock::simulate(program, motion, settings, sink),
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
@@ -126,6 +143,9 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
         operation.time = run.time;
     }
     report_faults(program, motion, &certificate, sink);
+    if let Some(report) = &certificate.stock {
+        stock::report(program, motion, report, sink);
+    }
     let narrower = Narrower { program, motion, samples: &samples };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
     Ok(certificate)

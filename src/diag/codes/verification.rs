@@ -57,4 +57,21 @@ spindles.\n\nWay out: a lower `feed`, or smaller steps (`depth`, `residual`).";
     REST_VOLUME = "IMP0716", "more stock stays than the job allows",
         "The volume that stands outside of the part after the operations is above `require rest-volume`.\n\n\
 Way out: operations for all faces and sectors, smaller steps, or a tool that reaches what stays.";
+    RAPID_THROUGH_STOCK = "IMP0730", "a rapid move runs through stock that is still there",
+        "Block by block the program removes stock; at this block the cutter moves at rapid through a place that nothing \
+has cleared. At the machine the tool breaks. IMP0705 asks for more: that rapids stay outside of the turned blank.\n\n\
+Example: a rapid to the start of a pass whose layer above was not milled.\n\n\
+Way out: a longer lead-in or lead-out, a link at feed, or an operation before that clears the way.";
+    ABOVE_FLUTES = "IMP0731", "stock above the flutes meets the shank",
+        "Before this block cuts, stock stands where the shank right above the flutes will be. The shank does not cut: it \
+rubs, heats and bends the tool.\n\nExample: a slot 8 mm deep with flutes of 5 mm and a shank as thick as the cutter.\n\n\
+Way out: longer flutes, a shank thinner than the cutter, a smaller `depth`, or an operation before that opens the way.";
+    BODY_IN_STOCK = "IMP0732", "shank or holder runs into stock that is still there",
+        "Before this block cuts, stock stands where the shank or the holder will be. `require clearance` looks at the \
+finished part only; this looks at what the operations so far have left.\n\n\
+Way out: a longer reach, a slimmer holder, or an operation before that opens the way.";
+    STOCK_CELL = "IMP0733", "the stock cannot be simulated with these cells",
+        "The simulation of the stock sends rays through it, one for each cell of its three faces. Cells must be above \
+zero, and not so fine that the rays outgrow memory.\n\nExample: `--stock-cell 0.001` on a part of 120 mm.\n\n\
+Way out: a larger `--stock-cell`.";
 }

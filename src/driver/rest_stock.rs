@@ -1,0 +1,54 @@
+//! Verification with the stock after each operation written as a mesh.
+
+use super::Options;
+use crate::diag::codes::files;
+use crate::diag::{Aborted, Diag, Sink};
+use crate::ir::{Motion, Program};
+use crate::output;
+use crate::stock::Field;
+use crate::verify::{self, Certificate, Verified, stock::Settings};
+use std::path::{Path, PathBuf};
+
+/// Verifies with the settings of the command line. The meshes are written also when a contract fails then: they show
+/// why.
+pub(super) fn examine(
+    options: &Options,
+    program: &Program,
+    motion: Motion,
+    sink: &mut Sink,
+) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
+    let names: Vec<String> = motion.operations.iter().map(|o| program.operations[o.operation].name.clone()).collect();
+    let mut failed: Option<Diag> = None;
+    let mut after = |o: usize, field: &Field| {
+        if let (Some(folder), None) = (&options.stock, &failed) {
+            let name = names.get(o).map_or("", String::as_str);
+            failed = output::write_whole(&path(folder, o, name), &field.mesh().stl(name)).err();
+        }
+    };
+    let mut settings = Settings { cell: options.stock_cell, after: None };
+    if options.stock.is_some() {
+        settings.after = Some(&mut after);
+    }
+    let verified = verify::examine(program, motion, &mut settings, sink);
+    match failed {
+        Some(diag) => {
+            sink.push(diag);
+            Err(Aborted)
+        }
+        None => verified,
+    }
+}
+
+/// Mesh file of an operation: numbered, so that a listing shows them in the order of machining.
+fn path(folder: &Path, operation: usize, name: &str) -> PathBuf {
+    folder.join(format!("{:02}-{name}.stl", operation + 1))
+}
+
+/// Makes the folder where it is missing.
+pub(super) fn check(folder: &Path) -> Result<(), Diag> {
+    std::fs::create_dir_all(folder).map_err(|e| {
+        Diag::error(files::CANNOT_WRITE, format!("the folder {} cannot be made: {e}", folder.display()))
+            .help("give `--stock` a folder, or a path at which one can be made")
+    })?;
+    output::check(&path(folder, 0, "stock"))
+}

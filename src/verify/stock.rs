@@ -1,0 +1,436 @@
+//! V3: the stock itself, operation by operation: what each takes away, when the tools run in air, and what shank, holder
+//! and rapids meet of what is still there.
+
+use super::certificate::describe;
+use super::sweep::At;
+use crate::contract::clock;
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::kin::transform::axis_at;
+use crate::stock::{self, BlockCut, Field, FieldError, Step, StepKind, Touched};
+use nalgebra::Point3;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Cells of the usual stock, mm: an impeller of some 120 mm takes a few seconds.
+pub const USUAL_CELL: f64 = 0.5;
+
+/// Cells across the largest stock that still has usual cells.
+const MOST_USUAL: f64 = 400.0;
+
+/// Longest way of the tip in a step, mm; air and engagement are known to this.
+const STEP_LENGTH: f64 = 2.0;
+
+/// Cells of way over which removal is averaged, since the rays meet the chips of single steps by chance.
+const WINDOW_CELLS: f64 = 4.0;
+
+/// Section of a chip from which the tool counts as cutting, mm2: thinner is rubbing, and rounding.
+const CHIP_SECTION: f64 = 1e-3;
+
+/// Takes the index of an operation in the motion and the stock after it.
+pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
+
+/// How the stock is simulated.
+#[derive(Default)]
+pub struct Settings<'a> {
+    /// Edge of the cells, mm; `None` for [`usual_cell`].
+    pub cell: Option<f64>,
+    /// Called after each operation.
+    pub after: Option<AfterOperation<'a>>,
+}
+
+/// Largest value with its place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// Value.
+    pub value: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip there, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Stock inside a part of the tool that must not be there.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StockCollision {
+    /// `cutter at rapid`, `shank`, `holder`.
+    pub part: &'static str,
+    /// Depth of the deepest place below the surface of the tool, mm.
+    pub depth: f64,
+    /// That place, part frame, mm.
+    pub point: [f64; 3],
+    /// Its height over the tip, mm.
+    pub height: f64,
+    /// Move.
+    pub at: At,
+}
+
+/// What an operation does to the stock.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OperationStock {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Name.
+    pub name: String,
+    /// Removed volume, mm3.
+    pub removed: f64,
+    /// Part of it removed by link moves, mm3.
+    pub by_links: f64,
+    /// Stock left after it, mm3.
+    pub rest: f64,
+    /// Time of all moves, s.
+    pub time: f64,
+    /// Time in which nothing is removed, s.
+    pub air: f64,
+    /// The same of moves at feed alone: their time and that in air, s.
+    pub feed: [f64; 2],
+    /// Largest extent of removed material along the tool axis, mm.
+    pub depth: Option<Peak>,
+    /// Largest extent across way and axis, mm.
+    pub width: Option<Peak>,
+    /// Largest arc of engagement of the circle of the cutter, degrees.
+    pub arc: Option<Peak>,
+    /// Largest removal rate, mm3/s, over a way of some cells.
+    pub rate: Option<Peak>,
+    /// Collisions, the deepest of each move and part of the tool.
+    pub collisions: Vec<StockCollision>,
+}
+
+impl OperationStock {
+    /// Share of the time of all moves in which nothing is removed.
+    pub fn air_share(&self) -> f64 {
+        if self.time > 0.0 { self.air / self.time } else { 0.0 }
+    }
+}
+
+/// The stock through the program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StockReport {
+    /// Edge of the cells, mm. Nothing smaller is sure to be seen; ends of rays are exact to [`stock::END_ERROR`].
+    pub cell: f64,
+    /// Rays.
+    pub rays: usize,
+    /// Volume of the blank, mm3.
+    pub blank: f64,
+    /// Operations in order.
+    pub operations: Vec<OperationStock>,
+}
+
+impl StockReport {
+    /// All collisions.
+    pub fn collisions(&self) -> impl Iterator<Item = &StockCollision> {
+        self.operations.iter().flat_map(|o| &o.collisions)
+    }
+
+    /// Stock left at the end, mm3.
+    pub fn rest(&self) -> f64 {
+        self.operations.last().map_or(self.blank, |o| o.rest)
+    }
+
+    /// Share of the time of all moves in which nothing is removed.
+    pub fn air_share(&self) -> f64 {
+        let (air, time) = self.operations.iter().fold((0.0, 0.0), |(a, t), o| (a + o.air, t + o.time));
+        if time > 0.0 { air / time } else { 0.0 }
+    }
+
+    /// Writes the part of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(
+            t,
+            "stock: cells of {} mm, {} rays, blank {:.0} mm3; volumes in mm3, largest engagement in mm, deg and mm3/s",
+            self.cell, self.rays, self.blank
+        )?;
+        writeln!(
+            t,
+            "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
+            "operation", "removed", "by links", "rest", "t air", "air", "depth", "width", "arc", "rate", "collides"
+        )?;
+        let peak = |p: &Option<Peak>, digits: usize| {
+            p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.digits$}", p.value))
+        };
+        for o in &self.operations {
+            writeln!(
+                t,
+                "  {:<12} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>5.1} % {:>7} {:>7} {:>7} {:>7} {:>9}",
+                o.name,
+                o.removed,
+                o.by_links,
+                o.rest,
+                clock(o.air),
+                o.air_share() * 100.0,
+                peak(&o.depth, 2),
+                peak(&o.width, 2),
+                peak(&o.arc, 0),
+                peak(&o.rate, 1),
+                o.collisions.len()
+            )?;
+        }
+        writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)
+    }
+}
+
+/// Cells that a stock of a profile of (r, z) points gets when the user does not choose, mm.
+pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
+    let (mut r, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+    for p in profile {
+        (r, low, high) = (r.max(p[0]), low.min(p[1]), high.max(p[1]));
+    }
+    USUAL_CELL.max((2.0 * r).max(high - low) / MOST_USUAL)
+}
+
+/// Sends the whole program through the stock; `None` when the field cannot be made, which is told to the sink.
+pub fn simulate(
+    program: &Program,
+    motion: &Motion,
+    settings: &mut Settings<'_>,
+    sink: &mut Sink,
+) -> Option<StockReport> {
+    let profile = &program.stock.profile;
+    let cell = settings.cell.unwrap_or_else(|| usual_cell(profile));
+    let mut field = match Field::turned(profile, cell) {
+        Ok(field) => field,
+        Err(error) => {
+            sink.push(refusal(error, cell));
+            return None;
+        }
+    };
+    let blank = field.volume();
+    let mut before = blank;
+    let mut operations = Vec::new();
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let mut report = run(program, operation, o, &mut field);
+        report.rest = field.volume();
+        report.removed = before - report.rest;
+        before = report.rest;
+        operations.push(report);
+        if let Some(after) = &mut settings.after {
+            after(o, &field);
+        }
+    }
+    Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations })
+}
+
+/// One operation through the stock; volumes of the whole are left to the caller.
+fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field) -> OperationStock {
+    let declared = &program.operations[operation.operation];
+    let solid = &program.tools[declared.tool].solid;
+    let mut places: Vec<StepPlace> = Vec::new();
+    let stream = operation
+        .moves
+        .windows(2)
+        .enumerate()
+        .flat_map(|(i, pair)| steps(program, pair, i + 1, solid.flute_length))
+        .map(|(place, step)| {
+            // Each step is a block of its own to the engine: moves may be long.
+            let block = u32::try_from(places.len()).unwrap_or(u32::MAX);
+            places.push(place);
+            Step { block, ..step }
+        });
+    let outcome = stock::simulate(field, solid, stream);
+    let at = |step: u32| At {
+        operation: u32::try_from(o).unwrap_or(u32::MAX),
+        index: places.get(step as usize).map_or(0, |p| p.index),
+    };
+    let removal = Removal::new(&places, &outcome.cuts, WINDOW_CELLS * field.cell());
+    let peak = |value: &dyn Fn(&BlockCut) -> f64| {
+        let c =
+            outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]).max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        let tip = places.get(c.block as usize)?.tip;
+        Some(Peak { value: value(c), at: at(c.block), tip: [tip.x, tip.y, tip.z] })
+    };
+    let radius = solid.cutter.widest_below(solid.flute_length);
+    let angle = |side: f64| (side / radius).clamp(-1.0, 1.0).asin();
+    let mut collisions: Vec<StockCollision> = Vec::new();
+    for c in &outcome.collisions {
+        let part = match c.what {
+            Touched::Cutter => "cutter at rapid",
+            Touched::Shank => "shank",
+            Touched::Holder => "holder",
+        };
+        let found =
+            StockCollision { part, depth: c.depth, point: c.point.coords.into(), height: c.height, at: at(c.block) };
+        let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
+        match same {
+            Some(x) if x.depth < found.depth => *x = found,
+            Some(_) => {}
+            None => collisions.push(found),
+        }
+    }
+    let time = |choose: &dyn Fn(usize, &StepPlace) -> bool| {
+        places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum::<f64>()
+    };
+    let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
+    OperationStock {
+        operation: u32::try_from(o).unwrap_or(u32::MAX),
+        name: declared.name.clone(),
+        removed: 0.0,
+        by_links: outcome
+            .cuts
+            .iter()
+            .filter(|c| places.get(c.block as usize).is_some_and(|p| p.kind == MoveKind::Link))
+            .map(|c| c.volume)
+            // The sum of nothing is -0.
+            .fold(0.0, |sum, v| sum + v),
+        rest: 0.0,
+        time: time(&|_, _| true),
+        air: time(&|i, _| !removal.cuts[i]),
+        feed: [time(&|_, p| at_feed(p)), time(&|i, p| at_feed(p) && !removal.cuts[i])],
+        depth: peak(&|c| c.height[1] - c.height[0]),
+        width: peak(&|c| c.side[1] - c.side[0]),
+        arc: peak(&|c| (angle(c.side[1]) - angle(c.side[0])).to_degrees()),
+        rate: removal.rate.map(|(value, step)| {
+            let tip = places[step].tip;
+            Peak { value, at: at(u32::try_from(step).unwrap_or(u32::MAX)), tip: [tip.x, tip.y, tip.z] }
+        }),
+        collisions,
+    }
+}
+
+/// What is kept of a step.
+struct StepPlace {
+    /// Index of its move.
+    index: u32,
+    kind: MoveKind,
+    /// Tip at its end.
+    tip: Point3<f64>,
+    /// Way of the tip, mm.
+    way: f64,
+    /// Time, s.
+    time: f64,
+}
+
+/// The steps of one move, which turn and run no farther than the engine wants.
+fn steps<'a>(
+    program: &'a Program,
+    pair: &'a [JointMove],
+    index: usize,
+    flute_length: f64,
+) -> impl Iterator<Item = (StepPlace, Step)> + use<'a> {
+    let (from, to) = (pair[0].joints, pair[1].joints);
+    let (kind, time) = (pair[1].kind, pair[1].time);
+    let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
+    let way = tips[1] - tips[0];
+    // A and C turn about axes at right angles: the turn of the tool is at most this.
+    let turn = (to.a - from.a).hypot(to.c - from.c);
+    let count = (turn / stock::most_turn(flute_length)).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+    let axis = move |t: f64| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+    (0..count as usize).map(move |k| {
+        let (a, b) = (k as f64 / count, (k + 1) as f64 / count);
+        let ends = [tips[0] + way * a, tips[0] + way * b];
+        let index = u32::try_from(index).unwrap_or(u32::MAX);
+        let place = StepPlace { index, kind, tip: ends[1], way: way.norm() / count, time: time / count };
+        let kind = match kind {
+            MoveKind::Cut => StepKind::Cut,
+            MoveKind::Link => StepKind::Link,
+            MoveKind::Rapid => StepKind::Rapid,
+        };
+        (place, Step { block: 0, kind, tips: ends, axes: [axis(a), axis(0.5 * (a + b)), axis(b)] })
+    })
+}
+
+/// Removal averaged over a way of some cells around each step.
+struct Removal {
+    /// Whether the tool cuts there.
+    cuts: Vec<bool>,
+    /// Largest rate, mm3/s, and its step.
+    rate: Option<(f64, usize)>,
+}
+
+impl Removal {
+    fn new(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Self {
+        let mut volume = vec![0.0; places.len()];
+        for c in cuts {
+            if let Some(v) = volume.get_mut(c.block as usize) {
+                *v += c.volume;
+            }
+        }
+        let mut found = Self { cuts: vec![false; places.len()], rate: None };
+        let mut start = 0;
+        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
+        for end in 0..places.len() {
+            way += places[end].way;
+            time += places[end].time;
+            sum += volume[end];
+            // As few steps as reach over the window.
+            while start < end && way - places[start].way >= window {
+                way -= places[start].way;
+                time -= places[start].time;
+                sum -= volume[start];
+                start += 1;
+            }
+            // Differences of sums leave rounding behind.
+            if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
+                // Steps without removal between such with it cut, those before and after do not.
+                let first = (start..=end).find(|i| volume[*i] > 0.0).unwrap_or(end);
+                let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
+                found.cuts[first..=last].fill(true);
+                let rate = sum / time;
+                if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
+                    let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
+                    found.rate = Some((rate, largest));
+                }
+            }
+        }
+        found
+    }
+}
+
+fn refusal(error: FieldError, cell: f64) -> Diag {
+    let (text, help) = match error {
+        FieldError::BadCell => (
+            format!("the stock cannot have cells of {cell} mm"),
+            format!("give `--stock-cell` a length above zero, such as {USUAL_CELL}"),
+        ),
+        FieldError::BadProfile => (
+            "the stock has no inside".to_owned(),
+            "see the declaration of the stock: its outside must enclose a room".to_owned(),
+        ),
+        FieldError::TooFine { rays, least_cell } => (
+            format!("cells of {cell} mm would need {rays:.1e} rays through the stock, more than memory holds"),
+            format!("`--stock-cell {:.3}` or more", (least_cell * 1e3).ceil() / 1e3),
+        ),
+    };
+    Diag::error(verification::STOCK_CELL, text).help(help)
+}
+
+/// Collisions as errors: one for each operation and part of the tool, with the deepest place.
+pub(super) fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
+    for o in &stock.operations {
+        let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
+        let declared = &program.operations[operation.operation];
+        let solid = &program.tools[declared.tool].solid;
+        for part in ["cutter at rapid", "shank", "holder"] {
+            let all = o.collisions.iter().filter(|c| c.part == part);
+            let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
+            let count = all.count();
+            let first = solid.shank.first().map_or(f64::INFINITY, |s| s.to);
+            let (code, text, help) = match part {
+                "cutter at rapid" => (
+                    verification::RAPID_THROUGH_STOCK,
+                    format!("at rapid the cutter is {:.3} mm deep in stock that is still there", worst.depth),
+                    "a longer lead-in or lead-out, or an operation before that clears the way",
+                ),
+                "shank" if worst.height < first => (
+                    verification::ABOVE_FLUTES,
+                    format!(
+                        "the shank above the {} mm of flutes is {:.3} mm deep in stock that is still there",
+                        solid.flute_length, worst.depth
+                    ),
+                    "longer flutes, a relieved shank, a smaller `depth`, or an operation before that opens the way",
+                ),
+                _ => (
+                    verification::BODY_IN_STOCK,
+                    format!("the {part} is {:.3} mm deep in stock that is still there", worst.depth),
+                    "a longer reach, a slimmer holder, or an operation before that opens the way",
+                ),
+            };
+            let diag = Diag::error(code, text)
+                .label(declared.span, "in this operation")
+                .place(describe(program, motion, Some(worst.at)), Point3::from(worst.point))
+                .block(worst.at.operation, worst.at.index)
+                .note(format!("{count} moves of it do; this is the deepest, {:.2} mm over the tip", worst.height))
+                .help(help);
+            sink.push(diag);
+        }
+    }
+}
