@@ -12,11 +12,11 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Cells of the usual stock, mm: an impeller of some 120 mm takes a few seconds.
-pub const USUAL_CELL: f64 = 0.5;
+/// Cells of the usual stock, mm: the default run of an impeller of some 120 mm grows by a few seconds.
+pub const USUAL_CELL: f64 = 1.0;
 
 /// Cells across the largest stock that still has usual cells.
-const MOST_USUAL: f64 = 400.0;
+const MOST_USUAL: f64 = 200.0;
 
 /// Longest way of the tip in a step, mm; air and engagement are known to this.
 const STEP_LENGTH: f64 = 2.0;
