@@ -394,7 +394,7 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
 }
 
 /// Collisions as errors: one for each operation and part of the tool, with the deepest place.
-pub(super) fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
+pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
     for o in &stock.operations {
         let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
         let declared = &program.operations[operation.operation];
