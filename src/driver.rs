@@ -115,11 +115,12 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
     let (judged, certificate) = stages.run("verify", || rest_stock::examine(options, &program, plan.motion, sink))?;
     let inputs = inputs(sources);
+    let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {
         program: &program,
         motion: judged.as_ref().map_or_else(|refused| refused, crate::verify::Verified::get),
         certificate: &certificate,
-        cl: &plan.cl,
+        notes: &notes,
         nc: None,
         post: post.name(),
         hash: &inputs.sha256,
@@ -179,7 +180,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
     if let Some(path) = &options.report {
-        report::write(path, &report::Shown { nc: Some(&written), ..shown }, stages, sink)?;
+        report::write(path, &report::Shown { nc: Some(report::NcLines::written(&written)), ..shown }, stages, sink)?;
     }
     *emitted = Some(text);
     Ok(())

@@ -95,6 +95,10 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         certificate: Option<PathBuf>,
 
+        /// Write a report to look at in a browser, also when a contract fails
+        #[arg(long, value_name = "FILE.html")]
+        report: Option<PathBuf>,
+
         /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
         #[arg(long)]
         timings: bool,
@@ -139,8 +143,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match arguments.command {
         Some(Command::Explain { code }) => explain(&code),
-        Some(Command::Verify { nc, job, post, library, certificate, timings, error_format }) => {
-            let check = NcCheck { nc, job, library, post, certificate };
+        Some(Command::Verify { nc, job, post, library, certificate, report, timings, error_format }) => {
+            let check = NcCheck { nc, job, library, post, certificate, report };
             finish(error_format, timings, |stages| driver::verify(&check, stages))
         }
         None => {

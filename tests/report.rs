@@ -144,6 +144,29 @@ fn a_failed_contract_is_shown_and_nothing_else_written() {
 }
 
 #[test]
+fn nc_text_from_a_file_has_a_report_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (output, _) = compile(folder.path(), "require clearance >= 0.4 mm");
+    assert!(output.status.success());
+    let report = folder.path().join("read.html");
+    let output = Command::new(env!("CARGO_BIN_EXE_impellerc"))
+        .args(["verify", "--library", "jobs/_lib", "--job"])
+        .arg(folder.path().join("job.imp"))
+        .arg("--report")
+        .arg(&report)
+        .arg(folder.path().join("part.nc"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let html = std::fs::read_to_string(report).unwrap();
+    let data: serde_json::Value = serde_json::from_str(between(&html, "id=\"data\">", "</script>")).unwrap();
+    let lines = std::fs::read_to_string(folder.path().join("part.nc")).unwrap().lines().count();
+    assert!(html.contains(&format!("{lines} lines")));
+    let runs = data["paths"]["operations"][0]["lines"].as_array().unwrap();
+    assert!(!runs.is_empty() && runs.iter().all(|r| r[1].as_u64().unwrap() <= lines as u64));
+}
+
+#[test]
 fn texts_of_the_job_stay_texts() {
     let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
     let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
@@ -184,13 +207,13 @@ fn texts_of_the_job_stay_texts() {
         lines: &[],
         notes: &[(hostile.to_owned(), hostile.to_owned())],
         stock: &[],
-        removal: None,
+        engagement: None,
     });
     // Elements that begin, and handlers: only those of the page itself.
     assert!(!html.contains("<img") && !html.contains("<script>window"));
     let lower = html.to_lowercase();
     // One for the data, one for each array, one that is run.
-    assert_eq!((lower.matches("<script").count(), lower.matches("</script").count()), (9, 9));
+    assert_eq!((lower.matches("<script").count(), lower.matches("</script").count()), (10, 10));
 
     let Some(browser) = browser::find() else { return };
     let folder = tempfile::tempdir().unwrap();

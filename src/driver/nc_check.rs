@@ -1,10 +1,11 @@
 //! `impellerc verify`: NC text against its job.
 
-use super::{Options, Outcome, Stages, find_post, front};
+use super::{Options, Outcome, Stages, find_post, front, report};
 use crate::diag::codes::{files, post as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
 use crate::ir::Program;
+use crate::output;
 use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceId, SourceMap, Span};
@@ -24,6 +25,8 @@ pub struct NcCheck {
     pub post: Option<String>,
     /// Certificate that the text must belong to.
     pub certificate: Option<PathBuf>,
+    /// Where to write the report, also when a contract fails.
+    pub report: Option<PathBuf>,
 }
 
 /// Largest NC text, bytes.
@@ -48,6 +51,9 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         );
         return Err(Aborted);
     }
+    if let Some(path) = &check.report {
+        output::check(path).map_err(|d| outcome.sink.push(d)).map_err(|()| Aborted)?;
+    }
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
@@ -58,7 +64,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         let belong = Belonging { sources: &outcome.sources, nc, shown, bytes, file };
         report.push_str(&belong.check(program.is_some().then_some(&inputs), &mut outcome.sink));
     }
-    let measured = program.map(|program| measure(check, &program, nc, stages, outcome)).transpose();
+    let measured = program.map(|program| measure(check, &program, (nc, &inputs), stages, outcome)).transpose();
     if let (Some((shown, _, file)), Ok(Some(certificate))) = (&file, &measured) {
         compare_figures(shown, file, certificate, &mut outcome.sink);
     }
@@ -82,7 +88,7 @@ fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outco
 fn measure(
     check: &NcCheck,
     program: &Program,
-    source: SourceId,
+    (source, inputs): (SourceId, &Inputs),
     stages: &mut Stages,
     outcome: &mut Outcome,
 ) -> Result<Certificate, Aborted> {
@@ -105,6 +111,19 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
+    if let Some(path) = &check.report {
+        let nc = sources.get(source).map_or(0, |f| f.text.lines().count());
+        let shown = report::Shown {
+            program,
+            motion: &motion.motion,
+            certificate: &certificate,
+            notes: &[],
+            nc: Some(report::NcLines::read(&motion, nc)),
+            post: post.name(),
+            hash: &inputs.sha256,
+        };
+        report::write(path, &shown, stages, sink)?;
+    }
     let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{shown}: {moves} moves read as {}\n", post.name()));

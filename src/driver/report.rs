@@ -6,6 +6,7 @@ use crate::export::report::{self, Input};
 use crate::ir::{ClPlan, Motion, Program};
 use crate::output;
 use crate::post::NcProgram;
+use crate::post::motion_of::NcMotion;
 use crate::verify::Certificate;
 use std::path::Path;
 
@@ -14,9 +15,10 @@ pub(super) struct Shown<'a> {
     pub(super) program: &'a Program,
     pub(super) motion: &'a Motion,
     pub(super) certificate: &'a Certificate,
-    pub(super) cl: &'a ClPlan,
-    /// NC text by lines; `None` when a fault stopped it.
-    pub(super) nc: Option<&'a NcProgram>,
+    /// Operation and decision of its planning.
+    pub(super) notes: &'a [(String, String)],
+    /// Lines of the NC text, and where its moves stand; `None` when a fault stopped it.
+    pub(super) nc: Option<NcLines>,
     pub(super) post: &'a str,
     pub(super) hash: &'a str,
 }
@@ -28,10 +30,6 @@ pub(super) struct Shown<'a> {
 pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &mut Sink) -> Result<(), Aborted> {
     let (samples, deviations) =
         stages.run("deviations", || report::deviations(shown.program, shown.motion, shown.certificate.spacing));
-    let lines = shown.nc.map(line_sources).unwrap_or_default();
-    let name = |operation| shown.program.operations[operation].name.clone();
-    let notes: Vec<(String, String)> =
-        shown.cl.operations.iter().flat_map(|o| o.notes.iter().map(move |n| (name(o.operation), n.clone()))).collect();
     let html = stages.run("report", || {
         report::report(&Input {
             program: shown.program,
@@ -42,18 +40,44 @@ pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &
             findings: sink.diags(),
             hash: shown.hash,
             post: shown.post,
-            nc_lines: shown.nc.map(|nc| nc.lines.len()),
-            lines: &lines,
-            notes: &notes,
+            nc_lines: shown.nc.as_ref().map(|nc| nc.count),
+            lines: shown.nc.as_ref().map_or(&[], |nc| &nc.moves),
+            notes: shown.notes,
             stock: &[],
-            removal: None,
+            engagement: None,
         })
     });
     output::write_whole(path, html.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)
 }
 
-/// Operation, move and line (from 1) of every line that says a move.
-fn line_sources(nc: &NcProgram) -> Vec<(u32, u32, u32)> {
-    let numbered = nc.lines.iter().zip(1..);
-    numbered.filter_map(|(line, number)| line.source.map(|(operation, index)| (operation, index, number))).collect()
+/// Where the moves stand in NC text.
+pub(super) struct NcLines {
+    /// Lines of the text.
+    pub(super) count: usize,
+    /// Operation, move and line (from 1), in order.
+    pub(super) moves: Vec<(u32, u32, u32)>,
+}
+
+impl NcLines {
+    /// Those of a program that was written.
+    pub(super) fn written(nc: &NcProgram) -> Self {
+        let numbered = nc.lines.iter().zip(1..);
+        let moves = numbered.filter_map(|(l, number)| l.source.map(|(operation, index)| (operation, index, number)));
+        Self { count: nc.lines.len(), moves: moves.collect() }
+    }
+
+    /// Those of a text that was read.
+    pub(super) fn read(nc: &NcMotion, count: usize) -> Self {
+        let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let of = |o: usize, lines: &[usize]| -> Vec<(u32, u32, u32)> {
+            lines.iter().enumerate().map(|(i, line)| (number(o), number(i), number(*line))).collect()
+        };
+        Self { count, moves: nc.lines.iter().enumerate().flat_map(|(o, lines)| of(o, lines)).collect() }
+    }
+}
+
+/// Decisions of planning by operation.
+pub(super) fn notes(program: &Program, cl: &ClPlan) -> Vec<(String, String)> {
+    let name = |operation| program.operations[operation].name.clone();
+    cl.operations.iter().flat_map(|o| o.notes.iter().map(move |n| (name(o.operation), n.clone()))).collect()
 }

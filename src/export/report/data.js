@@ -78,6 +78,7 @@ function loadMoves() {
   const kinds = new Uint8Array(bytes('kinds'));
   const indices = new Uint32Array(bytes('indices'));
   const removal = new Float32Array(bytes('removal'));
+  const arcs = new Float32Array(bytes('arcs'));
   const count = kinds.length;
   const joints = [0, 1, 2, 3, 4].map(() => new Float32Array(count));
   const tips = new Float32Array(3 * count);
@@ -91,7 +92,7 @@ function loadMoves() {
     end[i] = time;
   }
   data.paths.operations.forEach((o, k) => operation.fill(k, o.first, o.first + o.count));
-  return { count, kinds, indices, removal, joints, tips, end, operation, total: time };
+  return { count, kinds, indices, removal, arcs, joints, tips, end, operation, total: time };
 }
 
 const part = loadPart();

@@ -34,6 +34,15 @@ const SCALE_SHARE: f64 = 0.99;
 /// Deviations beyond this are no matter of accuracy, mm: finishing was not there, or a fault.
 const SCALE_REACH: f64 = 0.1;
 
+/// How the cutter stands in the stock during a move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Engagement {
+    /// Removal rate, mm3/min.
+    pub rate: f64,
+    /// Largest arc of the cutter's circle in the stock, degrees.
+    pub arc: f64,
+}
+
 /// What the report shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
@@ -61,8 +70,8 @@ pub struct Input<'a> {
     pub notes: &'a [(String, String)],
     /// Stock after each operation; empty when it was not simulated.
     pub stock: &'a [StockStage],
-    /// Removal rate by operation and move, mm3/min; `None` when stock was not simulated.
-    pub removal: Option<&'a [Vec<f64>]>,
+    /// Engagement by operation and move; `None` when stock was not simulated.
+    pub engagement: Option<&'a [Vec<Engagement>]>,
 }
 
 /// Samples of the design and the deviation of each, mm; NaN where milling does not make the surface.
@@ -137,7 +146,7 @@ pub fn report(input: &Input<'_>) -> String {
     let scale = scale(input);
     let part =
         part::part(&program.part, input.samples, input.deviations, scale, input.certificate.spacing, turned(program));
-    let paths = paths::paths(program, input.motion, input.removal, input.lines);
+    let paths = paths::paths(program, input.motion, input.engagement, input.lines);
     let places = places::places(input);
     let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
     let l = &machine.linear;
@@ -169,6 +178,7 @@ pub fn report(input: &Input<'_>) -> String {
     array("kinds", &paths.kinds);
     array("indices", &paths.indices);
     array("removal", &paths.removal);
+    array("arcs", &paths.arcs);
     for (i, s) in stock.iter().enumerate() {
         array(&format!("stock-positions-{i}"), &s.positions);
         array(&format!("stock-indices-{i}"), &s.indices);

@@ -38,10 +38,13 @@ function drawScale() {
   context.fillStyle = context.strokeStyle = style.getPropertyValue('--ink').trim();
   const [low, left] = show.scale;
   context.beginPath();
+  // Labels between the ends only where there is room for them.
+  const room = inner / 4 - 6;
   for (const [t, label, align] of [[-1, `−${um(low)}`, 'left'], [-0.5, `−${um(low / 2)}`, 'center'], [0, '0', 'center'], [0.5, um(left / 2), 'center'], [1, `${um(left)} µm`, 'right']]) {
     const x = edge + (t + 1) / 2 * inner;
     context.moveTo(x, high - 4);
     context.lineTo(x, high + 4);
+    if (Math.abs(t) === 0.5 && 0.5 * context.measureText(label).width + context.measureText(t < 0 ? `−${um(low)}` : `${um(left)} µm`).width > room + edge) continue;
     context.textAlign = align;
     context.fillText(label, align === 'left' ? 2 : align === 'right' ? width - 2 : x, high + 17);
   }

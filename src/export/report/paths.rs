@@ -1,5 +1,6 @@
 //! Moves for the page: joints and times, thinned within a tolerance when there are too many.
 
+use super::Engagement;
 use super::pack::Bytes;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use serde::Serialize;
@@ -50,7 +51,7 @@ pub(super) struct PathData {
     pub(super) tolerance: f64,
     /// Whether pass names were left out.
     pub(super) nameless: bool,
-    /// Whether `removal` holds something.
+    /// Whether `removal` and `arcs` hold something.
     simulated: bool,
     /// X Y Z (mm), A C (rad), time of the move (s): 6 floats a move.
     #[serde(skip)]
@@ -61,9 +62,12 @@ pub(super) struct PathData {
     /// 0 cut, 1 link, 2 rapid.
     #[serde(skip)]
     pub(super) kinds: Bytes,
-    /// Largest removal rate in the moves that a kept one stands for, mm3/min.
+    /// Mean removal rate of the moves that a kept one stands for, mm3/min.
     #[serde(skip)]
     pub(super) removal: Bytes,
+    /// Largest arc of engagement in them, degrees.
+    #[serde(skip)]
+    pub(super) arcs: Bytes,
 }
 
 /// Tip and axis as one point: a straight line in these six is a straight move.
@@ -125,12 +129,11 @@ fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
     keep
 }
 
-/// The moves of a motion. `removal` holds removal rates by operation and move in mm3/min when stock was simulated,
-/// `lines` the NC line (from 1) of operation and move.
+/// The moves of a motion. `engagement` is by operation and move when stock was simulated, `lines` the NC line (from 1) of operation and move.
 pub(super) fn paths(
     program: &Program,
     motion: &Motion,
-    removal: Option<&[Vec<f64>]>,
+    engagement: Option<&[Vec<Engagement>]>,
     lines: &[(u32, u32, u32)],
 ) -> PathData {
     let stations: Vec<Vec<Station>> = motion
@@ -164,21 +167,24 @@ pub(super) fn paths(
         kept: 0,
         tolerance,
         nameless: names > MOST_NAMES,
-        simulated: removal.is_some(),
+        simulated: engagement.is_some(),
         joints: Bytes::default(),
         indices: Bytes::default(),
         kinds: Bytes::default(),
         removal: Bytes::default(),
+        arcs: Bytes::default(),
     };
     for (index, (operation, keep)) in motion.operations.iter().zip(&keep).enumerate() {
         let declared = &program.operations[operation.operation];
         let first = data.kept;
         let mut passes: Vec<[usize; 2]> = Vec::new();
-        let (mut time, mut rate) = (0.0, 0.0_f64);
+        let (mut time, mut volume, mut arc) = (0.0, 0.0, 0.0_f64);
         for (i, m) in operation.moves.iter().enumerate() {
             // What lies between two kept moves took its time too.
             time += m.time;
-            rate = rate.max(removal.and_then(|r| r.get(index)?.get(i)).copied().unwrap_or(0.0));
+            let e = engagement.and_then(|e| e.get(index)?.get(i)).copied().unwrap_or_default();
+            volume += e.rate * m.time;
+            arc = arc.max(e.arc);
             if !keep[i] {
                 continue;
             }
@@ -190,15 +196,16 @@ pub(super) fn paths(
             if tolerance > 0.0 {
                 data.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
             }
-            if removal.is_some() {
-                data.removal.f32(rate);
+            if engagement.is_some() {
+                data.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
+                data.arcs.f32(arc);
             }
             data.kinds.u8(match m.kind {
                 MoveKind::Cut => 0,
                 MoveKind::Link => 1,
                 MoveKind::Rapid => 2,
             });
-            (time, rate) = (0.0, 0.0);
+            (time, volume, arc) = (0.0, 0.0, 0.0);
             data.kept += 1;
         }
         if data.nameless {

@@ -76,6 +76,11 @@ fn normal(samples: &[Sample], point: [f64; 3]) -> [f64; 3] {
     rounded([n.x, n.y, n.z])
 }
 
+/// A figure of a contract: small lengths in um, all others as the certificate has them.
+pub(super) fn figure(value: f64, unit: &str, text: &str) -> String {
+    if unit == "mm" { amount(value) } else { text.to_owned() }
+}
+
 /// Bound of a contract on the whole part and program.
 pub(super) fn bound(input: &Input<'_>, kind: &str) -> Option<f64> {
     let mut whole = input.certificate.contracts.iter().filter(|c| c.kind == kind && c.scope.is_empty());
@@ -166,12 +171,23 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     places.rest = rest;
     places.findings = findings;
     for c in &certificate.contracts {
-        let place = c.point.map(|p| places.asked(c.name(), &c.figures[1], &c.place, p, input.samples, !c.holds));
+        let place = c.point.map(|p| {
+            places.asked(c.name(), figure(c.found, c.unit, &c.figures[1]), &c.place, p, input.samples, !c.holds)
+        });
         places.contracts.push(place);
     }
     for a in &certificate.allowed {
         let name = format!("allowed: {} {}", a.kind, a.scope);
-        let place = a.point.map(|p| places.asked(name, &a.figure, &a.place, p, input.samples, false));
+        let place = a.point.map(|p| {
+            places.asked(
+                name,
+                a.found.map_or_else(|| a.figure.clone(), |f| figure(f, a.unit, &a.figure)),
+                &a.place,
+                p,
+                input.samples,
+                false,
+            )
+        });
         places.allowed.push(place);
     }
     places
@@ -182,7 +198,7 @@ impl Places {
     fn asked(
         &mut self,
         name: String,
-        value: &str,
+        value: String,
         program: &str,
         point: [f64; 3],
         samples: &[Sample],
@@ -193,7 +209,7 @@ impl Places {
         self.list.push(PlaceData {
             group: ASKED,
             name,
-            value: value.to_owned(),
+            value,
             program: program.to_owned(),
             point,
             normal: normal(samples, point),

@@ -31,8 +31,13 @@ const ROWS = [
   { title: 'speed of the tip', unit: 'mm/min', lines: [['tip', '#087f5b', tipSpeed]], steps: true },
   { title: 'speed of the axes', unit: '% of limit', lines: AXES.map((a, k) => [...a, shares[k]]), steps: true },
   {
-    title: 'engagement: material removed', unit: 'mm³/min', steps: true,
+    title: 'material removed', unit: 'mm³/min', steps: true,
     lines: data.paths.simulated ? [['removal rate', '#a61e4d', moves.removal]] : [],
+    without: 'the stock was not simulated',
+  },
+  {
+    title: 'engagement: arc of the cutter in the stock', unit: 'deg', steps: true,
+    lines: data.paths.simulated ? [['arc', '#5f3dc4', moves.arcs]] : [],
     without: 'the stock was not simulated',
   },
 ];
@@ -107,8 +112,11 @@ function drawLine(values, steps, [first, last], x, y, width) {
       before = v;
     }
     flush();
+    // Ranges of several lines lie over one another.
+    pen.globalAlpha = 0.6;
   }
   pen.stroke();
+  pen.globalAlpha = 1;
 }
 
 /** Widths and heights of the plots in pixels of the page. */
@@ -161,7 +169,7 @@ function drawPlots() {
     pen.beginPath();
     for (const t of times) { pen.moveTo(x(t), top); pen.lineTo(x(t), bottom); }
     if (row.lines.length) {
-      const rise = roundStep((row.high - row.low) * 24 / Math.max(bottom - top, 24));
+      const rise = roundStep((row.high - row.low) * 20 / Math.max(bottom - top, 20));
       for (let v = Math.ceil(row.low / rise) * rise; v <= row.high + 1e-9 * rise; v += rise) {
         pen.moveTo(LEFT, y(v));
         pen.lineTo(LEFT + width, y(v));
@@ -249,6 +257,6 @@ function figuresOf(i, share) {
   const most = shares.reduce((best, s, k) => s[i] > best[0] ? [s[i], AXES[k][0]] : best, [0, '']);
   const parts = [clockFine(timeOf(i, share), 0.1), axes, `tip ${tipSpeed[i].toFixed(0)} mm/min`];
   if (most[1]) parts.push(`${most[1]} at ${most[0].toFixed(1)} % of its speed`);
-  if (data.paths.simulated) parts.push(`removal ${moves.removal[i].toFixed(0)} mm³/min`);
+  if (data.paths.simulated) parts.push(`removal ${moves.removal[i].toFixed(0)} mm³/min`, `arc ${moves.arcs[i].toFixed(0)} deg`);
   return parts.join('   ');
 }

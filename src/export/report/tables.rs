@@ -2,7 +2,7 @@
 
 use super::Input;
 use super::markup::{Cell, escaped, table};
-use super::places::{Places, amount};
+use super::places::{Places, amount, figure};
 use crate::contract::clock;
 use crate::diag::Severity;
 use crate::verify::clearance::Clearance;
@@ -56,12 +56,13 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
         .enumerate()
         .map(|(i, c)| {
             let (class, word) = if c.holds { ("good", "holds") } else { ("bad", "FAILS") };
-            let [bound, found] = &c.figures;
+            let [bound, found] =
+                [(c.bound, &c.figures[0]), (c.found, &c.figures[1])].map(|(v, t)| figure(v, c.unit, t));
             let relation = if c.relation == ">=" { "at least" } else { "at most" };
             vec![
                 Cell::words(c.name()),
                 Cell::figure(format!("{relation} {bound}")),
-                Cell::figure(found.as_str()).place(places.contracts.get(i).copied().flatten()),
+                Cell::figure(found).place(places.contracts.get(i).copied().flatten()),
                 Cell::words(word).class(class),
             ]
         })
