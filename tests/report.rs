@@ -50,7 +50,7 @@ fn a_reader_sees_part_scale_plots_and_worst_places() {
     let folder = tempfile::tempdir().unwrap();
     let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm\nrequire gouge <= 2 mm");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut page = Page::open(&program, &report, [1680, 1700], &folder.path().join("profile"));
+    let mut page = Page::open(&program, &report, [1680, 2000], &folder.path().join("profile"));
 
     let [scene, scale, plots] = ["#scene", "#scale", "#plots"].map(|s| page.place(s));
     let first = page.screenshot();
