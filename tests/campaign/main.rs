@@ -3,6 +3,7 @@
 //! does not is not reported.
 //!
 //! Run with `cargo test --release --test campaign -- --ignored --nocapture`.
+//! With CAMPAIGN_LIST set each fault is listed with its truth.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "the table of counts is what the campaign shows")]
@@ -269,7 +270,7 @@ fn faults_are_found_with_size_and_line() {
             );
         }
         for (fault, verdict) in faults.iter().zip(&verdicts) {
-            if std::env::var_os("CAMPAIGN_EACH").is_some() {
+            if std::env::var_os("CAMPAIGN_LIST").is_some() {
                 println!(
                     "    {:?} {}: {:.2} um, gouges {}, collides {}",
                     fault.kind,
