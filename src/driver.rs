@@ -113,7 +113,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = planned;
         return Ok(());
     }
-    let (judged, certificate) = stages.run("verify", || rest_stock::examine(options, &program, plan.motion, sink))?;
+    let mut stock = Vec::new();
+    let (judged, certificate) =
+        stages.run("verify", || rest_stock::examine(options, &program, plan.motion, &mut stock, sink))?;
     let inputs = inputs(sources);
     let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {
@@ -121,6 +123,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         motion: judged.as_ref().map_or_else(|refused| refused, crate::verify::Verified::get),
         certificate: &certificate,
         notes: &notes,
+        stock: &stock,
         nc: None,
         post: post.name(),
         hash: &inputs.sha256,

@@ -207,7 +207,6 @@ fn texts_of_the_job_stay_texts() {
         lines: &[],
         notes: &[(hostile.to_owned(), hostile.to_owned())],
         stock: &[],
-        engagement: None,
     });
     // Elements that begin, and handlers: only those of the page itself.
     assert!(!html.contains("<img") && !html.contains("<script>window"));

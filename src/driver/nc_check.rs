@@ -1,6 +1,6 @@
 //! `impellerc verify`: NC text against its job.
 
-use super::{Options, Outcome, Stages, find_post, front, report};
+use super::{Options, Outcome, Stages, find_post, front, report, rest_stock};
 use crate::diag::codes::{files, post as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
@@ -9,7 +9,7 @@ use crate::output;
 use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::verify::{self, Certificate};
+use crate::verify::{self, Certificate, stock::Settings};
 use std::path::{Path, PathBuf};
 
 /// What a check of NC text is asked to do.
@@ -103,7 +103,17 @@ fn measure(
     };
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
-    let certificate = stages.run("verify", || verify::certify(program, &motion.motion, sink));
+    let mut stock = Vec::new();
+    let mut after = |o: usize, field: &crate::stock::Field| {
+        let made = motion.motion.operations.get(o);
+        let name = made.map_or("", |made| program.operations[made.operation].name.as_str());
+        stock.push(rest_stock::stage(name, field.mesh()));
+    };
+    let mut settings = Settings::default();
+    if check.report.is_some() {
+        settings.after = Some(&mut after);
+    }
+    let certificate = stages.run("verify", || verify::certify_with(program, &motion.motion, &mut settings, sink));
     let mut index = 0;
     sink.map(|diag| {
         index += 1;
@@ -118,6 +128,7 @@ fn measure(
             motion: &motion.motion,
             certificate: &certificate,
             notes: &[],
+            stock: &stock,
             nc: Some(report::NcLines::read(&motion, nc)),
             post: post.name(),
             hash: &inputs.sha256,

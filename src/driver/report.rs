@@ -2,7 +2,7 @@
 
 use super::stages::Stages;
 use crate::diag::{Aborted, Sink};
-use crate::export::report::{self, Input};
+use crate::export::report::{self, Input, StockStage};
 use crate::ir::{ClPlan, Motion, Program};
 use crate::output;
 use crate::post::NcProgram;
@@ -17,6 +17,8 @@ pub(super) struct Shown<'a> {
     pub(super) certificate: &'a Certificate,
     /// Operation and decision of its planning.
     pub(super) notes: &'a [(String, String)],
+    /// Stock after each operation.
+    pub(super) stock: &'a [StockStage],
     /// Lines of the NC text, and where its moves stand; `None` when a fault stopped it.
     pub(super) nc: Option<NcLines>,
     pub(super) post: &'a str,
@@ -43,8 +45,7 @@ pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &
             nc_lines: shown.nc.as_ref().map(|nc| nc.count),
             lines: shown.nc.as_ref().map_or(&[], |nc| &nc.moves),
             notes: shown.notes,
-            stock: &[],
-            engagement: None,
+            stock: shown.stock,
         })
     });
     output::write_whole(path, html.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)

@@ -3,30 +3,36 @@
 use super::Options;
 use crate::diag::codes::files;
 use crate::diag::{Aborted, Diag, Sink};
+use crate::export::report::StockStage;
 use crate::ir::{Motion, Program};
 use crate::output;
-use crate::stock::Field;
+use crate::stock::{Field, Mesh};
 use crate::verify::{self, Certificate, Verified, stock::Settings};
 use std::path::{Path, PathBuf};
 
 /// Verifies with the settings of the command line. The meshes are written also when a contract fails then: they show
-/// why.
+/// why. `stages` gets them for the report.
 pub(super) fn examine(
     options: &Options,
     program: &Program,
     motion: Motion,
+    stages: &mut Vec<StockStage>,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
     let names: Vec<String> = motion.operations.iter().map(|o| program.operations[o.operation].name.clone()).collect();
     let mut failed: Option<Diag> = None;
     let mut after = |o: usize, field: &Field| {
+        let name = names.get(o).map_or("", String::as_str);
+        let mesh = field.mesh();
         if let (Some(folder), None) = (&options.stock, &failed) {
-            let name = names.get(o).map_or("", String::as_str);
-            failed = output::write_whole(&path(folder, o, name), &field.mesh().stl(name)).err();
+            failed = output::write_whole(&path(folder, o, name), &mesh.stl(name)).err();
+        }
+        if options.report.is_some() {
+            stages.push(stage(name, mesh));
         }
     };
     let mut settings = Settings { cell: options.stock_cell, after: None };
-    if options.stock.is_some() {
+    if options.stock.is_some() || options.report.is_some() {
         settings.after = Some(&mut after);
     }
     let verified = verify::examine(program, motion, &mut settings, sink);
@@ -37,6 +43,11 @@ pub(super) fn examine(
         }
         None => verified,
     }
+}
+
+/// Stock after an operation as the report takes it.
+pub(super) fn stage(name: &str, mesh: Mesh) -> StockStage {
+    StockStage { name: format!("after {name}"), positions: mesh.vertices, triangles: mesh.triangles }
 }
 
 /// Mesh file of an operation: numbered, so that a listing shows them in the order of machining.

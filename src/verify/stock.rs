@@ -94,6 +94,18 @@ pub struct OperationStock {
     pub rate: Option<Peak>,
     /// Collisions, the deepest of each move and part of the tool.
     pub collisions: Vec<StockCollision>,
+    /// Engagement in each move, for plots.
+    #[serde(skip)]
+    pub moves: Vec<Engagement>,
+}
+
+/// How the cutter stands in the stock during a move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Engagement {
+    /// Removal rate, mm3/s, over a way of some cells that ends with the move.
+    pub rate: f64,
+    /// Largest arc of the cutter's circle in the stock, degrees.
+    pub arc: f64,
 }
 
 impl OperationStock {
@@ -240,6 +252,8 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     };
     let radius = solid.cutter.widest_below(solid.flute_length);
     let angle = |side: f64| (side / radius).clamp(-1.0, 1.0).asin();
+    let arc = |c: &BlockCut| (angle(c.side[1]) - angle(c.side[0])).to_degrees();
+    let moves = engagement(operation.moves.len(), &places, &removal, &outcome.cuts, &arc);
     let mut collisions: Vec<StockCollision> = Vec::new();
     for c in &outcome.collisions {
         let part = match c.what {
@@ -277,13 +291,42 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         feed: [time(&|_, p| at_feed(p)), time(&|i, p| at_feed(p) && !removal.cuts[i])],
         depth: peak(&|c| c.height[1] - c.height[0]),
         width: peak(&|c| c.side[1] - c.side[0]),
-        arc: peak(&|c| (angle(c.side[1]) - angle(c.side[0])).to_degrees()),
+        arc: peak(&arc),
         rate: removal.rate.map(|(value, step)| {
             let tip = places[step].tip;
             Peak { value, at: at(u32::try_from(step).unwrap_or(u32::MAX)), tip: [tip.x, tip.y, tip.z] }
         }),
         collisions,
+        moves,
     }
+}
+
+/// Engagement by move, from that of its steps.
+fn engagement(
+    count: usize,
+    places: &[StepPlace],
+    removal: &Removal,
+    cuts: &[BlockCut],
+    arc: &dyn Fn(&BlockCut) -> f64,
+) -> Vec<Engagement> {
+    let mut moves = vec![Engagement::default(); count];
+    let mut times = vec![0.0; count];
+    for (p, rate) in places.iter().zip(&removal.rates) {
+        if let (Some(m), Some(time)) = (moves.get_mut(p.index as usize), times.get_mut(p.index as usize)) {
+            m.rate += rate * p.time;
+            *time += p.time;
+        }
+    }
+    for (m, time) in moves.iter_mut().zip(times) {
+        m.rate = if time > 0.0 { m.rate / time } else { 0.0 };
+    }
+    for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
+        let place = places.get(c.block as usize);
+        if let Some(m) = place.and_then(|p| moves.get_mut(p.index as usize)) {
+            m.arc = m.arc.max(arc(c));
+        }
+    }
+    moves
 }
 
 /// What is kept of a step.
@@ -332,6 +375,8 @@ fn steps<'a>(
 struct Removal {
     /// Whether the tool cuts there.
     cuts: Vec<bool>,
+    /// Rate of each step, mm3/s, over the window that ends with it.
+    rates: Vec<f64>,
     /// Largest rate, mm3/s, and its step.
     rate: Option<(f64, usize)>,
 }
@@ -344,7 +389,7 @@ impl Removal {
                 *v += c.volume;
             }
         }
-        let mut found = Self { cuts: vec![false; places.len()], rate: None };
+        let mut found = Self { cuts: vec![false; places.len()], rates: vec![0.0; places.len()], rate: None };
         let mut start = 0;
         let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
         for end in 0..places.len() {
@@ -365,6 +410,7 @@ impl Removal {
                 let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
                 found.cuts[first..=last].fill(true);
                 let rate = sum / time;
+                found.rates[end] = if time > 0.0 { rate } else { 0.0 };
                 if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
                     let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
                     found.rate = Some((rate, largest));

@@ -64,7 +64,7 @@ pub(super) fn table(caption: &str, headings: &[&str], rows: &[Vec<Cell>]) -> Str
 fn write_table(out: &mut String, caption: &str, headings: &[&str], rows: &[Vec<Cell>]) -> std::fmt::Result {
     write!(out, "<div class=scroll><table><caption>{}</caption><thead><tr>", escaped(caption))?;
     for (k, heading) in headings.iter().enumerate() {
-        let right = rows.first().and_then(|r| r.get(k)).is_some_and(|c| c.class == "n");
+        let right = rows.first().and_then(|r| r.get(k)).is_some_and(|c| c.class.starts_with('n'));
         write!(out, "<th scope=col{}>{}</th>", if right { " class=n" } else { "" }, escaped(heading))?;
     }
     out.push_str("</tr></thead><tbody>\n");
@@ -75,7 +75,7 @@ fn write_table(out: &mut String, caption: &str, headings: &[&str], rows: &[Vec<C
             write!(
                 out,
                 "{open}{}>",
-                if cell.class.is_empty() { String::new() } else { format!(" class={}", cell.class) }
+                if cell.class.is_empty() { String::new() } else { format!(" class=\"{}\"", cell.class) }
             )?;
             match cell.place {
                 Some(place) => {

@@ -34,15 +34,6 @@ const SCALE_SHARE: f64 = 0.99;
 /// Deviations beyond this are no matter of accuracy, mm: finishing was not there, or a fault.
 const SCALE_REACH: f64 = 0.1;
 
-/// How the cutter stands in the stock during a move.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Engagement {
-    /// Removal rate, mm3/min.
-    pub rate: f64,
-    /// Largest arc of the cutter's circle in the stock, degrees.
-    pub arc: f64,
-}
-
 /// What the report shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
@@ -70,8 +61,6 @@ pub struct Input<'a> {
     pub notes: &'a [(String, String)],
     /// Stock after each operation; empty when it was not simulated.
     pub stock: &'a [StockStage],
-    /// Engagement by operation and move; `None` when stock was not simulated.
-    pub engagement: Option<&'a [Vec<Engagement>]>,
 }
 
 /// Samples of the design and the deviation of each, mm; NaN where milling does not make the surface.
@@ -146,7 +135,7 @@ pub fn report(input: &Input<'_>) -> String {
     let scale = scale(input);
     let part =
         part::part(&program.part, input.samples, input.deviations, scale, input.certificate.spacing, turned(program));
-    let paths = paths::paths(program, input.motion, input.engagement, input.lines);
+    let paths = paths::paths(program, input.motion, input.certificate.stock.as_ref(), input.lines);
     let places = places::places(input);
     let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
     let l = &machine.linear;

@@ -1,8 +1,8 @@
 //! Moves for the page: joints and times, thinned within a tolerance when there are too many.
 
-use super::Engagement;
 use super::pack::Bytes;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
+use crate::verify::stock::StockReport;
 use serde::Serialize;
 
 /// Most moves that the page holds.
@@ -129,11 +129,11 @@ fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
     keep
 }
 
-/// The moves of a motion. `engagement` is by operation and move when stock was simulated, `lines` the NC line (from 1) of operation and move.
+/// The moves of a motion. `stock` tells the engagement when it was simulated, `lines` the NC line (from 1) of operation and move.
 pub(super) fn paths(
     program: &Program,
     motion: &Motion,
-    engagement: Option<&[Vec<Engagement>]>,
+    stock: Option<&StockReport>,
     lines: &[(u32, u32, u32)],
 ) -> PathData {
     let stations: Vec<Vec<Station>> = motion
@@ -167,7 +167,7 @@ pub(super) fn paths(
         kept: 0,
         tolerance,
         nameless: names > MOST_NAMES,
-        simulated: engagement.is_some(),
+        simulated: stock.is_some(),
         joints: Bytes::default(),
         indices: Bytes::default(),
         kinds: Bytes::default(),
@@ -182,8 +182,8 @@ pub(super) fn paths(
         for (i, m) in operation.moves.iter().enumerate() {
             // What lies between two kept moves took its time too.
             time += m.time;
-            let e = engagement.and_then(|e| e.get(index)?.get(i)).copied().unwrap_or_default();
-            volume += e.rate * m.time;
+            let e = stock.and_then(|s| s.operations.get(index)?.moves.get(i)).copied().unwrap_or_default();
+            volume += e.rate * 60.0 * m.time;
             arc = arc.max(e.arc);
             if !keep[i] {
                 continue;
@@ -196,7 +196,7 @@ pub(super) fn paths(
             if tolerance > 0.0 {
                 data.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
             }
-            if engagement.is_some() {
+            if stock.is_some() {
                 data.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
                 data.arcs.f32(arc);
             }

@@ -5,6 +5,7 @@ use crate::diag::Severity;
 use crate::ir::design::Sample;
 use crate::verify::certificate::describe;
 use crate::verify::clearance::Clearance;
+use crate::verify::stock::Peak;
 use crate::verify::surface::{FAR, Worst};
 use crate::verify::sweep::At;
 use nalgebra::{Point3, Vector3};
@@ -43,6 +44,8 @@ pub(super) struct Places {
     pub(super) surfaces: Vec<[Option<usize>; 2]>,
     /// Shank and holder of each operation.
     pub(super) operations: Vec<[Option<usize>; 2]>,
+    /// Depth, width, arc and rate of each operation in the stock.
+    pub(super) stock: Vec<[Option<usize>; 4]>,
     /// Each report of the rest.
     pub(super) rest: Vec<usize>,
     /// Each contract.
@@ -155,6 +158,32 @@ pub(super) fn places(input: &Input<'_>) -> Places {
         let value = (-c.distance, format!("{:.3} mm", c.distance));
         add("nearest to the stock at rapid", "whole tool".to_owned(), value, c.point, Some(c.at), c.distance <= 0.0);
     }
+    let mut engagement = Vec::new();
+    for o in certificate.stock.iter().flat_map(|s| &s.operations) {
+        for c in &o.collisions {
+            let value = (c.depth, amount(c.depth));
+            add(
+                "stock that the tool must not meet",
+                format!("{} in {}", c.part, o.name),
+                value,
+                c.point,
+                Some(c.at),
+                true,
+            );
+        }
+        let mut peak = |what: &str, p: &Option<Peak>, scale: f64, unit: &str| {
+            p.as_ref().map(|p| {
+                let value = (0.0, format!("{:.1} {unit}", p.value * scale));
+                add("largest engagement", format!("{what} in {}", o.name), value, p.tip, Some(p.at), false)
+            })
+        };
+        engagement.push([
+            peak("depth", &o.depth, 1.0, "mm"),
+            peak("width", &o.width, 1.0, "mm"),
+            peak("arc", &o.arc, 1.0, "deg"),
+            peak("removal", &o.rate, 60.0, "mm3/min"),
+        ]);
+    }
     let findings: Vec<Option<usize>> = input
         .findings
         .iter()
@@ -168,6 +197,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
         .collect();
     places.surfaces = surfaces;
     places.operations = operations;
+    places.stock = engagement;
     places.rest = rest;
     places.findings = findings;
     for c in &certificate.contracts {

@@ -6,6 +6,7 @@ use super::places::{Places, amount, figure};
 use crate::contract::clock;
 use crate::diag::Severity;
 use crate::verify::clearance::Clearance;
+use crate::verify::stock::Peak;
 
 /// Sum of the times of all operations, s.
 pub(super) fn total_time(input: &Input<'_>) -> f64 {
@@ -97,7 +98,7 @@ pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
     let (mut moves, mut length, mut time) = (0, [0.0; 3], [0.0; 3]);
     for (i, (o, planned)) in input.certificate.operations.iter().zip(&input.motion.operations).enumerate() {
         let declared = &program.operations[planned.operation];
-        let gap = |c: &Option<Clearance>| c.as_ref().map_or_else(|| "> 5".to_owned(), |c| format!("{:.3}", c.distance));
+        let gap = |c: &Option<Clearance>| c.as_ref().map_or_else(|| "far".to_owned(), |c| format!("{:.3}", c.distance));
         let place = |k: usize| places.operations.get(i).and_then(|p| p[k]);
         rows.push(vec![
             Cell::words(o.name.as_str()),
@@ -153,7 +154,8 @@ pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
 
 /// Surfaces, rest, axes, tools, findings, notes.
 pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
-    let mut out = surfaces(input, places);
+    let mut out = stock(input, places);
+    out.push_str(&surfaces(input, places));
     out.push_str(&rest(input, places));
     out.push_str(&axes(input));
     out.push_str(&tools(input));
@@ -166,6 +168,48 @@ pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
         out.push_str(&table("How the operations were planned", &["operation", "decision"], &rows));
     }
     out
+}
+
+/// What each operation takes away and how its tool stands in the stock.
+fn stock(input: &Input<'_>, places: &Places) -> String {
+    let Some(stock) = &input.certificate.stock else { return String::new() };
+    let rows: Vec<Vec<Cell>> = stock
+        .operations
+        .iter()
+        .enumerate()
+        .map(|(i, o)| {
+            let peak = |k: usize, p: &Option<Peak>, scale: f64| {
+                let text = p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.1}", p.value * scale));
+                Cell::figure(text).place(places.stock.get(i).and_then(|p| p[k]))
+            };
+            vec![
+                Cell::words(o.name.as_str()),
+                Cell::figure(format!("{:.2}", o.removed * 1e-3)),
+                Cell::figure(format!("{:.2}", o.rest * 1e-3)),
+                Cell::figure(clock(o.air)),
+                Cell::figure(format!("{:.1}", o.air_share() * 100.0)),
+                peak(0, &o.depth, 1.0),
+                peak(1, &o.width, 1.0),
+                peak(2, &o.arc, 1.0),
+                peak(3, &o.rate, 60.0),
+                Cell::figure(o.collisions.len().to_string()).class(if o.collisions.is_empty() { "n" } else { "n bad" }),
+            ]
+        })
+        .collect();
+    let headings = [
+        "operation",
+        "removed, cm3",
+        "stock after it, cm3",
+        "time in air",
+        "air, %",
+        "deepest along the axis, mm",
+        "widest, mm",
+        "arc, deg",
+        "removal, mm3/min",
+        "collisions with stock",
+    ];
+    let caption = format!("Stock, in cells of {} mm: blank of {:.2} cm3", stock.cell, stock.blank * 1e-3);
+    table(&caption, &headings, &rows)
 }
 
 /// What the diagnostics say, worst first.
