@@ -46,6 +46,44 @@ pub struct Place {
     pub parameters: [f64; 2],
 }
 
+/// A surface as the image of the unit square.
+pub trait Shape: Sync {
+    /// The place of (x, y), both in [0, 1].
+    fn place(&self, x: f64, y: f64) -> Place;
+
+    /// True when a place belongs to the part.
+    fn is_milled(&self, _position: &Point3<f64>) -> bool {
+        true
+    }
+
+    /// Patches that cover the square once, with cells of at most `spacing` on the surface, mm.
+    fn patches(&self, spacing: f64) -> Vec<Patch> {
+        let length = |a: (f64, f64), b: (f64, f64)| -> f64 {
+            const PARTS: usize = 40;
+            let at = |k: usize| {
+                let t = k as f64 / PARTS as f64;
+                self.place(a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t).position
+            };
+            (0..PARTS).map(|k| (at(k + 1) - at(k)).norm()).sum()
+        };
+        let along = [0.0, 0.5, 1.0].map(|y| length((0.0, y), (1.0, y))).into_iter().fold(0.0, f64::max);
+        let strips = (along / (spacing * PATCH as f64)).ceil().max(1.0) as usize;
+        let mut patches = Vec::new();
+        for i in 0..strips {
+            let x = [i as f64 / strips as f64, (i + 1) as f64 / strips as f64];
+            let across = x.map(|x| length((x, 0.0), (x, 1.0))).into_iter().fold(0.0, f64::max);
+            let rows = (across / spacing).ceil().max(2.0) as usize;
+            let count = rows.div_ceil(PATCH);
+            for j in 0..count {
+                let (first, last) = (j * rows / count, (j + 1) * rows / count);
+                let y = [first as f64 / rows as f64, last as f64 / rows as f64];
+                patches.push(Patch { x, y, columns: PATCH, rows: last - first });
+            }
+        }
+        patches
+    }
+}
+
 /// A rectangle of the unit square, divided into cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -132,8 +170,13 @@ fn hub(part: &Part) -> Option<Chart<'_>> {
 }
 
 impl Chart<'_> {
-    /// The place of (x, y), both in [0, 1].
-    pub fn place(&self, x: f64, y: f64) -> Place {
+    fn nowhere(&self) -> Place {
+        Place { position: Point3::origin(), normal: Vector3::z(), parameters: [0.0; 2] }
+    }
+}
+
+impl Shape for Chart<'_> {
+    fn place(&self, x: f64, y: f64) -> Place {
         match &self.form {
             Form::Face { borders } => {
                 let SurfaceKind::Face(side) = self.kind else { return self.nowhere() };
@@ -166,40 +209,9 @@ impl Chart<'_> {
         }
     }
 
-    fn nowhere(&self) -> Place {
-        Place { position: Point3::origin(), normal: Vector3::z(), parameters: [0.0; 2] }
-    }
-
-    /// True when a place belongs to the part: fillets end at the inlet cone and the outlet cylinder.
-    pub fn is_milled(&self, position: &Point3<f64>) -> bool {
+    /// Fillets end at the inlet cone and the outlet cylinder.
+    fn is_milled(&self, position: &Point3<f64>) -> bool {
         !matches!(self.form, Form::Fillet { .. }) || self.room.holds(position)
-    }
-
-    /// Patches that cover the square once, with cells of at most `spacing` on the surface, mm.
-    pub fn patches(&self, spacing: f64) -> Vec<Patch> {
-        let length = |a: (f64, f64), b: (f64, f64)| -> f64 {
-            const PARTS: usize = 40;
-            let at = |k: usize| {
-                let t = k as f64 / PARTS as f64;
-                self.place(a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t).position
-            };
-            (0..PARTS).map(|k| (at(k + 1) - at(k)).norm()).sum()
-        };
-        let along = [0.0, 0.5, 1.0].map(|y| length((0.0, y), (1.0, y))).into_iter().fold(0.0, f64::max);
-        let strips = (along / (spacing * PATCH as f64)).ceil().max(1.0) as usize;
-        let mut patches = Vec::new();
-        for i in 0..strips {
-            let x = [i as f64 / strips as f64, (i + 1) as f64 / strips as f64];
-            let across = x.map(|x| length((x, 0.0), (x, 1.0))).into_iter().fold(0.0, f64::max);
-            let rows = (across / spacing).ceil().max(2.0) as usize;
-            let count = rows.div_ceil(PATCH);
-            for j in 0..count {
-                let (first, last) = (j * rows / count, (j + 1) * rows / count);
-                let y = [first as f64 / rows as f64, last as f64 / rows as f64];
-                patches.push(Patch { x, y, columns: PATCH, rows: last - first });
-            }
-        }
-        patches
     }
 }
 

@@ -3,7 +3,7 @@
 use super::bounds::{Hull, Roof};
 use super::surface::{FAR, SLACK};
 use super::sweep::{At, Sweep};
-use crate::ir::chart::{Chart, Patch};
+use crate::ir::chart::{Patch, Shape};
 use crate::ir::design::SurfaceId;
 use nalgebra::{Point3, Rotation3};
 
@@ -25,8 +25,8 @@ const BLOCK: usize = 2;
 
 /// A surface of one sector.
 pub(super) struct Surface<'a> {
-    /// Its chart in sector 0.
-    pub(super) chart: &'a Chart<'a>,
+    /// Its shape in sector 0.
+    pub(super) shape: &'a dyn Shape,
     /// Turn into the sector.
     pub(super) turn: Rotation3<f64>,
     /// Which one.
@@ -36,11 +36,11 @@ pub(super) struct Surface<'a> {
 impl Surface<'_> {
     /// The point of a place of the chart.
     pub(super) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
-        self.turn * self.chart.place(x, y).position
+        self.turn * self.shape.place(x, y).position
     }
 
     pub(super) fn holds(&self, p: &Point3<f64>) -> bool {
-        self.chart.is_milled(&(self.turn.inverse() * p))
+        self.shape.is_milled(&(self.turn.inverse() * p))
     }
 }
 
@@ -55,12 +55,12 @@ pub(super) struct Grid {
 
 impl Grid {
     /// The grid of a patch.
-    pub(super) fn new(chart: &Chart<'_>, patch: Patch) -> Self {
+    pub(super) fn new(shape: &dyn Shape, patch: Patch) -> Self {
         let (nx, ny) = (2 * patch.columns, 2 * patch.rows);
         let mix = |r: [f64; 2], i: usize, n: usize| r[0] + (r[1] - r[0]) * i as f64 / n as f64;
         let points: Vec<Point3<f64>> = (0..=nx)
             .flat_map(|i| (0..=ny).map(move |j| (i, j)))
-            .map(|(i, j)| chart.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
+            .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
             .collect();
         let at = |i: usize, j: usize| points[i * (ny + 1) + j].coords;
         let mut third = 0.0_f64;
@@ -292,7 +292,7 @@ impl Task<'_> {
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
                 let k = i * (patch.rows + 1) + j;
-                looked.inside[k] = self.surface.chart.is_milled(&self.grid.point(2 * i, 2 * j));
+                looked.inside[k] = self.surface.shape.is_milled(&self.grid.point(2 * i, 2 * j));
                 if looked.inside[k] {
                     let value = looked.corners[k].value;
                     looked.range = [looked.range[0].min(value), looked.range[1].max(value)];

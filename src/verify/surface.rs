@@ -12,9 +12,9 @@
 use super::cells::{Found, Goals, Grid, Looked, Proved, Surface, Task, deviation};
 use super::sweep::{At, Sweep};
 use crate::ir::Part;
-use crate::ir::chart::charts;
+use crate::ir::chart::{Shape, charts};
 use crate::ir::design::{Sample, SurfaceId};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -80,20 +80,33 @@ pub struct SurfaceReport {
 /// Figures of all milled surfaces, in the order of surfaces.
 pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64) -> Vec<SurfaceReport> {
     let charts = charts(part);
-    let grids: Vec<Vec<Grid>> =
-        charts.iter().map(|c| c.patches(spacing).into_par_iter().map(|p| Grid::new(c, p)).collect()).collect();
-    let mut surfaces: Vec<(usize, Surface<'_>)> = Vec::new();
+    let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
+    let mut surfaces: Vec<(&[Grid], Surface<'_>)> = Vec::new();
     for sector in 0..part.vane_count {
-        for (k, chart) in charts.iter().enumerate() {
+        for (chart, grids) in charts.iter().zip(&grids) {
             let id = SurfaceId { kind: chart.kind, sector };
-            surfaces.push((k, Surface { chart, turn: part.sector_rotation(sector), id }));
+            surfaces.push((grids, Surface { shape: chart, turn: part.sector_rotation(sector), id }));
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
+    prove(&surfaces, sweeps)
+}
+
+/// Figures of a single shape under any name.
+pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
+    let grids = grids(shape, spacing);
+    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps).pop()
+}
+
+fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
+    shape.patches(spacing).into_par_iter().map(|p| Grid::new(shape, p)).collect()
+}
+
+fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>]) -> Vec<SurfaceReport> {
     let tasks: Vec<(usize, Task<'_>)> = surfaces
         .iter()
         .enumerate()
-        .flat_map(|(s, (k, surface))| grids[*k].iter().map(move |grid| (s, Task { surface, grid, sweeps })))
+        .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, Task { surface, grid, sweeps })))
         .collect();
     let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| task.look()).collect();
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
@@ -197,7 +210,7 @@ fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>])
 }
 
 fn place(surface: &Surface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
-    let place = surface.chart.place(x, y);
+    let place = surface.shape.place(x, y);
     (surface.turn * place.position, surface.turn * place.normal, place.parameters)
 }
 
@@ -221,7 +234,7 @@ fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
 }
 
 /// Step at which the search for the worst place ends, mm: g changes by far less than a micrometre over it.
-const FINEST: f64 = 1e-3;
+const FINEST: f64 = 1e-4;
 
 /// Rounds of that search: some twenty to the finest step and walks over some millimetres.
 const ROUNDS: usize = 100;

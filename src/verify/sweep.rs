@@ -11,7 +11,7 @@
 
 use crate::collide::{Slope, ToolSolid, tool::tool_coordinates};
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Machine, transform::axis_at};
+use crate::kin::{Joints, Machine, transform::axis_at};
 use nalgebra::{Point3, Vector3};
 
 /// Largest turn of a piece.
@@ -157,18 +157,33 @@ pub fn pieces(machine: &Machine, motion: &Motion, operation: usize) -> Vec<Piece
             operation: u32::try_from(operation).unwrap_or(u32::MAX),
             index: u32::try_from(i + 1).unwrap_or(u32::MAX),
         };
-        let (from, to) = (&pair[0].joints, &pair[1].joints);
-        let tips = [machine.forward(from).tip, machine.forward(to).tip];
-        let turns = turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN;
-        let count = turns.max((tips[1] - tips[0]).norm() / PIECE_LENGTH).ceil().max(1.0);
-        let tip = |t: f64| tips[0] + (tips[1] - tips[0]) * t;
-        let rotary = |t: f64| (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
-        for k in 0..count as usize {
-            let (t0, t1) = (k as f64 / count, (k + 1) as f64 / count);
-            pieces.push(Piece::new(at, pair[1].kind, [tip(t0), tip(t1)], [rotary(t0), rotary(t1)]));
-        }
+        let pose = |joints: &Joints| RotaryPose { tip: machine.forward(joints).tip, a: joints.a, c: joints.c };
+        divide(at, pair[1].kind, [pose(&pair[0].joints), pose(&pair[1].joints)], &mut pieces);
     }
     pieces
+}
+
+/// A pose of a tool by tip and rotary axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotaryPose {
+    /// Tip, part frame.
+    pub tip: Point3<f64>,
+    /// Tilt axis, radians.
+    pub a: f64,
+    /// Turning axis, radians.
+    pub c: f64,
+}
+
+/// Divides a move into pieces.
+fn divide(at: At, kind: MoveKind, [from, to]: [RotaryPose; 2], pieces: &mut Vec<Piece>) {
+    let turns = turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN;
+    let count = turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0);
+    let tip = |t: f64| from.tip + (to.tip - from.tip) * t;
+    let rotary = |t: f64| (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+    for k in 0..count as usize {
+        let (t0, t1) = (k as f64 / count, (k + 1) as f64 / count);
+        pieces.push(Piece::new(at, kind, [tip(t0), tip(t1)], [rotary(t0), rotary(t1)]));
+    }
 }
 
 /// Node of the hierarchy: the tools of all pieces below lie near one pose.
@@ -203,11 +218,25 @@ pub struct Nearest {
 }
 
 impl<'a> Sweep<'a> {
-    /// Builds the hierarchy over the pieces of an operation.
+    /// The cutter of an operation over its pieces.
     pub fn new(program: &'a Program, motion: &Motion, operation: usize) -> Option<Self> {
         let id = motion.operations.get(operation)?.operation;
         let solid = &program.tools[program.operations[id].tool].solid;
-        let mut pieces = pieces(&program.machine, motion, operation);
+        Self::over(solid, pieces(&program.machine, motion, operation))
+    }
+
+    /// A cutter that passes poses in turn; each move counts as one of operation 0.
+    pub fn through(solid: &'a ToolSolid, poses: &[RotaryPose]) -> Option<Self> {
+        let mut pieces = Vec::new();
+        for (i, pair) in poses.windows(2).enumerate() {
+            let at = At { operation: 0, index: u32::try_from(i + 1).unwrap_or(u32::MAX) };
+            divide(at, MoveKind::Cut, [pair[0], pair[1]], &mut pieces);
+        }
+        Self::over(solid, pieces)
+    }
+
+    /// Builds the hierarchy over pieces in the order of time.
+    fn over(solid: &'a ToolSolid, mut pieces: Vec<Piece>) -> Option<Self> {
         if pieces.is_empty() {
             return None;
         }
