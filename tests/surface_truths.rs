@@ -151,7 +151,9 @@ fn cone_on_cone() {
 
 #[test]
 fn plunge_of_exactly_a_millimetre() {
-    for cutter in [Cutter::Ball { radius: 3.0 }, Cutter::Bull { radius: 3.0, corner: 0.5 }, Cutter::Flat { radius: 3.0 }] {
+    for cutter in
+        [Cutter::Ball { radius: 3.0 }, Cutter::Bull { radius: 3.0, corner: 0.5 }, Cutter::Flat { radius: 3.0 }]
+    {
         let solid = tool(cutter, 20.0);
         let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), a: 0.0, c: 0.0 };
         let report = certify(&plane(10.0), &solid, &[pose(30.0), pose(-1.0), pose(30.0)]);

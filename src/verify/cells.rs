@@ -1,7 +1,7 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
 
 use super::bounds::{Hull, Roof};
-use super::surface::{FAR, SLACK};
+use super::surface::{FAR, LEAST_SLACK, SLACK};
 use super::sweep::{At, Sweep};
 use crate::ir::chart::{Patch, Shape};
 use crate::ir::design::SurfaceId;
@@ -416,7 +416,7 @@ impl Task<'_> {
             return;
         }
         proved.points += 1;
-        let goal = proved.least.map_or(goal, |l| goal.min(l.0 - SLACK));
+        let goal = lower_goal(goal, proved.least);
         let mut low = f64::INFINITY;
         let mut left = Vec::new();
         for c in near {
@@ -434,7 +434,7 @@ impl Task<'_> {
                 }
             }
         }
-        let goal = proved.least.map_or(goal, |l| goal.min(l.0 - SLACK));
+        let goal = lower_goal(goal, proved.least);
         if low >= goal || (cell.depth >= DEEPEST && self.surface.holds(&hull.centre)) {
             proved.low = proved.low.min(low);
         } else if self.divides(cell, hull, lies) {
@@ -456,7 +456,7 @@ impl Task<'_> {
         goal: f64,
         proved: &mut Proved,
     ) {
-        let goal = proved.most.map_or(goal, |m| goal.max(m.0 + SLACK));
+        let goal = higher_goal(goal, proved.most);
         let high = self.over(hull, &corners, goal);
         if high <= goal || (cell.depth >= DEEPEST && self.surface.holds(&hull.centre)) {
             proved.high = proved.high.max(high);
@@ -520,6 +520,16 @@ impl Task<'_> {
         }
         high.min(under(&roofs, enough, ROOF_DEPTH)).min(FAR)
     }
+}
+
+/// A goal below moves when something deeper comes up, and only then.
+fn lower_goal(goal: f64, least: Found) -> f64 {
+    least.map_or(goal, |l| if l.0 - LEAST_SLACK < goal { l.0 - SLACK } else { goal })
+}
+
+/// The same above.
+fn higher_goal(goal: f64, most: Found) -> f64 {
+    most.map_or(goal, |m| if m.0 + LEAST_SLACK > goal { m.0 + SLACK } else { goal })
 }
 
 /// Times a cell is halved to choose between roofs.

@@ -39,6 +39,7 @@ use crate::ir::{ContractKind, Motion, MoveKind, Program};
 use certificate::{OperationReport, describe};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use surface::Limits;
 use sweep::Sweep;
 
 /// Spacing of the samples of the design surfaces, mm.
@@ -108,7 +109,7 @@ pub fn certify_with(
     }
     let samples = design::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let surfaces = surface::certify(&program.part, &sweeps, SPACING);
+    let surfaces = surface::certify(&program.part, &sweeps, SPACING, &limits(program));
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let blank = Cloud::new(stock_points(program));
     let search = search(program);
@@ -151,6 +152,14 @@ pub fn certify_with(
     Ok(certificate)
 }
 
+/// The tightest contracts on gouge and excess.
+fn limits(program: &Program) -> Limits {
+    let tightest = |kind: ContractKind| {
+        program.contracts.iter().filter(|c| c.kind == kind).map(|c| c.bound.value()).fold(f64::INFINITY, f64::min)
+    };
+    Limits { gouge: tightest(ContractKind::Gouge), excess: tightest(ContractKind::Excess) }
+}
+
 /// Distance within which bodies are looked for: enough to judge every contract on it.
 fn search(program: &Program) -> f64 {
     let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
@@ -168,7 +177,7 @@ impl measure::Narrow for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
-        surface::certify(&self.program.part, &sweeps, SPACING)
+        surface::certify(&self.program.part, &sweeps, SPACING, &limits(self.program))
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {

@@ -3,7 +3,8 @@
 //! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
 //! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::ir::chart`]). g is
 //! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
-//! surface, by the bounds of [`super::bounds`], and divided where they fall short. A deeper place that comes up moves
+//! surface, or within a contract's limit where that lies closer, by the bounds of [`super::bounds`], and divided where
+//! they fall short. A deeper place that comes up moves
 //! the goal with it.
 //!
 //! The one quantity that is measured instead of proved is how far a surface leaves the biquadratic through nine points
@@ -23,6 +24,9 @@ pub const FAR: f64 = 20.0;
 
 /// How far a proved bound may lie beyond the worst value found, mm.
 pub const SLACK: f64 = 5e-4;
+
+/// The same at least, where a limit lies close by, mm.
+pub const LEAST_SLACK: f64 = 2e-5;
 
 /// The same for the excess, as a share of it, where that is more.
 const SLACK_SHARE: f64 = 0.02;
@@ -78,7 +82,7 @@ pub struct SurfaceReport {
 }
 
 /// Figures of all milled surfaces, in the order of surfaces.
-pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64) -> Vec<SurfaceReport> {
+pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64, limits: &Limits) -> Vec<SurfaceReport> {
     let charts = charts(part);
     let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
     let mut surfaces: Vec<(&[Grid], Surface<'_>)> = Vec::new();
@@ -89,20 +93,20 @@ pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64) -> Vec<SurfaceRe
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
-    prove(&surfaces, sweeps)
+    prove(&surfaces, sweeps, limits)
 }
 
 /// Figures of a single shape under any name.
 pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
     let grids = grids(shape, spacing);
-    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps).pop()
+    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps, &Limits::NONE).pop()
 }
 
 fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
     shape.patches(spacing).into_par_iter().map(|p| Grid::new(shape, p)).collect()
 }
 
-fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>]) -> Vec<SurfaceReport> {
+fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>], limits: &Limits) -> Vec<SurfaceReport> {
     let tasks: Vec<(usize, Task<'_>)> = surfaces
         .iter()
         .enumerate()
@@ -113,7 +117,7 @@ fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>]) -> Vec<Surfa
     for ((s, _), looked) in tasks.iter().zip(&looked) {
         ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
     }
-    let goals: Vec<Goals> = ranges.iter().map(|range| goals(*range)).collect();
+    let goals: Vec<Goals> = ranges.iter().map(|range| goals(*range, limits)).collect();
     let proved: Vec<Proved> =
         tasks.par_iter().zip(&looked).with_max_len(1).map(|((s, task), l)| task.prove(l, goals[*s])).collect();
     let all: Vec<(usize, &Task<'_>, &Looked, &Proved)> =
@@ -121,9 +125,26 @@ fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>]) -> Vec<Surfa
     all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
 }
 
+/// What gouge and excess are allowed at most, mm; bounds are driven below these where what is found allows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Deepest gouge.
+    pub gouge: f64,
+    /// Most excess.
+    pub excess: f64,
+}
+
+impl Limits {
+    /// Nothing is asked for.
+    pub const NONE: Self = Self { gouge: f64::INFINITY, excess: f64::INFINITY };
+}
+
 /// What is to be proved of a surface on which g was found between two values.
-fn goals([least, most]: [f64; 2]) -> Goals {
-    Goals { low: least - SLACK, high: most + SLACK.max(SLACK_SHARE * most) }
+fn goals([least, most]: [f64; 2], limits: &Limits) -> Goals {
+    let within = |found: f64, slack: f64, limit: f64| (found + slack).min(limit).max(found + LEAST_SLACK);
+    let usual =
+        |found: f64, slack: f64, limit: f64| if found < limit { within(found, slack, limit) } else { found + slack };
+    Goals { low: -usual(-least, SLACK, limits.gouge), high: usual(most, SLACK.max(SLACK_SHARE * most), limits.excess) }
 }
 
 /// The figures of one surface from those of its patches.
