@@ -196,7 +196,12 @@ impl Sweep<'_> {
             let origin = Vector3::zeros();
             let bound =
                 |touch: &Touch, from: &Vector3<f64>, loss: f64| touch.value - loss - hull.fall(from, &touch.gradient);
-            let first = bound(&start, &origin, drift.loss(&start, span));
+            let loss = drift.loss(&start, span);
+            // Far pieces need no look at the hull.
+            let first = match start.value - loss - hull.radius {
+                far if far >= goal => far,
+                _ => bound(&start, &origin, loss),
+            };
             if first >= goal {
                 result.bound = result.bound.min(first);
                 continue;
@@ -323,7 +328,8 @@ impl Sweep<'_> {
             touches[k] = Some((touch, piece));
         }
         let time = late - early;
-        // A kink of the way at the joint, and the bend on both sides of it, lead away from means of the corners.
+        // A kink of the way at the joint, and the bend on both sides of it, lead away from means of the corners. The
+        // paces at the joint differ from those in the middles by half of the bends.
         let kinks = early < 0.0 && late > 0.0;
         let across = if kinks { -early * late / time } else { 0.0 };
         let used = [(a, 1.0, early < 0.0), (b, 1.0 / stretch, late > 0.0)];
@@ -343,7 +349,7 @@ impl Sweep<'_> {
             Some(ball) => {
                 let bend = worst(&|p, scale| p.ball_bend(ball.radius).0 * scale * scale);
                 let flaw = worst(&|p, _| p.ball_bend(ball.radius).1);
-                let error = 0.125 * bend * time * time + flaw + across * jump(ball.radius);
+                let error = 0.125 * bend * time * time + flaw + across * (jump(ball.radius) + bend);
                 let centres = touches.map(|(t, piece)| piece.ball_centre(t.t, ball.radius).0);
                 roof_of_ball(ball.radius, &centres, hull, error)
             }
@@ -355,7 +361,9 @@ impl Sweep<'_> {
                 let flaw = worst(&|p, _| most(p, &|d| d.flaw));
                 let reach = touches.iter().map(|(t, _)| t.rho + t.s.abs()).fold(0.0, f64::max) + 2.0 * hull.radius;
                 // Means lie within half the span of time and half the diagonal of the cell.
-                let error = 0.5 * (0.25 * bend * time * time + turn * time * hull.radius) + flaw + across * jump(reach);
+                let error = 0.5 * (0.25 * bend * time * time + turn * time * hull.radius)
+                    + flaw
+                    + across * (jump(reach) + bend);
                 let least =
                     touches.iter().map(|(t, _)| self.least_radius(t, 2.0 * hull.radius)).fold(f64::INFINITY, f64::min);
                 // The gradient turns by no more than this over the cell.

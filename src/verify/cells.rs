@@ -104,10 +104,6 @@ struct Block {
 }
 
 impl Block {
-    fn is_cell(&self) -> bool {
-        self.x[1] - self.x[0] == 1 && self.y[1] - self.y[0] == 1
-    }
-
     fn longest(&self) -> usize {
         (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
     }
@@ -127,6 +123,8 @@ impl Block {
 pub(super) struct Looked {
     /// Everything that may come nearest within the patch.
     near: Vec<Candidate>,
+    /// Blocks of cells, each with what may come nearest in it and a lower bound of its distance there.
+    blocks: Vec<(Block, Vec<(f64, Candidate)>)>,
     corners: Vec<Corner>,
     /// True for corners on the part.
     inside: Vec<bool>,
@@ -282,13 +280,15 @@ impl Task<'_> {
         let count = (patch.columns + 1) * (patch.rows + 1);
         let hull = self.hull(&self.whole());
         let mut looked = Looked {
-            near: gather(self.sweeps, &hull.centre, hull.radius),
+            near: Vec::new(),
+            blocks: Vec::new(),
             corners: vec![Corner { value: f64::NAN, by: None }; count],
             inside: vec![true; count],
             range: [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let near = self.narrow(&looked.near, &hull);
-        self.look_at(&self.whole(), &near, &mut looked);
+        let near = self.narrow(gather(self.sweeps, &hull.centre, hull.radius).into_iter(), &hull);
+        looked.near = near.iter().map(|n| n.1).collect();
+        self.look_at(&self.whole(), near, &mut looked);
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
                 let k = i * (patch.rows + 1) + j;
@@ -299,15 +299,14 @@ impl Task<'_> {
                 }
             }
         }
-        looked.near = near;
         looked
     }
 
-    fn look_at(&self, block: &Block, near: &[Candidate], looked: &mut Looked) {
+    fn look_at(&self, block: &Block, near: Vec<(f64, Candidate)>, looked: &mut Looked) {
         if block.longest() > BLOCK {
             for part in block.parts() {
-                let near = self.narrow(near, &self.hull(&part));
-                self.look_at(&part, &near, looked);
+                let near = self.narrow(near.iter().map(|n| n.1), &self.hull(&part));
+                self.look_at(&part, near, looked);
             }
             return;
         }
@@ -316,14 +315,16 @@ impl Task<'_> {
             for j in block.y[0]..=block.y[1] {
                 let k = i * rows + j;
                 if looked.corners[k].value.is_nan() {
-                    looked.corners[k] = self.corner(&(self.surface.turn * self.grid.point(2 * i, 2 * j)), near);
+                    let p = self.surface.turn * self.grid.point(2 * i, 2 * j);
+                    looked.corners[k] = self.corner(&p, near.iter().map(|n| &n.1));
                 }
             }
         }
+        looked.blocks.push((*block, near));
     }
 
     /// g at a point.
-    fn corner(&self, p: &Point3<f64>, near: &[Candidate]) -> Corner {
+    fn corner<'c>(&self, p: &Point3<f64>, near: impl Iterator<Item = &'c Candidate>) -> Corner {
         let mut best = Corner { value: FAR, by: None };
         for c in near {
             if let Some(touch) = self.sweeps[c.sweep as usize].least(c.piece, p, best.value, CORNER_SLACK) {
@@ -333,9 +334,10 @@ impl Task<'_> {
         best
     }
 
-    /// Those of the candidates that may come nearest anywhere in a hull, nearest first.
-    fn narrow(&self, from: &[Candidate], hull: &Hull) -> Vec<Candidate> {
-        let mut found: Vec<(f64, f64, Candidate)> = Vec::with_capacity(from.len());
+    /// Those of the candidates that may come nearest anywhere in a hull, nearest first, with lower bounds of their
+    /// distances over it. The others come nowhere nearer than g is.
+    fn narrow(&self, from: impl Iterator<Item = Candidate>, hull: &Hull) -> Vec<(f64, Candidate)> {
+        let mut found: Vec<(f64, f64, Candidate)> = Vec::with_capacity(from.size_hint().0);
         // g is nowhere in the hull more than this.
         let mut most = FAR + hull.radius;
         for c in from {
@@ -345,12 +347,12 @@ impl Task<'_> {
                 let least = sweep.least_radius(&touch, hull.radius);
                 let sag = if least > 0.0 { 0.5 * hull.radius * hull.radius / least } else { f64::INFINITY };
                 most = most.min(touch.value + (hull.rise(&touch.gradient) + sag).min(hull.radius));
-                found.push((touch.value, below.bound, *c));
+                found.push((touch.value, below.bound, c));
             }
         }
         found.retain(|f| f.1 <= most);
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        found.iter().map(|f| f.2).collect()
+        found.iter().map(|f| (f.1, f.2)).collect()
     }
 
     /// Proves bounds of g over the patch.
@@ -368,7 +370,9 @@ impl Task<'_> {
             }
         }
         proved.points += looked.corners.len();
-        self.below(&self.whole(), &looked.near, goals.low, &mut proved);
+        for (block, near) in &looked.blocks {
+            self.below(block, near, goals.low, &mut proved);
+        }
         for i in 0..patch.columns {
             for j in 0..patch.rows {
                 let block = Block { x: [i, i + 1], y: [j, j + 1] };
@@ -377,7 +381,7 @@ impl Task<'_> {
                 if lies != Lies::Outside {
                     let at = |i: usize, j: usize| looked.corners[i * (patch.rows + 1) + j];
                     let corners = [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
-                    let near = || self.narrow(&looked.near, &hull);
+                    let near = || self.narrow(looked.near.iter().copied(), &hull).iter().map(|n| n.1).collect();
                     self.above(&self.cell(&block), &hull, lies, corners, &near, goals.high, &mut proved);
                 }
             }
@@ -385,27 +389,19 @@ impl Task<'_> {
         proved
     }
 
-    /// Proves that g stays above a goal over a block.
-    fn below(&self, block: &Block, near: &[Candidate], goal: f64, proved: &mut Proved) {
-        let hull = self.hull(block);
-        if block.is_cell() {
-            self.below_cell(&self.cell(block), &hull, near, goal, proved);
+    /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
+    /// something above the goal is known everywhere.
+    fn below(&self, block: &Block, near: &[(f64, Candidate)], goal: f64, proved: &mut Proved) {
+        let far = near.iter().map(|n| n.0).filter(|bound| *bound >= goal).fold(f64::INFINITY, f64::min);
+        proved.low = proved.low.min(far);
+        let left: Vec<Candidate> = near.iter().filter(|n| n.0 < goal).map(|n| n.1).collect();
+        if left.is_empty() {
             return;
         }
-        let mut low = f64::INFINITY;
-        let mut left = Vec::new();
-        for c in near {
-            let below = self.sweeps[c.sweep as usize].below(c.piece, &hull, goal, false);
-            if below.bound >= goal {
-                low = low.min(below.bound);
-            } else {
-                left.push(*c);
-            }
-        }
-        proved.low = proved.low.min(low);
-        if !left.is_empty() {
-            for part in block.parts() {
-                self.below(&part, &left, goal, proved);
+        for i in block.x[0]..block.x[1] {
+            for j in block.y[0]..block.y[1] {
+                let block = Block { x: [i, i + 1], y: [j, j + 1] };
+                self.below_cell(&self.cell(&block), &self.hull(&block), &left, goal, proved);
             }
         }
     }
@@ -469,7 +465,7 @@ impl Task<'_> {
         let at = |i: f64, j: f64| {
             let place = cell.at(i, j);
             let p = self.surface.point(place);
-            (self.corner(&p, &candidates), place, self.surface.holds(&p))
+            (self.corner(&p, candidates.iter()), place, self.surface.holds(&p))
         };
         let between = [at(-1.0, 0.0), at(0.0, -1.0), at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0)];
         for (corner, place, inside) in &between {

@@ -55,8 +55,8 @@ pub struct Piece {
     rotary: [(f64, f64); 2],
     /// Middle pose.
     middle: (Point3<f64>, Vector3<f64>),
-    /// Axis at both ends.
-    axes: [Vector3<f64>; 2],
+    /// Parabola through the axis at both ends and in the middle: value, and factors of the share and of its square.
+    curve: [Vector3<f64>; 3],
     /// Half of the tip's way, and half of the turn, radians.
     reach: (f64, f64),
     /// Place among the pieces of the operation in the order of time.
@@ -71,10 +71,20 @@ impl Piece {
     }
 
     fn new(at: At, kind: MoveKind, tips: [Point3<f64>; 2], rotary: [(f64, f64); 2]) -> Self {
-        let axes = rotary.map(|(a, c)| axis_at(a, c));
-        let mut piece =
-            Self { at, kind, tips, rotary, axes, middle: (tips[0], Vector3::z()), reach: (0.0, 0.0), order: 0 };
+        let [first, last] = rotary.map(|(a, c)| axis_at(a, c));
+        let mut piece = Self {
+            at,
+            kind,
+            tips,
+            rotary,
+            curve: [first; 3],
+            middle: (tips[0], Vector3::z()),
+            reach: (0.0, 0.0),
+            order: 0,
+        };
         piece.middle = piece.pose(0.5);
+        let middle = piece.middle.1;
+        piece.curve = [first, middle * 4.0 - first * 3.0 - last, (first + last) * 2.0 - middle * 4.0];
         piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * turn(rotary));
         piece
     }
@@ -83,9 +93,9 @@ impl Piece {
     /// [`PIECE_TURN`]: the axis as the parabola through its ends and its middle, which leaves the true curve by at most
     /// [`Self::parabola_error`].
     fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
-        let (w0, w1, w2) = ((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
-        let axis = self.axes[0] * w0 + self.middle.1 * w1 + self.axes[1] * w2;
-        let change = self.axes[0] * (4.0 * t - 3.0) + self.middle.1 * (4.0 - 8.0 * t) + self.axes[1] * (4.0 * t - 1.0);
+        let [start, slope, bend] = &self.curve;
+        let axis = start + (slope + bend * t) * t;
+        let change = slope + bend * (2.0 * t);
         (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change)
     }
 
@@ -118,7 +128,7 @@ impl Piece {
 
     /// Change of tip and axis over the share, at the middle.
     pub fn speed(&self) -> (Vector3<f64>, Vector3<f64>) {
-        (self.tips[1] - self.tips[0], self.axes[1] - self.axes[0])
+        (self.tips[1] - self.tips[0], self.curve[1] + self.curve[2])
     }
 
     /// The two halves.
