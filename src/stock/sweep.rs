@@ -37,7 +37,93 @@ pub(super) struct Look {
     pub(super) t: f64,
 }
 
+/// A pose of a moving tool with the speeds there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose {
+    tip: Vector3<f64>,
+    axis: Vector3<f64>,
+    way: Vector3<f64>,
+    /// Derivative of the axis by time.
+    turning: Vector3<f64>,
+    t: f64,
+}
+
+impl Pose {
+    /// The function at a place.
+    #[inline]
+    pub(super) fn look(&self, shape: &Shape, p: &Vector3<f64>) -> Look {
+        let d = p - self.tip;
+        let s = d.dot(&self.axis);
+        let across = d - self.axis * s;
+        let rho = across.norm();
+        let out = if rho > 1e-12 { across / rho } else { Vector3::zeros() };
+        let v = shape.at(rho, s);
+        let turn = out.dot(&self.turning);
+        let slope = v.by_rho * (-out.dot(&self.way) - s * turn) + v.by_s * (rho * turn - self.axis.dot(&self.way));
+        Look { f: v.f, normal: out * v.by_rho + self.axis * v.by_s, slope, t: self.t }
+    }
+
+    /// Stretch of a line along a coordinate axis inside the body, its place given by `o` with zero along the line;
+    /// `None` when the line misses it, or when the shape has no closed form.
+    #[inline]
+    pub(super) fn inside(&self, shape: &Shape, axis: usize, o: &Vector3<f64>) -> Option<[f64; 2]> {
+        let d = o - self.tip;
+        let (along, s0) = (self.axis[axis], d.dot(&self.axis));
+        let disc = |from: f64, to: f64, radius: f64| {
+            // Between two planes across the axis, then inside the cylinder.
+            let (mut low, mut high) = if along.abs() > PARALLEL {
+                let (p, q) = ((from - s0) / along, (to - s0) / along);
+                (p.min(q), p.max(q))
+            } else if s0 > from && s0 < to {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            } else {
+                return None;
+            };
+            let a = 1.0 - along * along;
+            let c = d.norm_squared() - s0 * s0 - radius * radius;
+            if a > PARALLEL {
+                let b = d[axis] - s0 * along;
+                let root = b * b - a * c;
+                if root <= 0.0 {
+                    return None;
+                }
+                let root = root.sqrt();
+                (low, high) = (low.max((-b - root) / a), high.min((-b + root) / a));
+            } else if c >= 0.0 {
+                return None;
+            }
+            (low < high).then_some([low, high])
+        };
+        match *shape {
+            Shape::Flat { radius, top } => disc(0.0, top, radius),
+            Shape::Ball { radius, top } if top > 2.0 * radius => {
+                let e = d - self.axis * radius;
+                let root = e[axis] * e[axis] - e.norm_squared() + radius * radius;
+                let ball = (root > 0.0).then(|| {
+                    let root = root.sqrt();
+                    [-e[axis] - root, -e[axis] + root]
+                });
+                // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
+                match (ball, disc(radius, top, radius)) {
+                    (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+                    (one, None) | (None, one) => one,
+                }
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Square of a component below which a line is taken as parallel.
+const PARALLEL: f64 = 1e-9;
+
 impl Sweep {
+    /// The pose at a time with its speeds.
+    pub(super) fn stand(&self, t: f64) -> Pose {
+        let (tip, axis) = self.pose(t);
+        Pose { tip, axis, way: self.way, turning: self.axis[1] + self.axis[2] * (2.0 * t), t }
+    }
+
     pub(super) fn new(step: &Step) -> Self {
         let [a, m, b] = step.axes;
         Self {
@@ -68,17 +154,7 @@ impl Sweep {
     /// The function at a place and a time.
     #[inline]
     pub(super) fn look(&self, shape: &Shape, p: &Vector3<f64>, t: f64) -> Look {
-        let (tip, axis) = self.pose(t);
-        let turning = self.axis[1] + self.axis[2] * (2.0 * t);
-        let d = p - tip;
-        let s = d.dot(&axis);
-        let across = d - axis * s;
-        let rho = across.norm();
-        let out = if rho > 1e-12 { across / rho } else { Vector3::zeros() };
-        let v = shape.at(rho, s);
-        let turn = out.dot(&turning);
-        let slope = v.by_rho * (-out.dot(&self.way) - s * turn) + v.by_s * (rho * turn - axis.dot(&self.way));
-        Look { f: v.f, normal: out * v.by_rho + axis * v.by_s, slope, t }
+        self.stand(t).look(shape, p)
     }
 
     /// Least over time at a place, from a first guess of the time. The value lies at most [`GAP`] below the true one,

@@ -3,7 +3,7 @@
 
 use super::ray::{Ray, SKIN};
 use super::shape::Shape;
-use super::sweep::{GAP, Sweep};
+use super::sweep::{GAP, Look, Pose, Sweep};
 use super::{Step, StepKind};
 use nalgebra::Vector3;
 
@@ -52,6 +52,8 @@ pub(super) struct Moving {
     radius: f64,
     /// Unit vector across way and axis.
     side: Vector3<f64>,
+    /// Poses at start and end.
+    ends: [Pose; 2],
 }
 
 /// Added to bounds for the sag of the arcs that points run on between the three poses: 1e-3 of 100 mm at a degree.
@@ -84,7 +86,8 @@ impl Moving {
             axis.cross(&unit).normalize()
         });
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
-        Self { sweep, shape, kind: step.kind, follows, turn: whole, low, high, tip, axis, from, to, radius, side }
+        let ends = [sweep.stand(0.0), sweep.stand(1.0)];
+        Self { ends, sweep, shape, kind: step.kind, follows, turn: whole, low, high, tip, axis, from, to, radius, side }
     }
 
     /// Part of a line along an axis that can lie within `lateral` of the sweep; `o` has zero along the axis.
@@ -139,8 +142,56 @@ impl Moving {
         false
     }
 
-    /// The stretch of material a..b that lies inside the sweep, with the times at its ends.
-    fn cut(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], guess: &mut f64) -> Option<Chip> {
+    /// The stretch of material a..b that lies inside the sweep, with the times at its ends; `middle` is about where the
+    /// body is.
+    fn cut(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], middle: f64, guess: &mut f64) -> Option<Chip> {
+        let (near, far, sign) = if a >= middle {
+            (a, b, 1.0)
+        } else if b <= middle {
+            (b, a, -1.0)
+        } else {
+            return self.cut_from_both(axis, o, [a, b], guess);
+        };
+        let at = |x: f64| {
+            let mut p = *o;
+            p[axis] = x;
+            p
+        };
+        // Tangents at a look: no place of the material comes deeper than the skin at any time.
+        let untouched = |look: &Look| {
+            let leaving = look.normal[axis] * sign - self.turn;
+            let end = if look.slope > 0.0 { 0.0 } else { 1.0 };
+            leaving >= 0.0 && look.f + look.slope * (end - look.t) > -SKIN * leaving
+        };
+        let first = usize::from(*guess > 0.5);
+        let mut inside = false;
+        for n in [first, 1 - first] {
+            let look = self.ends[n].look(&self.shape, &at(near));
+            if untouched(&look) {
+                *guess = look.t;
+                return None;
+            }
+            inside |= n == 1 && look.f < 0.0;
+        }
+        if inside && let Some([low, high]) = self.ends[1].inside(&self.shape, axis, o) {
+            let exit = if sign > 0.0 { high } else { low };
+            let whole = (exit - far) * sign >= 0.0;
+            // Where the body still comes nearer at its end, no other time reaches farther.
+            if whole || {
+                let look = self.ends[1].look(&self.shape, &at(exit));
+                look.slope < GAP && look.f.abs() < GAP
+            } {
+                *guess = 1.0;
+                let exit = if whole { far } else { exit };
+                let chip = Chip { from: near.min(exit), to: near.max(exit), times: [1.0; 2] };
+                return (chip.to - chip.from > SKIN).then_some(chip);
+            }
+        }
+        self.cut_from_both(axis, o, [a, b], guess)
+    }
+
+    /// The same by tangents from both ends of the stretch.
+    fn cut_from_both(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], guess: &mut f64) -> Option<Chip> {
         let at = |x: f64| {
             let mut p = *o;
             p[axis] = x;
@@ -442,7 +493,11 @@ impl Tile {
 
     /// Visits the rays that a moving body may meet, each with the line of the ray and the stretch in question; what the
     /// visitor says tells whether the ray was changed.
-    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut Ray, &Vector3<f64>, [f64; 2], &mut f64) -> bool) {
+    fn visit(
+        &mut self,
+        moving: &Moving,
+        mut visitor: impl FnMut(&mut Ray, &Vector3<f64>, [f64; 2], f64, &mut f64) -> bool,
+    ) {
         let [u, v] = super::field::across(self.axis);
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize, axis: usize| {
@@ -477,6 +532,7 @@ impl Tile {
                         let group = fj * FINE + fi;
                         let o = line((fi * GROUP) as f64 + half(GROUP), (fj * GROUP) as f64 + half(GROUP));
                         let Some(window) = moving.window(self.axis, &o, lateral_fine) else { continue };
+                        let middle = 0.5 * (window[0] + window[1]);
                         let bits = [self.bit(window[0]), self.bit(window[1])];
                         if !any(&self.fine[group * self.words..][..self.words], bits) {
                             continue;
@@ -492,7 +548,7 @@ impl Tile {
                                 continue;
                             }
                             let (i, j) = (fi * GROUP + n % GROUP, fj * GROUP + n / GROUP);
-                            cut |= visitor(ray, &line(i as f64, j as f64), window, &mut guess);
+                            cut |= visitor(ray, &line(i as f64, j as f64), window, middle, &mut guess);
                         }
                         if cut {
                             self.map_fine(group);
@@ -511,14 +567,14 @@ impl Tile {
     pub(super) fn remove(&mut self, moving: &Moving, cuts: &mut Vec<[f64; 2]>) -> Removal {
         let axis = self.axis;
         let mut removal = Removal::NONE;
-        self.visit(moving, |ray, o, window, guess| {
+        self.visit(moving, |ray, o, window, middle, guess| {
             cuts.clear();
             for [a, b] in ray.intervals() {
                 let part = [a.max(window[0]), b.min(window[1])];
                 if part[0] >= part[1] {
                     continue;
                 }
-                let Some(chip) = moving.cut(axis, o, part, guess) else { continue };
+                let Some(chip) = moving.cut(axis, o, part, middle, guess) else { continue };
                 cuts.push([chip.from, chip.to]);
                 removal.length += chip.to - chip.from;
                 if chip.to - chip.from < NOTABLE {
@@ -545,7 +601,7 @@ impl Tile {
     pub(super) fn overlap(&mut self, moving: &Moving, least: f64) -> Option<Overlap> {
         let axis = self.axis;
         let mut worst: Option<Overlap> = None;
-        self.visit(moving, |ray, o, window, guess| {
+        self.visit(moving, |ray, o, window, _, guess| {
             for [a, b] in ray.intervals() {
                 let part = [a.max(window[0]), b.min(window[1])];
                 if part[0] >= part[1] {
