@@ -95,6 +95,14 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         certificate: Option<PathBuf>,
 
+        /// Edge of the cells of the stock simulation; the certificate says what was taken
+        #[arg(long, value_name = "MM")]
+        stock_cell: Option<f64>,
+
+        /// Folder to write the stock after each operation to, as STL
+        #[arg(long, value_name = "DIR")]
+        stock: Option<PathBuf>,
+
         /// Write a report to look at in a browser, also when a contract fails
         #[arg(long, value_name = "FILE.html")]
         report: Option<PathBuf>,
@@ -143,8 +151,19 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match arguments.command {
         Some(Command::Explain { code }) => explain(&code),
-        Some(Command::Verify { nc, job, post, library, certificate, report, timings, error_format }) => {
-            let check = NcCheck { nc, job, library, post, certificate, report };
+        Some(Command::Verify {
+            nc,
+            job,
+            post,
+            library,
+            certificate,
+            report,
+            stock_cell,
+            stock,
+            timings,
+            error_format,
+        }) => {
+            let check = NcCheck { nc, job, library, post, certificate, report, stock_cell, stock };
             finish(error_format, timings, |stages| driver::verify(&check, stages))
         }
         None => {

@@ -421,3 +421,57 @@ fn a_certificate_is_compared_with_job_and_measurement() {
     assert_eq!(changed["notes"][0], "`reduced.imp` was changed", "{changed}");
     assert!(all.iter().any(|d| d["code"] == "IMP0829"), "{err}");
 }
+
+/// Volume of a binary STL, and whether each of its edges belongs to an even number of triangles.
+fn stl(path: &Path) -> (f64, bool) {
+    let bytes = std::fs::read(path).unwrap();
+    let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
+    assert_eq!(bytes.len(), 84 + 50 * count);
+    let mut volume = 0.0;
+    let mut edges = std::collections::BTreeMap::new();
+    for t in 0..count {
+        let corner = |k: usize| [0, 1, 2].map(|axis| number(84 + 50 * t + 12 * (k + 1) + 4 * axis));
+        let corners = [corner(0), corner(1), corner(2)];
+        let [a, b, c] = corners.map(|p| p.map(f64::from));
+        volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]);
+        volume += a[2] * (b[0] * c[1] - b[1] * c[0]);
+        for (p, q) in [(0, 1), (1, 2), (2, 0)] {
+            let mut ends = [corners[p].map(f32::to_bits), corners[q].map(f32::to_bits)];
+            ends.sort_unstable();
+            *edges.entry(ends).or_insert(0_usize) += 1;
+        }
+    }
+    (volume / 6.0, count > 0 && edges.values().all(|n| n % 2 == 0))
+}
+
+/// The meshes are closed and hold what the certificate says is left after each operation.
+#[test]
+fn stock_is_written_as_closed_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let stock = folder.path().join("stock");
+    let path = WRITTEN.path().join("linuxcnc");
+    let more = ["--stock", stock.to_str().unwrap(), "--stock-cell", "1.5"];
+    let (ok, out, err) = verify(&path, "linuxcnc", &more);
+    assert!(ok, "{err}");
+    let table = out.split("stock: cells of ").nth(1).expect("a table");
+    let cell: f64 = table.split(' ').next().unwrap().parse().unwrap();
+    assert!(cell > 1.0 && cell <= 1.5, "{table}");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&stock).unwrap().map(|f| f.unwrap().path()).collect();
+    files.sort();
+    let rows: Vec<Vec<&str>> =
+        table.lines().skip(2).take(files.len()).map(|l| l.split_whitespace().collect()).collect();
+    assert!(files.len() > 2 && rows[0][0] == "groove", "{table}");
+    let mut before = f64::INFINITY;
+    for (k, (file, row)) in files.iter().zip(&rows).enumerate() {
+        assert_eq!(file.file_name().unwrap().to_str().unwrap(), format!("{:02}-{}.stl", k + 1, row[0]));
+        let (volume, closed) = stl(file);
+        let rest: f64 = row[3].parse().unwrap();
+        // Edges of the mesh are rounded within a cell, planes and smooth surfaces are not.
+        assert!(closed && (volume - rest).abs() < 0.005 * rest, "{}: {volume} {rest} {closed}", row[0]);
+        assert!(volume < before, "each operation of the job removes something");
+        before = volume;
+    }
+    let (ok, _, err) = verify(&path, "linuxcnc", &["--stock-cell", "0"]);
+    assert!(!ok && err.contains("IMP0733"), "{err}");
+}

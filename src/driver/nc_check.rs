@@ -9,7 +9,7 @@ use crate::output;
 use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::verify::{self, Certificate, stock::Settings};
+use crate::verify::{self, Certificate};
 use std::path::{Path, PathBuf};
 
 /// What a check of NC text is asked to do.
@@ -27,6 +27,10 @@ pub struct NcCheck {
     pub certificate: Option<PathBuf>,
     /// Where to write the report, also when a contract fails.
     pub report: Option<PathBuf>,
+    /// Edge of the cells of the stock simulation, mm, instead of the usual.
+    pub stock_cell: Option<f64>,
+    /// Folder for a mesh of the stock after each operation.
+    pub stock: Option<PathBuf>,
 }
 
 /// Largest NC text, bytes.
@@ -53,6 +57,9 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     }
     if let Some(path) = &check.report {
         output::check(path).map_err(|d| outcome.sink.push(d)).map_err(|()| Aborted)?;
+    }
+    if let Some(folder) = &check.stock {
+        rest_stock::check(folder).map_err(|d| outcome.sink.push(d)).map_err(|()| Aborted)?;
     }
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
@@ -104,16 +111,14 @@ fn measure(
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
     let mut stock = Vec::new();
-    let mut after = |o: usize, field: &crate::stock::Field| {
-        let made = motion.motion.operations.get(o);
-        let name = made.map_or("", |made| program.operations[made.operation].name.as_str());
-        stock.push(rest_stock::stage(name, field.mesh()));
-    };
-    let mut settings = Settings::default();
-    if check.report.is_some() {
-        settings.after = Some(&mut after);
-    }
-    let certificate = stages.run("verify", || verify::certify_with(program, &motion.motion, &mut settings, sink));
+    let stages_asked = check.report.is_some().then_some(&mut stock);
+    let asked = rest_stock::Asked { cell: check.stock_cell, folder: check.stock.as_deref(), stages: stages_asked };
+    let names = rest_stock::names(program, &motion.motion);
+    let certificate = stages.run("verify", || {
+        rest_stock::simulated(asked, &names, sink, |settings, sink| {
+            verify::certify_with(program, &motion.motion, settings, sink)
+        })
+    });
     let mut index = 0;
     sink.map(|diag| {
         index += 1;
