@@ -19,6 +19,7 @@ pub mod motion;
 pub mod part;
 pub mod print;
 pub mod program;
+pub mod solid;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};

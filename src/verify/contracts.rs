@@ -222,7 +222,7 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
         ),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
-            format!("{is} of stock stay outside of the part; {wanted} are allowed"),
+            format!("{is} of stock stay outside of the part ({what}); {wanted} are allowed"),
             "operations for all faces and sectors, smaller steps, or a tool that reaches what stays",
         ),
     };
@@ -236,6 +236,10 @@ fn unmeasured(contract: &Contract, reason: Unmeasured) -> Diag {
         Unmeasured::NoRoughing => {
             ("no roughing operation leaves anything there", "ask for `excess`, or add a groove or expand operation")
         }
+        Unmeasured::NoSolid => (
+            "the surfaces of the part enclose no volume, as a fillet does not reach from inlet to outlet",
+            "a smaller fillet, or `require excess` on surfaces",
+        ),
     };
     Diag::error(verification::NOT_MEASURED, format!("`require {name}` cannot be judged: {why}"))
         .label(contract.span, "this contract")

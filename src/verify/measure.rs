@@ -31,6 +31,8 @@ pub(super) enum Unmeasured {
     NeedsStock,
     /// No roughing operation leaves anything.
     NoRoughing,
+    /// The part has no closed surface.
+    NoSolid,
 }
 
 /// What the verifier measures again for a narrower question.
@@ -40,6 +42,9 @@ pub(super) trait Narrow {
 
     /// Least distance of a part of the tool of an operation to some surfaces of the design.
     fn clearance(&self, operation: usize, body: Guarded, surfaces: &[SurfaceClass]) -> Option<Clearance>;
+
+    /// Volume of the finished part, mm3; `None` when its surfaces do not close.
+    fn part_volume(&self) -> Option<f64>;
 
     /// Distance within which bodies are looked for, mm.
     fn search(&self) -> f64;
@@ -84,7 +89,9 @@ pub(super) fn measure(
         ContractKind::Rest => rest(certificate, region, after),
         ContractKind::Air => air(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
         ContractKind::RemovalRate => removal_rate(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
-        ContractKind::RestVolume => Err(Unmeasured::NeedsStock),
+        ContractKind::RestVolume => {
+            rest_volume(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, after, narrow)
+        }
     }
 }
 
@@ -209,6 +216,24 @@ fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasur
             operation: Some(o.operation as usize),
         },
     ))
+}
+
+/// Stock after an operation, or at the end, less the finished part. A cut into the part counts against what is left.
+fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn Narrow) -> Result<Figure, Unmeasured> {
+    let part = narrow.part_volume().ok_or(Unmeasured::NoSolid)?;
+    let last = match after {
+        Some(o) => stock.operations.iter().find(|s| s.operation as usize == o),
+        None => stock.operations.last(),
+    };
+    let rest = last.map_or(stock.blank, |o| o.rest);
+    let name = last.map_or("the blank", |o| o.name.as_str());
+    Ok(Figure {
+        value: rest - part,
+        what: format!("{rest:.0} mm3 of stock after {name}, {part:.0} mm3 of part"),
+        point: None,
+        at: None,
+        operation: last.map(|o| o.operation as usize),
+    })
 }
 
 fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {

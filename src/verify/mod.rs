@@ -35,6 +35,7 @@ use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::contract::{Guarded, SurfaceClass};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::design::{self, Sample};
+use crate::ir::solid;
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
 use certificate::{OperationReport, describe};
 use nalgebra::{Point3, Vector3};
@@ -188,6 +189,10 @@ impl measure::Narrow for Narrower<'_> {
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
         least_over(&pieces, solid, distance, &cloud, HALF_SPACING, self.search())
+    }
+
+    fn part_volume(&self) -> Option<f64> {
+        solid::volume(&self.program.part, &self.program.stock).map(|v| v.value)
     }
 
     fn search(&self) -> f64 {

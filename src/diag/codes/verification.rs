@@ -55,7 +55,9 @@ Way out: shorter leads, a higher `link-feed`, or passes that begin where stock s
         "In some move the volume removed a minute is above `require removal-rate`. It bends slim tools and stalls weak \
 spindles.\n\nWay out: a lower `feed`, or smaller steps (`depth`, `residual`).";
     REST_VOLUME = "IMP0716", "more stock stays than the job allows",
-        "The volume that stands outside of the part after the operations is above `require rest-volume`.\n\n\
+        "The volume that stands outside of the part after the operations is above `require rest-volume`. It is the \
+stock of the simulation less the part, whose volume is that of a closed mesh of its surfaces; what a gouge takes away \
+counts against it, so ask for `gouge` too. Cells of the simulation bound how well small volumes are known.\n\n\
 Way out: operations for all faces and sectors, smaller steps, or a tool that reaches what stays.";
     RAPID_THROUGH_STOCK = "IMP0730", "a rapid move runs through stock that is still there",
         "Block by block the program removes stock; at this block the cutter moves at rapid through a place that nothing \

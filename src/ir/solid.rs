@@ -1,0 +1,288 @@
+//! The finished part as a closed triangle mesh, made from the design surfaces alone, and its volume.
+//!
+//! A wall of a channel is one sheet: from the contact with the hub along the rolling ball, then up the ruling to the
+//! shroud. Rows of a sheet run from the inlet line to the outlet line, the straight lines of the meridian plane between
+//! the ends of hub and shroud. Hub, tips and both edges are spanned between the borders of sheets; front, bore, back and
+//! outside of the blank close the rest. Neighbouring grids share the points of their borders, so that nothing gapes.
+
+use super::chart::{Chart, Shape, charts};
+use super::design::SurfaceKind;
+use super::part::{Part, Side};
+use super::program::Stock;
+use crate::geom::Revolution;
+use nalgebra::{Point3, Vector2};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Triangles that bound a solid, seen counter-clockwise from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Solid {
+    /// Corners, mm.
+    pub vertices: Vec<Point3<f64>>,
+    /// Indices of the corners of each triangle.
+    pub triangles: Vec<[usize; 3]>,
+}
+
+impl Solid {
+    /// Enclosed volume by the divergence theorem, mm3.
+    pub fn volume(&self) -> f64 {
+        // From a corner instead of the origin, so that the terms stay as small as the solid.
+        let Some(from) = self.vertices.first() else { return 0.0 };
+        let terms = self.triangles.iter().map(|t| {
+            let [a, b, c] = t.map(|i| self.vertices[i] - from);
+            a.dot(&b.cross(&c))
+        });
+        terms.sum::<f64>() / 6.0
+    }
+
+    /// True when each edge of a triangle is run through as often in one direction as in the other: nothing gapes.
+    pub fn is_closed(&self) -> bool {
+        let mut count: BTreeMap<(usize, usize), i64> = BTreeMap::new();
+        for [a, b, c] in &self.triangles {
+            for (p, q) in [(*a, *b), (*b, *c), (*c, *a)] {
+                *count.entry((p.min(q), p.max(q))).or_default() += if p < q { 1 } else { -1 };
+            }
+        }
+        count.values().all(|n| *n == 0)
+    }
+}
+
+/// A volume with the size of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// Volume, mm3.
+    pub value: f64,
+    /// Difference of the last two refinements, mm3: the error is below it.
+    pub error: f64,
+}
+
+/// Steps of a grid along and up a wall, across a channel, and across a vane.
+const STEPS: [usize; 4] = [24, 12, 12, 4];
+
+/// Volume of the finished part: all vanes milled, nothing left over the shroud. Chords of grids of even steps are wrong
+/// by the square of the step, which two refinements take out.
+///
+/// `None` when a fillet does not reach from inlet to outlet.
+pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
+    let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
+    let (coarse, middle, fine) = (of(1)?, of(2)?, of(4)?);
+    let without_square = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;
+    let (before, value) = (without_square(coarse, middle), without_square(middle, fine));
+    Some(Volume { value, error: (value - before).abs() })
+}
+
+/// Mesh of the finished part, with steps along a wall, up each of its two surfaces, across a channel, across a vane.
+/// `None` as for [`volume`].
+pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Solid> {
+    let ahead = part.first_wall;
+    let behind = if ahead == Side::Pressure { Side::Suction } else { Side::Pressure };
+    let charts = charts(part);
+    let sheets = [Sheet::new(part, &charts, ahead)?, Sheet::new(part, &charts, behind)?];
+    let (ahead, behind) = (sheets[0].grid(along, up)?, sheets[1].grid(along, up)?);
+    let top = ahead.len() - 1;
+    let mut mesh = Mesher::default();
+    // Where the hub begins and ends, once around: seams of the turned rest.
+    let mut rings: [Vec<Point3<f64>>; 2] = [Vec::new(), Vec::new()];
+    for sector in 0..part.vane_count {
+        let turned = |grid: &[Vec<Point3<f64>>], sector: u32| -> Vec<Vec<Point3<f64>>> {
+            let turn = part.sector_rotation(sector % part.vane_count);
+            grid.iter().map(|row| row.iter().map(|p| turn * p).collect()).collect()
+        };
+        let (a, b, next) = (turned(&ahead, sector), turned(&behind, sector), turned(&behind, sector + 1));
+        let hub: Vec<Vec<Point3<f64>>> =
+            a[0].iter().zip(&next[0]).map(|(p, q)| bridge(p, q, (across, part.pitch()), Some(&part.hub))).collect();
+        let tip: Vec<Vec<Point3<f64>>> =
+            b[top].iter().zip(&a[top]).map(|(p, q)| bridge(p, q, (thick, 0.0), Some(&part.shroud))).collect();
+        for (end, ring) in [0, along].into_iter().zip(&mut rings) {
+            let mut edge: Vec<Vec<Point3<f64>>> =
+                (0..top).map(|j| bridge(&b[j][end], &a[j][end], (thick, 0.0), None)).collect();
+            edge.push(tip[end].clone());
+            ring.extend_from_slice(&edge[0][..thick]);
+            ring.extend_from_slice(&hub[end][..across]);
+            mesh.grid(&edge, end != 0);
+        }
+        mesh.grid(&a, false);
+        mesh.grid(&b, true);
+        mesh.grid(&hub, false);
+        mesh.grid(&tip, false);
+    }
+    // Over front, bore, back and outside from the first ring to the second.
+    let [first, last] = &mut rings;
+    let corners = turned_rest(part, stock);
+    let half = corners.len() / 2;
+    let mut grid: Vec<Vec<Point3<f64>>> = vec![first.clone()];
+    for (k, [r, z]) in corners.iter().enumerate() {
+        let ring: &[Point3<f64>] = if k < half { first } else { last };
+        grid.push(
+            ring.iter()
+                .map(|p| {
+                    let radius = p.x.hypot(p.y);
+                    Point3::new(p.x / radius * r, p.y / radius * r, *z)
+                })
+                .collect(),
+        );
+    }
+    grid.push(last.clone());
+    for row in &mut grid {
+        let start = row[0];
+        row.push(start);
+    }
+    mesh.grid(&grid, true);
+    let mut solid = mesh.solid;
+    // Which way around all grids run depends on how the channel lies.
+    if solid.volume() < 0.0 {
+        solid.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    Some(solid)
+}
+
+/// Corners of the turned rest of the part between the rings, (r, z): two on the side of the inlet, two on the other.
+fn turned_rest(part: &Part, stock: &Stock) -> [[f64; 2]; 4] {
+    let (front, bore, back) = (part.hub.meridian(0.0).point.y, stock.bore_radius.get(), stock.back.get());
+    let outlet = part.hub.meridian(1.0).point;
+    let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
+    [[bore, front], [bore, back], [outside, back], [outside, outlet.y]]
+}
+
+/// Even steps around Z from one point to another, both of them as they are; on a surface, or on the straight line
+/// between their places in the meridian plane. The turn is the one within half a turn of `about`.
+fn bridge(
+    from: &Point3<f64>,
+    to: &Point3<f64>,
+    (steps, about): (usize, f64),
+    on: Option<&Revolution>,
+) -> Vec<Point3<f64>> {
+    let flat = |p: &Point3<f64>| Vector2::new(p.x.hypot(p.y), p.z);
+    let (a, b) = (flat(from), flat(to));
+    let start = from.y.atan2(from.x);
+    let turn = to.y.atan2(to.x) - start;
+    let turn = turn - TAU * ((turn - about) / TAU).round();
+    let ends = on.map(|s| [s.closest(a).0, s.closest(b).0]);
+    (0..=steps)
+        .map(|k| {
+            let t = k as f64 / steps as f64;
+            let azimuth = start + turn * t;
+            match (k, on, ends) {
+                (0, ..) => *from,
+                (k, ..) if k == steps => *to,
+                (_, Some(surface), Some([u, v])) => surface.point(u + (v - u) * t, azimuth),
+                _ => {
+                    let p = a + (b - a) * t;
+                    Point3::new(p.x * azimuth.cos(), p.x * azimuth.sin(), p.y)
+                }
+            }
+        })
+        .collect()
+}
+
+/// A wall of a channel with its fillet, sector 0.
+struct Sheet<'a> {
+    part: &'a Part,
+    side: Side,
+    fillet: Option<&'a Chart<'a>>,
+    /// Values of u between which the wall is known.
+    range: [f64; 2],
+}
+
+impl<'a> Sheet<'a> {
+    fn new(part: &'a Part, charts: &'a [Chart<'a>], side: Side) -> Option<Self> {
+        let fillet = charts.iter().find(|c| c.kind == SurfaceKind::Fillet(side));
+        if part.fillet.is_some() && fillet.is_none() {
+            return None;
+        }
+        let range = match fillet {
+            Some(chart) => [chart.place(0.0, 0.0).parameters[0], chart.place(1.0, 0.0).parameters[0]],
+            // The guides go on along their tangents.
+            None => [-0.2, 1.2],
+        };
+        Some(Self { part, side, fillet, range })
+    }
+
+    /// Point at u; `w` from 0 to 1 goes along the fillet, from 1 to 2 up the ruling.
+    fn point(&self, u: f64, w: f64) -> Point3<f64> {
+        let surface = &self.part.face(self.side).surface;
+        let low = match self.fillet {
+            Some(chart) => {
+                let x = (u - self.range[0]) / (self.range[1] - self.range[0]);
+                if w < 1.0 {
+                    return chart.place(x, 1.0 - w).position;
+                }
+                let contact = chart.place(x, 0.0).position;
+                let (root, _, ruling) = surface.tangents(u, 0.0);
+                (contact - root).dot(&ruling) / ruling.norm_squared()
+            }
+            None => self.part.ruling_meets(self.side, u, &self.part.hub, 0.0),
+        };
+        let high = self.part.ruling_meets(self.side, u, &self.part.shroud, 1.0);
+        surface.point(u, low + (high - low) * (w - 1.0))
+    }
+
+    /// Rows from hub to shroud, each from the inlet line to the outlet line.
+    fn grid(&self, along: usize, up: usize) -> Option<Vec<Vec<Point3<f64>>>> {
+        let rows = if self.fillet.is_some() { 0..=2 * up } else { up..=2 * up };
+        rows.into_par_iter().map(|j| self.row(along, j as f64 / up as f64)).collect()
+    }
+
+    fn row(&self, along: usize, w: f64) -> Option<Vec<Point3<f64>>> {
+        let ends = [self.meets(0.0, w)?, self.meets(1.0, w)?];
+        let at = |i: usize| self.point(ends[0] + (ends[1] - ends[0]) * i as f64 / along as f64, w);
+        Some((0..=along).map(at).collect())
+    }
+
+    /// u at which a row meets the line of the meridian plane between the ends of hub and shroud at 0 or 1.
+    fn meets(&self, end: f64, w: f64) -> Option<f64> {
+        let (hub, shroud) = (self.part.hub.meridian(end).point, self.part.shroud.meridian(end).point);
+        let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
+        let gap = |u: f64| {
+            let p = self.point(u, w);
+            (Vector2::new(p.x.hypot(p.y), p.z) - hub).dot(&normal)
+        };
+        let (mut out, mut inside) = (self.range[end as usize], 0.5);
+        let sign = gap(inside).signum();
+        if gap(out) * sign > 0.0 {
+            return None;
+        }
+        // Halvings of a wall of some 100 mm down to rounding.
+        for _ in 0..48 {
+            let u = 0.5 * (out + inside);
+            if gap(u) * sign > 0.0 { inside = u } else { out = u }
+        }
+        Some(0.5 * (out + inside))
+    }
+}
+
+/// Makes one solid of grids that share the points of their borders.
+#[derive(Default)]
+struct Mesher {
+    solid: Solid,
+    known: BTreeMap<[u64; 3], usize>,
+}
+
+impl Mesher {
+    fn vertex(&mut self, p: &Point3<f64>) -> usize {
+        // Adding zero makes one of both zeros.
+        let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+        let next = self.solid.vertices.len();
+        let index = *self.known.entry(key).or_insert(next);
+        if index == next {
+            self.solid.vertices.push(*p);
+        }
+        index
+    }
+
+    /// Two triangles a cell; `turned` when rows and columns run clockwise as seen from outside.
+    fn grid(&mut self, rows: &[Vec<Point3<f64>>], turned: bool) {
+        let indices: Vec<Vec<usize>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(p)).collect()).collect();
+        for pair in indices.windows(2) {
+            for (low, high) in pair[0].windows(2).zip(pair[1].windows(2)) {
+                for [a, b, c] in [[low[0], low[1], high[1]], [low[0], high[1], high[0]]] {
+                    // On the axis a row is one point.
+                    if a != b && b != c && c != a {
+                        self.solid.triangles.push(if turned { [a, c, b] } else { [a, b, c] });
+                    }
+                }
+            }
+        }
+    }
+}
