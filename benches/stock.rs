@@ -1,19 +1,22 @@
-//! Stock simulation of the main job.
+//! Stock simulation: the main job, and how it grows with the number of blocks.
 //!
-//! `cargo bench --bench stock` plans `jobs/wei2021` once and sends it through stocks of several cells, then through
-//! 0.5 mm cells with its moves cut to 10 k, 100 k and 1 M blocks. `cargo bench --bench stock -- 0.1` runs the finest
-//! only.
+//! `cargo bench --bench stock` plans `jobs/wei2021` once and sends it through stocks of several cells, then one synthetic
+//! program of 10 k, 100 k and 1 M blocks over the same room. `cargo bench --bench stock -- 0.1` runs the finest cells
+//! only, `-- blocks` the growth only. Cases take seconds to minutes, so each runs once; the processor time of all
+//! threads, where the system tells it, says more than the clock on a machine that does other work.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, reason = "a bench fails by panicking")]
+#![allow(clippy::expect_used, reason = "a bench fails by panicking")]
+#![allow(clippy::print_stdout, reason = "a bench prints its times")]
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{Options, Outcome, Stages, front};
-use impellerc::ir::{JointMove, Motion, Program};
-use impellerc::kin::Joints;
+use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
+use impellerc::stock::{self, Field, Step, StepKind};
 use impellerc::verify::stock::{Settings, simulate};
+use nalgebra::{Point3, Vector3};
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::Instant;
 
 fn planned() -> (Program, Motion) {
     let options = Options { job: PathBuf::from("jobs/wei2021/wei2021.imp"), ..Options::default() };
@@ -23,55 +26,66 @@ fn planned() -> (Program, Motion) {
     (program, motion)
 }
 
-fn run(program: &Program, motion: &Motion, cell: f64) -> f64 {
-    let mut settings = Settings { cell: Some(cell), after: None };
-    simulate(program, motion, &mut settings, &mut Default::default()).expect("a stock").rest()
+/// Processor time of this process, s; `None` where the system does not tell it as Linux does.
+fn processor() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let ticks: Vec<f64> = stat.rsplit(')').next()?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
+    // The state, a letter, is left out; a hundred ticks a second.
+    Some((ticks.get(10)? + ticks.get(11)?) / 100.0)
 }
 
-/// The first operations up to a number of moves; or every move cut into equal parts until there are as many.
-fn with_moves(program: &Program, motion: &Motion, count: usize) -> Motion {
-    let all: usize = motion.operations.iter().map(|o| o.moves.len()).sum();
-    let mut cut = motion.clone();
-    let parts = count.div_ceil(all);
-    let mut left = count;
-    for operation in &mut cut.operations {
-        let mut moves: Vec<JointMove> = operation.moves.first().copied().into_iter().collect();
-        for pair in operation.moves.windows(2) {
-            let (a, b) = (&pair[0].joints, &pair[1].joints);
-            let tips = [a, b].map(|j| program.machine.forward(j).tip);
-            for k in 1..=parts {
-                let t = k as f64 / parts as f64;
-                let (tilt, turn) = (a.a + (b.a - a.a) * t, a.c + (b.c - a.c) * t);
-                let joints: Joints = program.machine.joints(&(tips[0] + (tips[1] - tips[0]) * t), tilt, turn);
-                moves.push(JointMove { joints, time: pair[1].time / parts as f64, ..pair[1] });
-            }
+fn timed(name: &str, run: impl FnOnce() -> f64) {
+    let (clock, before) = (Instant::now(), processor());
+    let rest = run();
+    let clock = clock.elapsed().as_secs_f64();
+    let busy = before.and_then(|b| processor().map(|now| format!("{:.2} s", now - b)));
+    println!("{name:<24} clock {clock:>8.2} s  processor {:>10}  rest {rest:.1} mm3", busy.unwrap_or_default());
+}
+
+/// Lines of a tilted ball cutter over a plate of 40 mm, in layers, the axis swaying: the same way in any number of blocks.
+fn lines(blocks: usize) -> impl Iterator<Item = Step> {
+    const LINES: usize = 100;
+    let each = blocks / LINES;
+    let pose = move |line: usize, share: f64| {
+        let x = if line.is_multiple_of(2) { share } else { 1.0 - share };
+        let axis = Vector3::new(0.3 + 0.1 * (6.0 * x).sin(), 0.2 * (5.0 * x).cos(), 1.0).normalize();
+        let y = (line % 50) as f64 * 0.8 - 20.0;
+        (Point3::new(50.0 * x - 25.0, y, -1.0 - (line / 50) as f64), axis)
+    };
+    (0..LINES).flat_map(move |line| {
+        (0..each).map(move |k| {
+            let at = |h: f64| pose(line, (k as f64 + h) / each as f64);
+            let block = u32::try_from(line * each + k).expect("blocks fit");
+            let tips = [at(0.0).0, at(1.0).0];
+            Step { block, kind: StepKind::Cut, tips, axes: [at(0.0).1, at(0.5).1, at(1.0).1] }
+        })
+    })
+}
+
+fn main() {
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let chosen = |name: &str| wanted.is_empty() || wanted.iter().any(|w| w == name);
+    let cells: Vec<&str> = ["1", "0.5", "0.25", "0.1"].into_iter().filter(|c| chosen(c)).collect();
+    if !cells.is_empty() {
+        let (program, motion) = planned();
+        for cell in cells {
+            let size: f64 = cell.parse().expect("a number");
+            timed(&format!("wei2021, cells {cell} mm"), || {
+                let mut settings = Settings { cell: Some(size), after: None };
+                simulate(&program, &motion, &mut settings, &mut Default::default()).expect("a stock").rest()
+            });
         }
-        moves.truncate(left);
-        left -= moves.len();
-        operation.moves = moves;
     }
-    cut.operations.retain(|o| !o.moves.is_empty());
-    cut
+    if chosen("blocks") {
+        let cutter = Cutter::Ball { radius: 3.0 };
+        let solid = ToolSolid { cutter, flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
+        for blocks in [10_000, 100_000, 1_000_000] {
+            timed(&format!("{blocks} blocks, cells 0.25 mm"), || {
+                let plate = [[0.0, -10.0], [20.0, -10.0], [20.0, 0.0], [0.0, 0.0]];
+                let mut field = Field::turned(&plate, 0.25).expect("a field");
+                stock::simulate(&mut field, &solid, lines(blocks));
+                field.volume()
+            });
+        }
+    }
 }
-
-fn stock(c: &mut Criterion) {
-    let (program, motion) = planned();
-    let mut group = c.benchmark_group("stock of wei2021, cells in mm");
-    group.sample_size(10).warm_up_time(Duration::from_millis(1));
-    for cell in ["1", "0.5", "0.25", "0.1"] {
-        let size: f64 = cell.parse().expect("a number");
-        group.bench_function(BenchmarkId::from_parameter(cell), |b| b.iter(|| run(&program, &motion, size)));
-    }
-    group.finish();
-    let mut group = c.benchmark_group("stock of wei2021 at 0.5 mm, moves");
-    group.sample_size(10).warm_up_time(Duration::from_millis(1));
-    for count in [10_000, 100_000, 1_000_000] {
-        let part = with_moves(&program, &motion, count);
-        group.throughput(Throughput::Elements(count as u64));
-        group.bench_function(BenchmarkId::from_parameter(count), |b| b.iter(|| run(&program, &part, 0.5)));
-    }
-    group.finish();
-}
-
-criterion_group!(benches, stock);
-criterion_main!(benches);
