@@ -392,9 +392,19 @@ impl Task<'_> {
     /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
     /// something above the goal is known everywhere.
     fn below(&self, block: &Block, near: &[(f64, Candidate)], goal: f64, proved: &mut Proved) {
-        let far = near.iter().map(|n| n.0).filter(|bound| *bound >= goal).fold(f64::INFINITY, f64::min);
-        proved.low = proved.low.min(far);
-        let left: Vec<Candidate> = near.iter().filter(|n| n.0 < goal).map(|n| n.1).collect();
+        let hull = self.hull(block);
+        let mut left: Vec<Candidate> = Vec::new();
+        for (bound, c) in near {
+            let bound = match *bound {
+                far if far >= goal => far,
+                _ => self.sweeps[c.sweep as usize].below(c.piece, &hull, goal, true).bound,
+            };
+            if bound >= goal {
+                proved.low = proved.low.min(bound);
+            } else {
+                left.push(*c);
+            }
+        }
         if left.is_empty() {
             return;
         }
