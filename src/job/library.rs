@@ -1,6 +1,6 @@
 //! Machine and tool files: TOML through serde, every key known, every quantity with its unit.
 
-use super::model::{CutterKind, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
+use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
@@ -14,6 +14,9 @@ type Text = Spanned<String>;
 
 /// Bound of lengths in library files, mm.
 const LONGEST: f64 = 100_000.0;
+
+/// Bound of sizes of tables and fixtures, mm: their surfaces are sampled.
+const MOST_CARRIED: f64 = 1000.0;
 
 /// Control cycle where the machine file gives none, s: slow for controls of milling machines, so that what the joints
 /// do between two positions is not told too small.
@@ -33,6 +36,15 @@ struct MachineFile {
     spindle: SpindleTable,
     rapid: Text,
     cycle: Option<Text>,
+    table: Option<CarriedTable>,
+    fixture: Option<CarriedTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CarriedTable {
+    top: Text,
+    section: Vec<SectionTable>,
 }
 
 #[derive(Deserialize)]
@@ -206,6 +218,14 @@ impl Reader<'_> {
         [x, y, z].map(|t| Mm(self.quantity(t, Dimension::LENGTH, -LONGEST, LONGEST)))
     }
 
+    fn carried(&mut self, table: &CarriedTable) -> CarriedSpec {
+        let mut length = |text: &Text, min: f64| Mm(self.quantity(text, Dimension::LENGTH, min, MOST_CARRIED));
+        CarriedSpec {
+            top: length(&table.top, -MOST_CARRIED),
+            sections: table.section.iter().map(|s| [&s.length, &s.upper, &s.lower].map(|t| length(t, 0.01))).collect(),
+        }
+    }
+
     fn rotary(&mut self, table: &RotaryTable) -> RotarySpec {
         let iso = match table.sense.get_ref().as_str() {
             "iso" => true,
@@ -306,6 +326,8 @@ pub(super) fn machine(
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
         cycle,
+        table: table.table.as_ref().map(|t| reader.carried(t)),
+        fixture: table.fixture.as_ref().map(|t| reader.carried(t)),
         assumed,
     };
     (!reader.faults).then_some(spec)

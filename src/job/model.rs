@@ -52,8 +52,21 @@ pub struct MachineSpec {
     pub rapid: MmPerMin,
     /// Time between two positions that the control gives to its drives, s.
     pub cycle: f64,
+    /// Table, with its top in the machine frame at A = 0.
+    pub table: Option<CarriedSpec>,
+    /// Fixture, with its top in the part frame.
+    pub fixture: Option<CarriedSpec>,
     /// What the file marks as assumed.
     pub assumed: Vec<String>,
+}
+
+/// A solid of revolution about the C axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarriedSpec {
+    /// Height of its top.
+    pub top: Mm,
+    /// Sections from the top downward: length, upper and lower diameter.
+    pub sections: Vec<[Mm; 3]>,
 }
 
 /// A linear axis.

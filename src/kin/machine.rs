@@ -53,8 +53,20 @@ pub struct Machine {
     pub rapid: f64,
     /// Time between two positions that the control gives to its drives, s; between them each joint runs evenly.
     pub cycle: f64,
+    /// Table and fixtures, which turn with the part.
+    pub carried: Vec<Carried>,
     /// What its file marks as assumed.
     pub assumed: Vec<String>,
+}
+
+/// A solid of revolution about the C axis that turns with the part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carried {
+    /// `table` or `fixture`.
+    pub name: &'static str,
+    /// Outside as (r, z), straight between the points, from the axis at its top to the axis at its bottom; mm, z in the
+    /// part frame.
+    pub profile: Vec<[f64; 2]>,
 }
 
 impl Machine {
@@ -62,6 +74,12 @@ impl Machine {
     pub fn speeds(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.speed);
         [x, y, z, self.tilt.speed, self.turn.speed]
+    }
+
+    /// The C axis in the part frame, x and y.
+    pub fn turn_axis(&self) -> [f64; 2] {
+        let at = self.turn_point.coords - self.part_origin;
+        [at.x, at.y]
     }
 
     /// Acceleration limits of X, Y, Z (mm/s2), A and C (rad/s2).

@@ -9,5 +9,5 @@ pub mod machine;
 pub mod transform;
 
 pub use interpolation::Interpolation;
-pub use machine::{LinearAxis, Machine, RotaryAxis};
+pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
 pub use transform::{Joints, Pose, inverse};

@@ -13,7 +13,7 @@ use crate::ir::{
     RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
 };
 use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
-use crate::kin::{LinearAxis, Machine, RotaryAxis};
+use crate::kin::{Carried, LinearAxis, Machine, RotaryAxis};
 use crate::units::Mm;
 use nalgebra::{Point3, Vector3};
 
@@ -202,8 +202,28 @@ fn machine(spec: &MachineSpec) -> Machine {
         spindle: spec.spindle.map(crate::units::Rpm::get),
         rapid: spec.rapid.get() / 60.0,
         cycle: spec.cycle,
+        carried: carried(spec),
         assumed: spec.assumed.clone(),
     }
+}
+
+/// Table and fixture in the part frame.
+fn carried(spec: &MachineSpec) -> Vec<Carried> {
+    let below = spec.part_origin[2].get();
+    let solids = [("table", &spec.table, -below), ("fixture", &spec.fixture, 0.0)];
+    let solids = solids.into_iter().filter_map(|(name, solid, shift)| {
+        let solid = solid.as_ref()?;
+        let mut z = solid.top.get() + shift;
+        let mut profile = vec![[0.0, z]];
+        for [length, upper, lower] in &solid.sections {
+            profile.push([upper.get() / 2.0, z]);
+            z -= length.get();
+            profile.push([lower.get() / 2.0, z]);
+        }
+        profile.push([0.0, z]);
+        Some(Carried { name, profile })
+    });
+    solids.collect()
 }
 
 /// Limits of an axis whose word has the opposite sense change places.

@@ -1,5 +1,6 @@
 //! What was proved, as figures: for people as text, for tools as JSON.
 
+use super::carried::{CarriedReport, SEARCH};
 use super::clearance::Clearance;
 use super::machine::MachineReport;
 use super::rest::RestReport;
@@ -117,6 +118,9 @@ pub struct Certificate {
     pub rest: Vec<RestReport>,
     /// The stock through the program; `None` when it could not be simulated.
     pub stock: Option<StockReport>,
+    /// Nearest approach to table and fixtures; empty where the machine file has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub carried: Vec<CarriedReport>,
     /// Contracts.
     pub contracts: Vec<ContractReport>,
     /// What is taken out of them.
@@ -264,6 +268,15 @@ impl Certificate {
         match &self.rapid {
             Some(c) => writeln!(t, "  at rapid the tool stays {:.3} mm outside of the stock", c.distance)?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
+        }
+        for c in &self.carried {
+            match &c.clearance {
+                Some(found) => {
+                    let place = describe(program, motion, Some(found.at));
+                    writeln!(t, "  the {} comes within {:.3} mm of the {}: {place}", c.part, found.distance, c.solid)?;
+                }
+                None => writeln!(t, "  no tool comes within {SEARCH} mm of the {}", c.solid)?,
+            }
         }
         writeln!(t)?;
         self.write_runs(t)?;

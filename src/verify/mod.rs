@@ -8,6 +8,7 @@
 //! | V1 | is the motion well formed? | [`structure`] |
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], [`sweep`] |
 //! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
+//! | | how near comes the tool to table and fixtures? | [`carried`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what happens to the stock, block by block? | [`stock`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
@@ -16,6 +17,7 @@
 //! Not checked yet: jerk.
 
 mod bounds;
+pub mod carried;
 mod cells;
 pub mod certificate;
 pub mod clearance;
@@ -137,6 +139,7 @@ pub fn certify_with(
         machine: machine::check(program, motion),
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
         stock: stock::simulate(program, motion, settings, sink),
+        carried: carried::check(program, motion),
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
@@ -145,6 +148,7 @@ pub fn certify_with(
         operation.time = run.time;
     }
     report_faults(program, motion, &certificate, sink);
+    carried::report(program, motion, &certificate.carried, sink);
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
     }

@@ -110,6 +110,7 @@ pub fn machine() -> Machine {
         spindle: [100.0, 18000.0],
         rapid: 500.0,
         cycle: 0.002,
+        carried: Vec::new(),
         assumed: Vec::new(),
     }
 }

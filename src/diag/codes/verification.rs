@@ -76,4 +76,9 @@ Way out: a longer reach, a slimmer holder, or an operation before that opens the
         "The simulation of the stock sends rays through it, one for each cell of its three faces. Cells must be above \
 zero, and not so fine that the rays outgrow memory.\n\nExample: `--stock-cell 0.001` on a part of 120 mm.\n\n\
 Way out: a larger `--stock-cell`.";
+    CARRIED = "IMP0734", "the tool runs into table or fixture",
+        "The machine file has a table or a fixture; at this block the cutter, the shank or the holder is inside of it. All \
+moves are looked at: cuts, links and rapids, over continuous time. The solids are sampled, and the spacing of the samples \
+counts against the tool.\n\nExample: a holder of 40 mm that follows the outlet of a hub right over the table.\n\n\
+Way out: a longer reach, tool axes that lean less, or a part that stands higher over the table (`[part] origin`).";
 }

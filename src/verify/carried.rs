@@ -1,0 +1,103 @@
+//! Distance of cutter, shank and holder to the table and the fixtures that turn with the part, over continuous time: in
+//! cuts, links and rapids.
+
+use super::certificate::describe;
+use super::clearance::Clearance;
+use super::sweep;
+use super::{holder_distance, least_over, shank_distance};
+use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::Carried;
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Distance within which tools are looked for, mm.
+pub const SEARCH: f64 = 20.0;
+
+/// Spacing of the samples of a solid, mm; larger solids have at most [`MOST_POINTS`].
+const SPACING: f64 = 0.5;
+
+/// Most samples of a solid.
+const MOST_POINTS: f64 = 1e6;
+
+/// Nearest part of any tool to a solid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CarriedReport {
+    /// `table` or `fixture`.
+    pub solid: &'static str,
+    /// `cutter`, `shank` or `holder`; empty when none comes within [`SEARCH`].
+    pub part: &'static str,
+    /// Least distance; a lower bound, at most half a spacing of the samples below the true one.
+    pub clearance: Option<Clearance>,
+}
+
+/// Samples of the outside of a solid about the C axis, and the distance within which every point of it has one.
+fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
+    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])));
+    let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
+    let spacing = SPACING.max((area / MOST_POINTS).sqrt());
+    let mut points = Vec::new();
+    for (a, b, length) in edges() {
+        let n = (length / spacing).ceil().max(1.0) as usize;
+        for i in 0..=n {
+            let t = i as f64 / n as f64;
+            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
+            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
+            points.extend((0..around).map(|k| {
+                let angle = TAU * k as f64 / around as f64;
+                let position = Point3::new(x + r * angle.cos(), y + r * angle.sin(), z);
+                CloudPoint { position, normal: Vector3::z(), tag: 0 }
+            }));
+        }
+    }
+    (points, spacing * FRAC_1_SQRT_2)
+}
+
+/// The nearest approach of all tools to each solid of the machine file.
+pub fn check(program: &Program, motion: &Motion) -> Vec<CarriedReport> {
+    type Distance = fn(&ToolSolid, f64, f64) -> f64;
+    let parts: [(&'static str, Distance); 3] =
+        [("cutter", ToolSolid::cutter_distance), ("shank", shank_distance), ("holder", holder_distance)];
+    let solids = program.machine.carried.iter().map(|solid| {
+        let (points, half_spacing) = samples(solid, program.machine.turn_axis());
+        let cloud = Cloud::new(points);
+        let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
+        for (o, operation) in motion.operations.iter().enumerate() {
+            let tool = &program.tools[program.operations[operation.operation].tool].solid;
+            let pieces = sweep::pieces(&program.machine, motion, o);
+            for (part, distance) in parts {
+                let Some(found) = least_over(&pieces, tool, distance, &cloud, half_spacing, SEARCH) else { continue };
+                if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
+                    (nearest.part, nearest.clearance) = (part, Some(found));
+                }
+            }
+        }
+        nearest
+    });
+    solids.collect()
+}
+
+/// Collisions as errors, one for each solid.
+pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink: &mut Sink) {
+    for f in found {
+        let Some(c) = f.clearance.as_ref().filter(|c| c.distance <= 0.0) else { continue };
+        let Some(operation) = motion.operations.get(c.at.operation as usize) else { continue };
+        let kind = match operation.moves.get(c.at.index as usize).map(|m| m.kind) {
+            Some(MoveKind::Rapid) => "at rapid",
+            Some(MoveKind::Link) => "in a link",
+            _ => "while cutting",
+        };
+        let (part, solid, depth) = (f.part, f.solid, -c.distance);
+        let span = program.operations[operation.operation].span;
+        sink.push(
+            Diag::error(verification::CARRIED, format!("{kind} the {part} goes {depth:.3} mm into the {solid}"))
+                .label(span, "in this operation")
+                .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
+                .block(c.at.operation, c.at.index)
+                .note("the depth counts the spacing of the samples of the solid in, at most half a millimetre of small ones")
+                .help("a longer reach, tool axes that lean less, or a part that stands higher over the table"),
+        );
+    }
+}
