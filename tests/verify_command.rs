@@ -193,6 +193,7 @@ fn conforms(schema: &Value, root: &Value, value: &Value, at: &str, faults: &mut 
         "minItems",
         "maxItems",
         "minimum",
+        "exclusiveMinimum",
         "anyOf",
     ];
     for key in schema.as_object().unwrap().keys() {
@@ -240,6 +241,11 @@ fn conforms(schema: &Value, root: &Value, value: &Value, at: &str, faults: &mut 
         && x < least
     {
         fail("too small");
+    }
+    if let (Some(bound), Some(x)) = (schema["exclusiveMinimum"].as_f64(), value.as_f64())
+        && x <= bound
+    {
+        fail("not above its bound");
     }
     if let Some(all) = schema["anyOf"].as_array() {
         let fits = |s: &Value| {
