@@ -8,7 +8,7 @@
 //! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
 //! | `sweep` | such a body in motion: its signed distance, least over time |
 //! | `tile` | 64 x 64 rays with a coarse map of where material is left |
-//! | [`simulate`] | a stream of steps through all tiles |
+//! | [`simulate()`] | a stream of steps through all tiles |
 //! | [`mesh`] | closed triangle mesh of what is left, STL |
 //!
 //! Only ends of intervals are stored, each within [`END_ERROR`] of the surface of the tool that made it, so that the

@@ -3,7 +3,7 @@
 //! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
 //! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::ir::chart`]). g is
 //! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
-//! surface, or within a contract's limit where that lies closer, by the bounds of [`super::bounds`], and divided where
+//! surface, or within a contract's limit where that lies closer, by the bounds of `bounds.rs`, and divided where
 //! they fall short. A deeper place that comes up moves
 //! the goal with it.
 //!
