@@ -20,7 +20,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("ir", &["geom", "kin", "collide"]),
     ("lower", &["job", "ir", "geom", "kin", "collide"]),
     ("analysis", &["ir", "geom", "kin", "collide"]),
-    ("passes", &["analysis", "ir", "geom", "kin", "collide"]),
+    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock"]),
     ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "geom", "kin", "collide"]),

@@ -66,7 +66,7 @@ pub fn program(program: &Program) -> String {
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(
             t,
-            "{id} = {} {} {} at {}, feed {}, link feed {}, lead {} / {}, sectors {}",
+            "{id} = {} {} {} at {}, feed {}, link feed {}, lead {} / {}, sectors {}{}",
             o.name,
             kind(&o.kind),
             o.tool,
@@ -75,7 +75,8 @@ pub fn program(program: &Program) -> String {
             o.link_feed,
             o.lead_in,
             o.lead_out,
-            sectors.join(" ")
+            sectors.join(" "),
+            o.rest.map_or_else(String::new, |t| format!(", rest over {t}"))
         );
     }
     let name = |o: &OperationId| program.operations[*o].name.clone();

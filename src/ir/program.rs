@@ -171,6 +171,8 @@ pub struct Operation {
     pub lead_in: Mm,
     /// Length added after the last contact.
     pub lead_out: Mm,
+    /// Rest machining: only stock thicker than this is cut; `None` cuts every pass whole.
+    pub rest: Option<Mm>,
     /// Its declaration.
     pub span: Span,
 }

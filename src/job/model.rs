@@ -261,6 +261,8 @@ pub struct OperationSpec {
     pub lead_in: Mm,
     /// Lead after the last contact.
     pub lead_out: Mm,
+    /// Rest machining: thickness of stock over which it cuts; `None` is off.
+    pub rest: Option<Mm>,
     /// Sectors from 0.
     pub sectors: Vec<u32>,
     /// Its item.

@@ -14,7 +14,7 @@ use crate::units::{Mm, MmPerMin, Rpm};
 use std::f64::consts::PI;
 
 const KINDS: [&str; 4] = ["groove", "expand", "flank", "channel"];
-const COMMON: [&str; 7] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "sectors"];
+const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
 /// Least step between layers, mm: chips of a thousandth of it are dust.
 const LEAST_DEPTH: f64 = 0.01;
@@ -24,6 +24,10 @@ const LEAST_RESIDUAL: f64 = 0.001;
 
 /// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
 const LEAST_SCALLOP: f64 = 1e-4;
+
+/// Thicknesses of rest machining, mm: ends of the stock are known to a micrometre and ways to their tolerances; a
+/// thicker rest is no rest.
+const REST: Range = Range::Between(0.02, 10.0);
 
 /// Largest feed, mm/min; machines limit it further.
 const MAX_FEED: Range = Range::Positive(1e5);
@@ -49,7 +53,8 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let mut reader = Reader { name, tools, machine, vanes, groove: layers };
+        let first = used.len() == 1;
+        let mut reader = Reader { name, first, tools, machine, vanes, groove: layers };
         let operation = reader.read(item, cx);
         if let Some(OperationKind::Groove(l)) = operation.as_ref().map(|o| &o.kind) {
             layers = Some(*l);
@@ -97,6 +102,8 @@ fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Vec<(String, Span)>,
 
 struct Reader<'a> {
     name: String,
+    /// True for the first operation of the job.
+    first: bool,
     tools: &'a [Declared],
     machine: Option<&'a MachineSpec>,
     vanes: Option<u32>,
@@ -132,6 +139,7 @@ impl Reader<'_> {
             let range = Range::NotNegative(100.0);
             p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
         });
+        let rest = self.rest(&mut p);
         let sectors = self.sectors(&mut p);
         let kind = self.kind(kind, spec, &mut p);
         Some(OperationSpec {
@@ -143,6 +151,7 @@ impl Reader<'_> {
             link_feed: link_feed?,
             lead_in: lead_in?,
             lead_out: lead_out?,
+            rest: rest?,
             sectors: sectors?,
             span: head(item),
         })
@@ -250,6 +259,30 @@ impl Reader<'_> {
                 .help("choose a lower feed"),
         );
         None
+    }
+
+    /// Thickness of rest machining; `Some(None)` when it is off.
+    fn rest(&self, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+        let example = "rest over 0.05 mm";
+        if !p.has("rest") {
+            return Some(None);
+        }
+        if p.is_word("rest", "off") {
+            p.take("rest");
+            return Some(None);
+        }
+        let values = p.labelled("rest", &["over"], example);
+        let (label, expr) = values.first()?;
+        let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST)?;
+        if self.first {
+            p.sink.push(
+                Diag::error(codes::NO_REST_BEFORE, format!("`{}` has no operation before it", self.name))
+                    .label(Span { end: expr.span.end, ..label.span }, "a rest is what earlier operations leave")
+                    .help("take `rest` out of the first operation"),
+            );
+            return None;
+        }
+        Some(Some(Mm(thickness)))
     }
 
     fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {

@@ -101,6 +101,7 @@ fn operations(out: &mut String, job: &Job) {
             o.feed
         );
         let _ = writeln!(out, "  link-feed {}\n  lead-in {}\n  lead-out {}", o.link_feed, o.lead_in, o.lead_out);
+        let _ = writeln!(out, "  rest {}", o.rest.map_or_else(|| "off".to_owned(), |t| format!("over {t}")));
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
         let layers = |out: &mut String, l: &Layers| {

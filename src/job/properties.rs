@@ -193,6 +193,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         self.entries.iter().any(|(n, _)| n.text == name)
     }
 
+    /// True when the value of a property is one word, this one.
+    pub(super) fn is_word(&self, name: &str, word: &str) -> bool {
+        self.entries.iter().filter(|(n, _)| n.text == name).any(|(_, values)| match values.as_slice() {
+            [Value::Expr(Expr { kind: ExprKind::Path(path), .. })] => path.text() == word,
+            _ => false,
+        })
+    }
+
     /// A whole number from `min` to `max`.
     pub(super) fn count(&mut self, name: &str, min: u32, max: u32, example: &str) -> Option<(u32, Span)> {
         let expr = self.expression(name, example)?;

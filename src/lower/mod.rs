@@ -164,6 +164,7 @@ fn operation(spec: &model::OperationSpec) -> Operation {
         sectors: spec.sectors.clone(),
         lead_in: spec.lead_in,
         lead_out: spec.lead_out,
+        rest: spec.rest,
         span: spec.span,
     }
 }

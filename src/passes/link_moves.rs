@@ -2,7 +2,8 @@
 //!
 //! Before: passes that begin and end with the tool outside of the stock. After: one sequence of moves: down along the
 //! tool axis to the start of a pass, the pass, up along the tool axis to the clearance sphere, over it to the next.
-//! A tool that leaves along its own axis sweeps nothing but the room that it stands in.
+//! A tool that leaves along its own axis sweeps nothing but the room that it stands in. After rest machining passes
+//! begin and end in room that is free of stock already, with a tool that nothing above its cutter makes thinner.
 
 use super::pipeline::PassContext;
 use crate::diag::Aborted;
@@ -32,11 +33,21 @@ impl ClearanceSphere {
     }
 
     /// Distance to go from a point along a direction until outside.
-    fn exit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
+    pub(super) fn exit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
         let d = from - self.centre;
         let b = d.dot(direction);
         let c = d.norm_squared() - self.radius * self.radius;
         if c >= 0.0 { 0.0 } else { -b + (b * b - c).sqrt() }
+    }
+
+    /// Length of the way from one outside point to another.
+    pub(super) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
+        let (around, mut at, mut length) = (self.around(from, to), *from, 0.0);
+        for next in around.iter().chain([to]) {
+            length += (next - at).norm();
+            at = *next;
+        }
+        length
     }
 
     /// Points on the way from one outside point to another, both excluded, none inside the sphere.

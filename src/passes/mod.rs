@@ -16,6 +16,7 @@ pub mod plan_channel;
 pub mod plan_expand;
 pub mod plan_flank;
 pub mod plan_groove;
+pub mod rest_machining;
 pub mod sample_to_tolerance;
 pub mod scallop;
 pub mod solve_kinematics;

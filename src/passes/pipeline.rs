@@ -3,7 +3,7 @@
 use super::layers::Roughing;
 use super::{
     Obstacles, assign_feeds, avoid_collision, link_moves, orient_tool, plan_channel, plan_expand, plan_flank,
-    plan_groove, sample_to_tolerance, solve_kinematics, time_feeds,
+    plan_groove, rest_machining, sample_to_tolerance, solve_kinematics, time_feeds,
 };
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
@@ -61,6 +61,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
         "stations that the machine's interpolation makes needless go",
         "after the last change of an axis",
     ),
+    ("rest-machining", "cuts that would meet no rest stock go", "the ways are final, their ends are not yet linked"),
     ("link-moves", "ways between passes over a clearance sphere", "needs the final ends of all passes"),
     ("assign-feeds", "process feeds", "needs the kinds of all moves"),
     ("solve-kinematics", "joint positions, branch and winding", "first value with a machine"),
@@ -79,6 +80,7 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
     sample_to_tolerance::run(program, &mut cl);
+    rest_machining::run(program, &mut cl, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;

@@ -145,6 +145,7 @@ pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32
         sectors,
         lead_in: Mm(lead),
         lead_out: Mm(lead),
+        rest: None,
         span: Span::default(),
     }
 }

@@ -21,5 +21,13 @@ Way out: check the units of the points.";
         "Along some ruling there is no place where a ball of this radius touches the face and the hub together: the \
 ruling is too short for the ball, or the face leans over the hub.\n\n\
 Way out: a smaller ball, or a smaller fillet.";
+    NO_REST = "IMP0406", "rest machining finds nothing to cut",
+        "An operation with `rest over` cuts only where the operations before it left more than that thickness. Nowhere on \
+its passes did they, so the operation would change the tool and do nothing.\n\nExample: the same channel finishing twice.\n\n\
+Way out: take the operation out, or give a smaller thickness. The stock that is left shows in `--stock FOLDER`.";
+    REST_TOO_FINE = "IMP0407", "rest stock too fine to simulate",
+        "To see a rest of the given thickness under the rounding of the cutter, the stock is simulated in cells whose size \
+follows from both: sqrt(2 R t) for a radius R and a thickness t. On a large part with a small cutter these would be more than \
+memory can hold.\n\nWay out: a bigger thickness after `rest over`, or no rest machining in this operation.";
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }
