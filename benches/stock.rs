@@ -72,7 +72,9 @@ fn main() {
             let size: f64 = cell.parse().expect("a number");
             timed(&format!("wei2021, cells {cell} mm"), || {
                 let mut settings = Settings { cell: Some(size), after: None };
-                simulate(&program, &motion, &mut settings, &mut Default::default()).expect("a stock").rest()
+                simulate(&program, &motion, &mut settings, &Default::default(), &mut Default::default())
+                    .expect("a stock")
+                    .rest()
             });
         }
     }

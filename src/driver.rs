@@ -102,7 +102,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if sink.has_errors() {
         return Err(Aborted);
     }
-    let plan = stages.run("plan", || pipeline::run(&program, sink))?;
+    let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
     let planned = match emit {
         Some(Emit::Cc) => Some(print::cc(&program, &plan.cc, Detail::Full)),
         Some(Emit::Cl) => Some(print::cl(&program, &plan.cl, Detail::Full)),
@@ -114,8 +114,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
     let mut stock = Vec::new();
-    let (judged, certificate) =
-        stages.run("verify", || rest_stock::examine(options, &program, plan.motion, &mut stock, sink))?;
+    let (judged, certificate) = stages.watched("verify", |progress| {
+        rest_stock::examine(options, &program, plan.motion, &mut stock, progress, sink)
+    })?;
     let inputs = inputs(sources);
     let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {

@@ -25,6 +25,7 @@ pub mod lower;
 pub mod output;
 pub mod passes;
 pub mod post;
+pub mod progress;
 pub mod source;
 pub mod stock;
 pub mod syntax;

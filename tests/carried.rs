@@ -8,6 +8,7 @@ use impellerc::diag::Sink;
 use impellerc::ir::{Motion, MoveKind, Program};
 use impellerc::kin::Carried;
 use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
 use impellerc::verify::carried::{CarriedReport, check, report};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
@@ -39,7 +40,7 @@ fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Moti
 
 fn found(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> [(&'static str, f64); 2] {
     let (program, motion) = moved(to, a, kind, turn_axis);
-    let found: Vec<CarriedReport> = check(&program, &motion);
+    let found: Vec<CarriedReport> = check(&program, &motion, &Progress::default());
     [0, 1].map(|k| (found[k].part, found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance)))
 }
 
@@ -71,7 +72,7 @@ fn distances_have_their_closed_form() {
 #[test]
 fn a_collision_is_an_error_with_its_block() {
     let (program, motion) = moved([60.0, 0.0, -63.0], 0.0, MoveKind::Rapid, 0.0);
-    let found = check(&program, &motion);
+    let found = check(&program, &motion, &Progress::default());
     let depth = -found[0].clearance.as_ref().unwrap().distance;
     // The middle of the ball is in the plane: its deepest point is 3 mm inside.
     assert!((3.0 - 0.4..3.0 + 0.4).contains(&depth), "{depth}");

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 /// What each module may name beside itself and the foundation.
 const MAY: &[(&str, &[&str])] = &[
     ("units", &[]),
+    ("progress", &[]),
     ("contract", &[]),
     ("entity", &[]),
     ("source", &[]),
@@ -28,7 +29,7 @@ const MAY: &[(&str, &[&str])] = &[
 ];
 
 /// Every module may name these.
-const FOUNDATION: &[&str] = &["units", "contract", "entity", "source", "diag", "entity_id", "codes"];
+const FOUNDATION: &[&str] = &["units", "contract", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
 const ENGINES: &[&str] = &["geom", "kin", "collide", "stock"];

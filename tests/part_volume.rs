@@ -11,6 +11,7 @@ use impellerc::ir::design;
 use impellerc::ir::solid::{self, Solid};
 use impellerc::ir::{Guides, Part, Stock};
 use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
 use impellerc::units::Mm;
 use impellerc::verify::stock::{Settings, simulate};
 use impellerc::verify::sweep::Sweep;
@@ -83,7 +84,8 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let area: f64 = mesh.triangles.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum();
     for cell in [2.0, 1.0] {
         let mut settings = Settings { cell: Some(cell), after: None };
-        let stock = simulate(&program, &motion, &mut settings, &mut Sink::default()).expect("a stock");
+        let stock =
+            simulate(&program, &motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
         let removed: f64 = stock.operations.iter().map(|o| o.removed).sum();
         let gap = stock.rest() - part.value - left;
         println!(

@@ -12,6 +12,8 @@ use impellerc::ir::design::{self, SurfaceKind};
 use impellerc::ir::{ClPass, ClPlan, Operation, OperationKind, Program, ToolId};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::passes::rest_machining;
+use impellerc::progress::Progress;
+use impellerc::progress::Progress;
 use impellerc::units::Mm;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
 use nalgebra::Point3;
@@ -59,7 +61,7 @@ fn planned(program: &Program) -> Plan {
 
 fn simulated(program: &Program, plan: &Plan) -> StockReport {
     let mut settings = Settings { cell: Some(0.7), after: None };
-    simulate(program, &plan.motion, &mut settings, &mut Sink::default()).expect("a stock")
+    simulate(program, &plan.motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock")
 }
 
 fn length<'a>(passes: impl IntoIterator<Item = &'a ClPass>) -> f64 {

@@ -8,6 +8,7 @@ use impellerc::diag::Sink;
 use impellerc::ir::design::{self, Sample};
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
 use impellerc::stock::{END_ERROR, Field};
 use impellerc::verify::stock::{Settings, StockReport, report, simulate};
 use impellerc::verify::sweep::Sweep;
@@ -29,7 +30,7 @@ fn simulated(program: &Program, motion: &Motion) -> (StockReport, Field) {
     let mut last = None;
     let mut keep = |_: usize, field: &Field| last = Some(field.clone());
     let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep) };
-    let report = simulate(program, motion, &mut settings, &mut Sink::default()).expect("a stock");
+    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
     (report, last.expect("an operation"))
 }
 

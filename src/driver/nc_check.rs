@@ -114,9 +114,9 @@ fn measure(
     let stages_asked = check.report.is_some().then_some(&mut stock);
     let asked = rest_stock::Asked { cell: check.stock_cell, folder: check.stock.as_deref(), stages: stages_asked };
     let names = rest_stock::names(program, &motion.motion);
-    let certificate = stages.run("verify", || {
+    let certificate = stages.watched("verify", |progress| {
         rest_stock::simulated(asked, &names, sink, |settings, sink| {
-            verify::certify_with(program, &motion.motion, settings, sink)
+            verify::certify_with(program, &motion.motion, settings, progress, sink)
         })
     });
     let mut index = 0;

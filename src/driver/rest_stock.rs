@@ -6,6 +6,7 @@ use crate::diag::{Aborted, Diag, Sink};
 use crate::export::report::StockStage;
 use crate::ir::{Motion, Program};
 use crate::output;
+use crate::progress::Progress;
 use crate::stock::{Field, Mesh};
 use crate::verify::{self, Certificate, Verified, stock::Settings};
 use std::path::{Path, PathBuf};
@@ -27,12 +28,13 @@ pub(super) fn examine(
     program: &Program,
     motion: Motion,
     stages: &mut Vec<StockStage>,
+    progress: &Progress,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
     let names = names(program, &motion);
     let stages = options.report.is_some().then_some(stages);
     let asked = Asked { cell: options.stock_cell, folder: options.stock.as_deref(), stages };
-    simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, sink))
+    simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
 }
 
 /// Names of the operations of a motion.

@@ -1,6 +1,8 @@
 //! The stages of a run: their times, what a terminal shows of them, and what can be printed.
 
+use crate::progress::{Progress, State};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -38,6 +40,21 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two pictures of the spinner.
 const TICK: Duration = Duration::from_millis(100);
 
+/// Line of a stage.
+const LINE: &str = "{spinner} {prefix:>2} {elapsed_precise} {msg}";
+
+/// Columns of the bar; with the rest of its line it fits into 80.
+const BAR: usize = 24;
+
+/// A stage with the share of the work that it does, where that is known. One text: a bar that is set piece by piece
+/// would for a moment show the name of one work with the share of another.
+fn line(stage: &str, work: Option<&State>) -> String {
+    let Some(work) = work else { return stage.to_owned() };
+    let (share, name) = (work.share(), format!("{stage}: {}", work.name));
+    let full = (share * BAR as f64) as usize;
+    format!("{name:<30.30} [{}{}] {:>3.0} %", "#".repeat(full), ".".repeat(BAR - full), (100.0 * share).floor())
+}
+
 /// A stage that is shown while it lasts, from [`PATIENCE`] on.
 struct Shown {
     /// Dropped when the stage ends.
@@ -47,7 +64,7 @@ struct Shown {
 
 impl Shown {
     /// `number` counts the stages from 1. `None` when there is no thread to be had: then nothing is shown.
-    fn start(name: &'static str, number: usize) -> Option<Self> {
+    fn start(name: &'static str, number: usize, progress: Option<Arc<Progress>>) -> Option<Self> {
         let (running, ended) = channel();
         let start = Instant::now();
         let draw = move || {
@@ -55,11 +72,12 @@ impl Shown {
                 return;
             }
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix:>2} {msg:<12} {elapsed_precise}") {
+            let bar = bar.with_prefix(number.to_string()).with_elapsed(start.elapsed());
+            if let Ok(style) = ProgressStyle::with_template(LINE) {
                 bar.set_style(style);
             }
-            let bar = bar.with_prefix(number.to_string()).with_message(name).with_elapsed(start.elapsed());
             while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+                bar.set_message(line(name, progress.as_ref().and_then(|p| p.current()).as_ref()));
                 bar.tick();
             }
             bar.finish_and_clear();
@@ -79,7 +97,17 @@ impl Shown {
 impl Stages {
     /// Runs a stage and takes its time.
     pub fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
-        let shown = if self.progress { Shown::start(name, self.times.len() + 1) } else { None };
+        self.timed(name, None, work)
+    }
+
+    /// Runs a stage that tells how far it is.
+    pub fn watched<T>(&mut self, name: &'static str, work: impl FnOnce(&Progress) -> T) -> T {
+        let progress = Arc::new(Progress::default());
+        self.timed(name, Some(Arc::clone(&progress)), || work(&progress))
+    }
+
+    fn timed<T>(&mut self, name: &'static str, progress: Option<Arc<Progress>>, work: impl FnOnce() -> T) -> T {
+        let shown = if self.progress { Shown::start(name, self.times.len() + 1, progress) } else { None };
         let start = Instant::now();
         let value = work();
         self.times.push((name, start.elapsed()));

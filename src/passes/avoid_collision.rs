@@ -35,12 +35,13 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         // The part looks the same from every sector: what clears a pass in the first one clears it in all.
         let sectors = operation.sectors.len().max(1);
         let per_sector = planned.passes.len() / sectors;
+        let work = cx.progress.begin(format!("{}, clearance", operation.name), per_sector + planned.passes.len());
         let first: Vec<Result<f64, Miss>> = planned
             .passes
             .par_iter()
             .zip(&oriented.passes)
             .take(per_sector)
-            .map(|(cc, cl)| clearing_lean(program, obstacles, operation, cc, &cl.points))
+            .map(|(cc, cl)| work.step(clearing_lean(program, obstacles, operation, cc, &cl.points)))
             .collect();
         let repaired: Vec<Result<Cleared, Miss>> = planned
             .passes
@@ -48,7 +49,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .zip(&oriented.passes)
             .enumerate()
             .map(|(i, (cc, cl))| {
-                let lean = first[i % per_sector.max(1)]?;
+                let lean = work.step(first[i % per_sector.max(1)])?;
                 let points = if cc.drive == Drive::Hub {
                     hub_points(program, operation, cc, lean.to_radians())
                 } else {

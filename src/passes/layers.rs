@@ -4,6 +4,7 @@ use super::chart::Chart;
 use super::obstacles::{Keep, Obstacles};
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, OperationKind, Program};
+use crate::progress::Progress;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -105,15 +106,20 @@ impl<'a> Roughing<'a> {
         (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0)
     }
 
-    /// Layers from `top` (a level already cleared, 1 for the shroud) down, and why they end.
-    pub(super) fn layers(&self, top: f64) -> (Vec<Layer>, End) {
+    /// Layers from `top` (a level already cleared, 1 for the shroud) down, and why they end. `name` is that of the
+    /// operation, for `progress`.
+    pub(super) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, End) {
         let count = self.layer_count(top);
+        let work = progress.begin(format!("{name}, layers"), count as usize);
         let mut layers = Vec::new();
         for number in 1..=count as usize {
             let level = top * (1.0 - number as f64 / count);
             match self.layer(number, level) {
-                Ok(layer) => layers.push(layer),
-                Err(u) => return (layers, End::Narrow { level, u }),
+                Ok(layer) => layers.push(work.step(layer)),
+                Err(u) => {
+                    work.rest_is_needless();
+                    return (layers, End::Narrow { level, u });
+                }
             }
         }
         (layers, End::Floor)

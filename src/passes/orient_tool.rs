@@ -26,6 +26,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
     let program = cx.program;
     let operation = &program.operations[cc.operation];
     let roughing = if operation.kind.finishes() { None } else { Some(cx.roughing(operation)?) };
+    let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());
     let passes = cc
         .passes
         .par_iter()
@@ -38,6 +39,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                 Drive::Hub => hub_points(program, operation, pass, 0.0),
             },
         })
+        .map(|pass| work.step(pass))
         .collect();
     Ok(ClOperation { operation: cc.operation, passes, moves: Vec::new(), notes: cc.notes.clone() })
 }

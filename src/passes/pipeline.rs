@@ -8,11 +8,13 @@ use super::{
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
+use crate::progress::Progress;
 
 /// What a pass may look at, and where it reports.
 pub(super) struct PassContext<'a> {
     pub(super) program: &'a Program,
     pub(super) obstacles: &'a Obstacles,
+    pub(super) progress: &'a Progress,
     pub(super) sink: &'a mut Sink,
 }
 
@@ -73,13 +75,21 @@ pub const PASSES: &[(&str, &str, &str)] = &[
 /// # Errors
 /// Any pass that cannot do its work; all operations are tried before giving up, and the reasons are in the sink.
 pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
+    run_with(program, &Progress::default(), sink)
+}
+
+/// [`run`], telling how far it is.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part);
-    let mut cx = PassContext { program, obstacles: &obstacles, sink };
+    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink };
     let cc = plan(&mut cx)?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
-    sample_to_tolerance::run(program, &mut cl);
+    sample_to_tolerance::run(&cx, &mut cl);
     rest_machining::run(program, &mut cl, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
     assign_feeds::run(program, &mut cl);

@@ -23,7 +23,7 @@ pub(super) fn plan(
 ) -> Result<(CcOperation, f64), Aborted> {
     let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
     let roughing = cx.roughing(operation)?;
-    let (layers, end) = roughing.layers(top);
+    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     let reached = check_room(cx, operation, &layers, &end, top)?;
     let solid = &cx.program.tools[operation.tool].solid;
     let step = scallop::formula_9_step(solid.radius(), residual.get());
@@ -33,8 +33,9 @@ pub(super) fn plan(
         layers.iter().flat_map(|l| l.stations.iter().map(|s| roughing.chart.width(s.u, l.level))).fold(0.0, f64::max);
     let stations: usize = layers.iter().map(|l| l.stations.len()).sum();
     check_points(cx, operation, widest / step * stations as f64)?;
+    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
-        let count = v_lines(&roughing, layer, step, &mut lines);
+        let count = work.step(v_lines(&roughing, layer, step, &mut lines));
         if layer.number == layers.len() {
             notes.push(format!(
                 "formula (9): {count} V lines a layer, {step:.3} mm apart; the exact law for {:.3} mm left by a ball gives {:.3} mm",

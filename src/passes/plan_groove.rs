@@ -26,17 +26,18 @@ pub(super) fn plan(
     top: f64,
 ) -> Result<(CcOperation, f64), Aborted> {
     let roughing = cx.roughing(operation)?;
-    let (layers, end) = roughing.layers(top);
+    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     let reached = check_room(cx, operation, &layers, &end, top)?;
     let mut notes = vec![describe(&layers, &end, top)];
     let mut line_lengths = 0;
     let mut lines = Vec::new();
+    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
         let points: Vec<CcPoint> =
             layer.stations.iter().map(|s| roughing.cc_point(s.u, layer.level, s.middle())).collect();
         let points = restep(&roughing, layer.level, &points, cx.program.tolerances.chord_rough.get());
         line_lengths += points.len();
-        lines.push((format!("layer {}", layer.number), points));
+        lines.push((format!("layer {}", layer.number), work.step(points)));
     }
     notes.push(format!("{line_lengths} stations a channel by the step law (6), {} lines", lines.len()));
     let passes = per_sector(cx, operation, &lines);

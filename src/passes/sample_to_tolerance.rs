@@ -3,7 +3,8 @@
 //! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, A and C
 //! linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
 
-use crate::ir::{ClPlan, ClPoint, OperationKind, Program};
+use super::pipeline::PassContext;
+use crate::ir::{ClPlan, ClPoint, OperationKind};
 use crate::kin::{inverse, transform::axis_at};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -20,7 +21,8 @@ struct Station {
 }
 
 /// Thins all passes.
-pub(super) fn run(program: &Program, cl: &mut ClPlan) {
+pub(super) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
+    let program = cx.program;
     for planned in &mut cl.operations {
         let operation = &program.operations[planned.operation];
         let solid = &program.tools[operation.tool].solid;
@@ -35,7 +37,8 @@ pub(super) fn run(program: &Program, cl: &mut ClPlan) {
                 vec![(0.0, coarse), (solid.flute_length, coarse)]
             }
         };
-        planned.passes.par_iter_mut().for_each(|pass| pass.points = thin(&pass.points, &heights));
+        let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());
+        planned.passes.par_iter_mut().for_each(|pass| pass.points = work.step(thin(&pass.points, &heights)));
     }
 }
 

@@ -9,6 +9,7 @@ use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::Carried;
+use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
@@ -56,7 +57,7 @@ fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
 }
 
 /// The nearest approach of all tools to each solid of the machine file.
-pub fn check(program: &Program, motion: &Motion) -> Vec<CarriedReport> {
+pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<CarriedReport> {
     type Distance = fn(&ToolSolid, f64, f64) -> f64;
     let parts: [(&'static str, Distance); 3] =
         [("cutter", ToolSolid::cutter_distance), ("shank", shank_distance), ("holder", holder_distance)];
@@ -65,10 +66,14 @@ pub fn check(program: &Program, motion: &Motion) -> Vec<CarriedReport> {
         let cloud = Cloud::new(points);
         let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
         for (o, operation) in motion.operations.iter().enumerate() {
-            let tool = &program.tools[program.operations[operation.operation].tool].solid;
+            let declared = &program.operations[operation.operation];
+            let tool = &program.tools[declared.tool].solid;
             let pieces = sweep::pieces(&program.machine, motion, o);
+            let work = progress
+                .begin(format!("{}, distance to the {}", declared.name, solid.name), parts.len() * pieces.len());
             for (part, distance) in parts {
-                let Some(found) = least_over(&pieces, tool, distance, &cloud, half_spacing, SEARCH) else { continue };
+                let within = (half_spacing, SEARCH);
+                let Some(found) = least_over(&pieces, tool, distance, &cloud, within, &work) else { continue };
                 if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
                     (nearest.part, nearest.clearance) = (part, Some(found));
                 }

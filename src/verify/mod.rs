@@ -39,6 +39,7 @@ use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::design::{self, Sample};
 use crate::ir::solid;
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
+use crate::progress::{Progress, Work};
 use certificate::{OperationReport, describe};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -70,7 +71,7 @@ impl<T> Verified<T> {
 /// # Errors
 /// Anything that breaks a rule of the machine or a contract of the job; all of it is in the sink.
 pub fn verify(program: &Program, motion: Motion, sink: &mut Sink) -> Result<(Verified<Motion>, Certificate), Aborted> {
-    let (judged, certificate) = examine(program, motion, &mut stock::Settings::default(), sink)?;
+    let (judged, certificate) = examine(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)?;
     judged.map(|motion| (motion, certificate)).map_err(|_| Aborted)
 }
 
@@ -83,9 +84,10 @@ pub fn examine(
     program: &Program,
     motion: Motion,
     settings: &mut stock::Settings<'_>,
+    progress: &Progress,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
-    let certificate = certify_with(program, &motion, settings, sink)?;
+    let certificate = certify_with(program, &motion, settings, progress, sink)?;
     Ok((if sink.has_errors() { Err(motion) } else { Ok(Verified(motion)) }, certificate))
 }
 
@@ -94,10 +96,10 @@ pub fn examine(
 /// # Errors
 /// The motion is malformed.
 pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Certificate, Aborted> {
-    certify_with(program, motion, &mut stock::Settings::default(), sink)
+    certify_with(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)
 }
 
-/// [`certify`] with settings of the stock simulation.
+/// [`certify`] with settings of the stock simulation, telling how far it is.
 ///
 /// # Errors
 /// As [`certify`].
@@ -105,6 +107,7 @@ pub fn certify_with(
     program: &Program,
     motion: &Motion,
     settings: &mut stock::Settings<'_>,
+    progress: &Progress,
     sink: &mut Sink,
 ) -> Result<Certificate, Aborted> {
     if !structure::check(program, motion, sink) {
@@ -112,12 +115,12 @@ pub fn certify_with(
     }
     let samples = design::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let surfaces = surface::certify(&program.part, &sweeps, SPACING, &limits(program));
+    let surfaces = surface::certify(&program.part, &sweeps, SPACING, &limits(program), progress);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let blank = Cloud::new(stock_points(program));
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
-        .map(|o| operation_report(program, motion, o, &design_cloud, &blank, search))
+        .map(|o| operation_report(program, motion, o, [&design_cloud, &blank], search, progress))
         .collect();
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let roughing: Vec<usize> = motion
@@ -137,9 +140,9 @@ pub fn certify_with(
         labels: Vec::new(),
         rapid,
         machine: machine::check(program, motion),
-        rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing),
-        stock: stock::simulate(program, motion, settings, sink),
-        carried: carried::check(program, motion),
+        rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing, progress),
+        stock: stock::simulate(program, motion, settings, progress, sink),
+        carried: carried::check(program, motion, progress),
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
@@ -152,7 +155,7 @@ pub fn certify_with(
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
     }
-    let narrower = Narrower { program, motion, samples: &samples };
+    let narrower = Narrower { program, motion, samples: &samples, progress };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
     Ok(certificate)
 }
@@ -176,13 +179,14 @@ struct Narrower<'a> {
     program: &'a Program,
     motion: &'a Motion,
     samples: &'a [Sample],
+    progress: &'a Progress,
 }
 
 impl measure::Narrow for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
-        surface::certify(&self.program.part, &sweeps, SPACING, &limits(self.program))
+        surface::certify(&self.program.part, &sweeps, SPACING, &limits(self.program), self.progress)
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {
@@ -192,7 +196,8 @@ impl measure::Narrow for Narrower<'_> {
         let pieces = sweep::pieces(&self.program.machine, self.motion, operation);
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
-        least_over(&pieces, solid, distance, &cloud, HALF_SPACING, self.search())
+        let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
+        least_over(&pieces, solid, distance, &cloud, (HALF_SPACING, self.search()), &work)
     }
 
     fn part_volume(&self) -> Option<f64> {
@@ -246,13 +251,17 @@ fn least_over(
     solid: &ToolSolid,
     distance: fn(&ToolSolid, f64, f64) -> f64,
     cloud: &Cloud,
-    half_spacing: f64,
-    search: f64,
+    (half_spacing, search): (f64, f64),
+    work: &Work,
 ) -> Option<clearance::Clearance> {
     /// Pieces of a run: enough that the bound found early in a run prunes the rest.
     const RUN: usize = 4096;
-    let found: Vec<Option<clearance::Clearance>> =
-        pieces.par_chunks(RUN).map(|run| clearance::least(run, solid, distance, cloud, half_spacing, search)).collect();
+    let least = |run: &[sweep::Piece]| {
+        let found = clearance::least(run, solid, distance, cloud, half_spacing, search);
+        work.advance(run.len());
+        found
+    };
+    let found: Vec<Option<clearance::Clearance>> = pieces.par_chunks(RUN).map(least).collect();
     found.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
@@ -260,9 +269,9 @@ fn operation_report(
     program: &Program,
     motion: &Motion,
     o: usize,
-    design: &Cloud,
-    stock: &Cloud,
+    [design, stock]: [&Cloud; 2],
     search: f64,
+    progress: &Progress,
 ) -> OperationReport {
     let operation = &motion.operations[o];
     let declared = &program.operations[operation.operation];
@@ -284,6 +293,7 @@ fn operation_report(
         time[kind] += m.time;
         before = Some(tip);
     }
+    let work = progress.begin(format!("{}, clearance", declared.name), 2 * pieces.len() + rapids.len());
     OperationReport {
         name: declared.name.clone(),
         tool: tool.name.clone(),
@@ -291,9 +301,9 @@ fn operation_report(
         moves: operation.moves.len(),
         length,
         time,
-        shank: least_over(&pieces, &tool.solid, shank_distance, design, HALF_SPACING, search),
-        holder: least_over(&pieces, &tool.solid, holder_distance, design, HALF_SPACING, search),
-        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, half_stock, search),
+        shank: least_over(&pieces, &tool.solid, shank_distance, design, (HALF_SPACING, search), &work),
+        holder: least_over(&pieces, &tool.solid, holder_distance, design, (HALF_SPACING, search), &work),
+        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, (half_stock, search), &work),
     }
 }
 

@@ -8,6 +8,7 @@ use super::sweep::{At, Sweep};
 use crate::collide::Cloud;
 use crate::ir::Program;
 use crate::ir::design::{Sample, SurfaceId};
+use crate::progress::Progress;
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -69,7 +70,7 @@ pub struct Island {
 }
 
 /// Points of the grid that are stock and not part, with their distance to the part.
-fn room(program: &Program, design: &Cloud) -> Vec<(Point3<f64>, f64)> {
+fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f64>, f64)> {
     let profile = &program.stock.profile;
     let part = &program.part;
     let (mut r_max, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
@@ -79,11 +80,18 @@ fn room(program: &Program, design: &Cloud) -> Vec<(Point3<f64>, f64)> {
     let grid = GRID.max((4.0 * r_max * r_max * (high - low) / MOST_POINTS).cbrt());
     let steps = |length: f64| (length / grid).floor() as i64;
     let n = steps(r_max);
-    (0..=steps(high - low))
+    let levels = steps(high - low);
+    let rows = usize::try_from((levels + 1) * (2 * n + 1)).unwrap_or(0);
+    let work = progress.begin("room of the channels", rows);
+    (0..=levels)
         .into_par_iter()
         .flat_map_iter(|k| {
             let z = low + k as f64 * grid;
-            (-n..=n).flat_map(move |i| (-n..=n).map(move |j| Point3::new(i as f64 * grid, j as f64 * grid, z)))
+            let work = &work;
+            (-n..=n).flat_map(move |i| {
+                work.advance(1);
+                (-n..=n).map(move |j| Point3::new(i as f64 * grid, j as f64 * grid, z))
+            })
         })
         .filter_map(|p| {
             let r = p.x.hypot(p.y);
@@ -117,21 +125,25 @@ pub fn reports(
     design: &Cloud,
     sweeps: &[Sweep<'_>],
     roughing: &[usize],
+    progress: &Progress,
 ) -> Vec<RestReport> {
     let Some(last) = roughing.last() else { return Vec::new() };
-    let room = room(program, design);
+    let room = room(program, design, progress);
     let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
     let mut left: Vec<f64> = vec![super::surface::FAR; at_surface.len()];
     let mut cleared: Vec<bool> = vec![false; room.len()];
     let mut reports = Vec::new();
+    let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + room.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
         left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
             if let Some(n) = sweep.nearest(&s.position, *least) {
                 *least = n.distance;
             }
+            work.advance(1);
         });
-        cleared.par_iter_mut().zip(&room).filter(|(done, _)| !**done).for_each(|(done, (p, _))| {
-            *done = sweep.nearest(p, 0.0).is_some();
+        cleared.par_iter_mut().zip(&room).for_each(|(done, (p, _))| {
+            *done = *done || sweep.nearest(p, 0.0).is_some();
+            work.advance(1);
         });
         if !roughing.contains(&index) {
             continue;

@@ -7,6 +7,7 @@ use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::transform::axis_at;
+use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Step, StepKind, Touched};
 use nalgebra::Point3;
 use serde::Serialize;
@@ -195,6 +196,7 @@ pub fn simulate(
     program: &Program,
     motion: &Motion,
     settings: &mut Settings<'_>,
+    progress: &Progress,
     sink: &mut Sink,
 ) -> Option<StockReport> {
     let profile = &program.stock.profile;
@@ -210,7 +212,10 @@ pub fn simulate(
     let mut before = blank;
     let mut operations = Vec::new();
     for (o, operation) in motion.operations.iter().enumerate() {
-        let mut report = run(program, operation, o, &mut field);
+        let name = format!("{}, stock", program.operations[operation.operation].name);
+        let work = progress.begin(name, operation.moves.len().saturating_sub(1));
+        let mut report = run(program, operation, o, &mut field, &work);
+        drop(work);
         report.rest = field.volume();
         report.removed = before - report.rest;
         before = report.rest;
@@ -223,7 +228,7 @@ pub fn simulate(
 }
 
 /// One operation through the stock; volumes of the whole are left to the caller.
-fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field) -> OperationStock {
+fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let mut places: Vec<StepPlace> = Vec::new();
@@ -231,7 +236,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         .moves
         .windows(2)
         .enumerate()
-        .flat_map(|(i, pair)| steps(program, pair, i + 1, solid.flute_length))
+        .flat_map(|(i, pair)| work.step(steps(program, pair, i + 1, solid.flute_length)))
         .map(|(place, step)| {
             // Each step is a block of its own to the engine: moves may be long.
             let block = u32::try_from(places.len()).unwrap_or(u32::MAX);

@@ -15,6 +15,7 @@ use super::sweep::{At, Sweep};
 use crate::ir::Part;
 use crate::ir::chart::{Shape, charts};
 use crate::ir::design::{Sample, SurfaceId};
+use crate::progress::Progress;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -82,7 +83,13 @@ pub struct SurfaceReport {
 }
 
 /// Figures of all milled surfaces, in the order of surfaces.
-pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64, limits: &Limits) -> Vec<SurfaceReport> {
+pub fn certify(
+    part: &Part,
+    sweeps: &[Sweep<'_>],
+    spacing: f64,
+    limits: &Limits,
+    progress: &Progress,
+) -> Vec<SurfaceReport> {
     let charts = charts(part);
     let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
     let mut surfaces: Vec<(&[Grid], Surface<'_>)> = Vec::new();
@@ -93,33 +100,44 @@ pub fn certify(part: &Part, sweeps: &[Sweep<'_>], spacing: f64, limits: &Limits)
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
-    prove(&surfaces, sweeps, limits)
+    prove(&surfaces, sweeps, limits, progress)
 }
 
 /// Figures of a single shape under any name.
 pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
     let grids = grids(shape, spacing);
-    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps, &Limits::NONE).pop()
+    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps, &Limits::NONE, &Progress::default())
+        .pop()
 }
 
 fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
     shape.patches(spacing).into_par_iter().map(|p| Grid::new(shape, p)).collect()
 }
 
-fn prove(surfaces: &[(&[Grid], Surface<'_>)], sweeps: &[Sweep<'_>], limits: &Limits) -> Vec<SurfaceReport> {
+fn prove(
+    surfaces: &[(&[Grid], Surface<'_>)],
+    sweeps: &[Sweep<'_>],
+    limits: &Limits,
+    progress: &Progress,
+) -> Vec<SurfaceReport> {
     let tasks: Vec<(usize, Task<'_>)> = surfaces
         .iter()
         .enumerate()
         .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, Task { surface, grid, sweeps })))
         .collect();
-    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| task.look()).collect();
+    let work = progress.begin("surfaces", 2 * tasks.len());
+    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(task.look())).collect();
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
     for ((s, _), looked) in tasks.iter().zip(&looked) {
         ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
     }
     let goals: Vec<Goals> = ranges.iter().map(|range| goals(*range, limits)).collect();
-    let proved: Vec<Proved> =
-        tasks.par_iter().zip(&looked).with_max_len(1).map(|((s, task), l)| task.prove(l, goals[*s])).collect();
+    let proved: Vec<Proved> = tasks
+        .par_iter()
+        .zip(&looked)
+        .with_max_len(1)
+        .map(|((s, task), l)| work.step(task.prove(l, goals[*s])))
+        .collect();
     let all: Vec<(usize, &Task<'_>, &Looked, &Proved)> =
         tasks.iter().zip(&looked).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
     all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
