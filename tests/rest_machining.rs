@@ -13,7 +13,6 @@ use impellerc::ir::{ClPass, ClPlan, Operation, OperationKind, Program, ToolId};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::passes::rest_machining;
 use impellerc::progress::Progress;
-use impellerc::progress::Progress;
 use impellerc::units::Mm;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
 use nalgebra::Point3;
