@@ -14,6 +14,8 @@ use impellerc::export::report::{self, Input};
 use impellerc::ir::{Operation, Program, Tool};
 use impellerc::passes::pipeline;
 use impellerc::verify;
+use impellerc::verify::surface::{CORNER_SLACK, FAR};
+use impellerc::verify::sweep::Sweep;
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -166,6 +168,34 @@ fn nc_text_from_a_file_has_a_report_too() {
     assert!(!runs.is_empty() && runs.iter().all(|r| r[1].as_u64().unwrap() <= lines as u64));
 }
 
+/// Brute force: the least distance to all pieces of all operations, point by point.
+#[test]
+fn colours_are_what_a_search_over_the_whole_program_finds() {
+    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
+    let program: Program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
+    let certificate = verify::certify(&program, &motion, &mut Sink::default()).unwrap();
+    let (samples, deviations) = report::deviations(&program, &certificate);
+    assert_eq!(deviations.len(), samples.len() * program.part.vane_count as usize);
+    let sweeps: Vec<Sweep<'_>> =
+        (0..motion.operations.len()).filter_map(|o| Sweep::new(&program, &motion, o)).collect();
+    let (mut compared, mut far) = (0, 0);
+    for (i, shown) in deviations.iter().enumerate().step_by(37) {
+        let (sample, sector) = (&samples[i % samples.len()], (i / samples.len()) as u32);
+        assert_eq!(shown.is_nan(), !sample.surface.milled());
+        if shown.is_nan() {
+            continue;
+        }
+        let p = program.part.sector_rotation(sector) * sample.position;
+        let least = sweeps.iter().filter_map(|s| s.nearest(&p, FAR)).map(|n| n.distance).fold(FAR, f64::min);
+        let over = shown - least;
+        assert!((-3e-5..=CORNER_SLACK).contains(&over), "{shown} is shown at {p}, the program leaves {least}");
+        compared += 1;
+        far += usize::from(least >= FAR);
+    }
+    assert!(compared > 3000 && far < compared, "{compared} places, {far} of them out of reach");
+}
+
 #[test]
 fn texts_of_the_job_stay_texts() {
     let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
@@ -175,7 +205,7 @@ fn texts_of_the_job_stay_texts() {
     let mut sink = Sink::default();
     let mut motion = pipeline::run(&program, &mut sink).unwrap().motion;
     let mut certificate = verify::certify(&program, &motion, &mut sink).unwrap();
-    let (samples, deviations) = report::deviations(&program, &motion, certificate.spacing);
+    let (samples, deviations) = report::deviations(&program, &certificate);
     let name = |text: &mut String| hostile.clone_into(text);
     let (mut operations, mut tools) = (PrimaryMap::new(), PrimaryMap::new());
     for (_, o) in program.operations.iter() {

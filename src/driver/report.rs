@@ -30,9 +30,8 @@ pub(super) struct Shown<'a> {
 /// # Errors
 /// A path that cannot be written; the reason is in the sink.
 pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &mut Sink) -> Result<(), Aborted> {
-    let (samples, deviations) =
-        stages.run("deviations", || report::deviations(shown.program, shown.motion, shown.certificate.spacing));
     let html = stages.run("report", || {
+        let (samples, deviations) = report::deviations(shown.program, shown.certificate);
         report::report(&Input {
             program: shown.program,
             motion: shown.motion,

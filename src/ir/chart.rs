@@ -97,6 +97,14 @@ pub struct Patch {
     pub rows: usize,
 }
 
+impl Patch {
+    /// The corner of its cells number i along x and j along y.
+    pub fn corner(&self, i: usize, j: usize) -> [f64; 2] {
+        let mix = |r: [f64; 2], k: usize, n: usize| r[0] + (r[1] - r[0]) * k as f64 / n as f64;
+        [mix(self.x, i, self.columns), mix(self.y, j, self.rows)]
+    }
+}
+
 /// Cells along a side of a patch.
 const PATCH: usize = 8;
 

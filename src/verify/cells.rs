@@ -1,7 +1,7 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
 
 use super::bounds::{Hull, Roof};
-use super::surface::{FAR, LEAST_SLACK, SLACK};
+use super::surface::{FAR, LEAST_SLACK, PatchCorners, SLACK};
 use super::sweep::{At, Sweep};
 use crate::ir::chart::{Patch, Shape};
 use crate::ir::design::SurfaceId;
@@ -18,7 +18,7 @@ const BORDER_DEPTH: i32 = 4;
 const THICKNESS: f64 = 0.2;
 
 /// What g at a corner may miss, mm; a bound from above needs no more, the bound from below does not rest on it.
-const CORNER_SLACK: f64 = 1e-3;
+pub const CORNER_SLACK: f64 = 1e-3;
 
 /// Cells along a side of the blocks whose corners share their candidates.
 const BLOCK: usize = 2;
@@ -594,6 +594,12 @@ pub(super) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>]) -> (f64, Option<A
 }
 
 impl Looked {
+    /// g at the corners on the part.
+    pub(super) fn values(&self, task: &Task<'_>) -> PatchCorners {
+        let values = self.corners.iter().zip(&self.inside).map(|(c, on)| if *on { c.value as f32 } else { f32::NAN });
+        PatchCorners { patch: task.grid.patch, values: values.collect() }
+    }
+
     /// Mean g, area and the nearest move of every cell on the part.
     pub(super) fn cells(&self, task: &Task<'_>) -> Vec<(f64, f64, Option<At>)> {
         let patch = &task.grid.patch;

@@ -10,11 +10,12 @@
 //! The one quantity that is measured instead of proved is how far a surface leaves the biquadratic through nine points
 //! of a cell; it is taken from third differences, with a margin.
 
+pub use super::cells::CORNER_SLACK;
 use super::cells::{Found, Goals, Grid, Looked, Proved, Surface, Task, deviation};
 use super::sweep::{At, Sweep};
 use crate::ir::Part;
-use crate::ir::chart::{Shape, charts};
-use crate::ir::design::{Sample, SurfaceId};
+use crate::ir::chart::{Patch, Shape, charts};
+use crate::ir::design::SurfaceId;
 use crate::progress::Progress;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
@@ -80,6 +81,18 @@ pub struct SurfaceReport {
     /// Id of the surface.
     #[serde(skip)]
     pub id: SurfaceId,
+    /// What was found at the corners of the cells, for pictures; patches in the order of [`Shape::patches`].
+    #[serde(skip)]
+    pub corners: Vec<PatchCorners>,
+}
+
+/// g at the corners of the cells of a patch.
+#[derive(Clone, Debug)]
+pub struct PatchCorners {
+    /// The patch.
+    pub patch: Patch,
+    /// g, mm, column by column; at most [`CORNER_SLACK`] over the true one. NaN off the part.
+    pub values: Vec<f32>,
 }
 
 /// Figures of all milled surfaces, in the order of surfaces.
@@ -190,12 +203,8 @@ fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]
         gouge,
         excess,
         id: surface.id,
+        corners: patches.iter().map(|(_, task, looked, _)| looked.values(task)).collect(),
     }
-}
-
-/// g of samples, for pictures.
-pub fn deviations(samples: &[Sample], sweeps: &[Sweep<'_>]) -> Vec<f64> {
-    samples.par_iter().map(|s| deviation(&s.position, sweeps).0).collect()
 }
 
 /// g below which 5, 50 and 95 percent of the area lie.

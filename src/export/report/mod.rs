@@ -14,12 +14,13 @@ mod tables;
 pub use stock::StockStage;
 
 use crate::diag::Diag;
-use crate::ir::design::{self, Sample};
+use crate::ir::chart::{Shape, charts};
+use crate::ir::design::{self, Sample, SurfaceId};
 use crate::ir::{Motion, Program, Tool};
 use crate::verify::Certificate;
-use crate::verify::surface;
-use crate::verify::sweep::Sweep;
+use crate::verify::surface::{self, PatchCorners};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 const TEMPLATE: &str = include_str!("page.html");
@@ -43,9 +44,9 @@ pub struct Input<'a> {
     pub motion: &'a Motion,
     /// What was proved.
     pub certificate: &'a Certificate,
-    /// Samples of all sectors, as `design::sample` orders them.
+    /// Places of sector 0 in rows, as [`deviations`] orders them.
     pub samples: &'a [Sample],
-    /// Deviation of each sample, mm; NaN where milling does not make the surface.
+    /// Deviation of each sample in each sector, sector by sector, mm; NaN where milling does not make the surface.
     pub deviations: &'a [f64],
     /// What there is to say to the reader.
     pub findings: &'a [Diag],
@@ -63,15 +64,60 @@ pub struct Input<'a> {
     pub stock: &'a [StockStage],
 }
 
-/// Samples of the design and the deviation of each, mm; NaN where milling does not make the surface.
-pub fn deviations(program: &Program, motion: &Motion, spacing: f64) -> (Vec<Sample>, Vec<f64>) {
-    let samples = design::sample(&program.part, spacing);
-    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let milled: Vec<Sample> = samples.iter().filter(|s| s.surface.milled()).copied().collect();
-    let mut found = surface::deviations(&milled, &sweeps).into_iter();
-    let deviations =
-        samples.iter().map(|s| if s.surface.milled() { found.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect();
+/// Places of sector 0 in rows along x of their surface, and the deviation of each in all sectors, sector by sector, mm:
+/// what the certificate found at the corners of its cells, at most [`surface::CORNER_SLACK`] over the true value; NaN on
+/// the turned surfaces. The places are those of the cells and not evenly spaced samples, so that nothing is computed a
+/// second time for the picture: that took longer than the proof.
+pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>, Vec<f64>) {
+    let part = &program.part;
+    let found: BTreeMap<SurfaceId, &[PatchCorners]> =
+        certificate.surfaces.iter().map(|s| (s.id, s.corners.as_slice())).collect();
+    let of = |kind, sector| found.get(&SurfaceId { kind, sector }).copied().unwrap_or_default();
+    let charts = charts(part);
+    let mut samples = Vec::new();
+    for chart in &charts {
+        for (corners, i, j) in rows(of(chart.kind, 0)) {
+            let [x, y] = corners.patch.corner(i, j);
+            if !value(corners, i, j).is_nan() {
+                let place = chart.place(x, y);
+                let surface = SurfaceId { kind: chart.kind, sector: 0 };
+                let (position, normal) = (place.position, place.normal);
+                samples.push(Sample { surface, position, normal, parameters: [x, y], area: 0.0 });
+            }
+        }
+    }
+    let turned = design::sample(part, certificate.spacing);
+    samples.extend(turned.into_iter().filter(|s| s.surface.sector == 0 && !s.surface.milled()));
+    let mut deviations = Vec::with_capacity(samples.len() * part.vane_count as usize);
+    for sector in 0..part.vane_count {
+        let start = deviations.len();
+        for chart in &charts {
+            let own = of(chart.kind, sector);
+            // The cells lie alike in all sectors: what is off the part in one is so in all.
+            deviations.extend(rows(own).map(|(c, i, j)| value(c, i, j)).filter(|g| !g.is_nan()));
+        }
+        deviations.resize(start + samples.len(), f64::NAN);
+    }
     (samples, deviations)
+}
+
+/// g at a corner, mm.
+fn value(corners: &PatchCorners, i: usize, j: usize) -> f64 {
+    corners.values.get(i * (corners.patch.rows + 1) + j).map_or(f64::NAN, |g| f64::from(*g))
+}
+
+/// Corners of all patches of a surface as rows along x, each from y = 0 to 1: the patch, and the corner in it. What two
+/// patches share is there once.
+fn rows(patches: &[PatchCorners]) -> impl Iterator<Item = (&PatchCorners, usize, usize)> {
+    let strips = patches.chunk_by(|a, b| a.patch.x == b.patch.x);
+    let last = patches.last().map(|p| p.patch.x);
+    strips.flat_map(move |strip| {
+        let first = &strip[0].patch;
+        let columns = first.columns + usize::from(last == Some(first.x));
+        (0..columns).flat_map(move |i| {
+            strip.iter().enumerate().flat_map(move |(k, p)| (usize::from(k > 0)..=p.patch.rows).map(move |j| (p, i, j)))
+        })
+    })
 }
 
 /// Half section of a tool for the page: (r, height) of cutter, shank and holder, mm.
@@ -223,18 +269,20 @@ fn turned(program: &Program) -> Vec<Vec<[f64; 2]>> {
 
 /// What was rounded, thinned or left out.
 fn accuracy(input: &Input<'_>, part: &part::PartData, paths: &paths::PathData, stock: &[stock::StockData]) -> String {
+    let cells: usize = input.certificate.surfaces.iter().map(|s| s.samples).sum();
     let mut lines = vec![
         format!(
             "Figures in tables and lists are those of the certificate. Positions in the picture of the part are rounded \
-             by up to {:.2} um, deviations there by 0.03 %.",
-            part.frame.rounding() * 1e3
+             by up to {:.2} \u{b5}m, deviations there by 0.03 %; they are at most {} \u{b5}m over the true ones.",
+            part.frame.rounding() * 1e3,
+            surface::CORNER_SLACK * 1e3
         ),
         if part.stride == 1 {
-            format!("The part is drawn from all {} samples of the certificate.", input.samples.len())
+            format!("The part is drawn from the corners of all {} cells of the certificate.", cells)
         } else {
             format!(
-                "The part is drawn from every {0}. row and every {0}. sample of a row; each shows the worst of those \
-                 around it.",
+                "The part is drawn from the corners of the cells of the certificate, every {0}. row and every {0}. of a \
+                 row; each shows the worst of those around it.",
                 part.stride
             )
         },

@@ -104,8 +104,7 @@ fn badness(g: f64, bounds: [f64; 2]) -> f64 {
     if g < 0.0 { -g / bounds[0] } else { g / bounds[1] }
 }
 
-/// The part from its samples (all sectors, in the order of `design::sample`) and their deviations in mm, NaN where
-/// there is none. `bounds` are those of gouge and excess, mm; `spacing` is that of the samples.
+/// The part from the places of sector 0 in rows and their deviations in all sectors, mm, NaN where there is none. `bounds` are those of gouge and excess, mm; `spacing` is that of the samples.
 pub(super) fn part(
     part: &Part,
     samples: &[Sample],
@@ -114,9 +113,8 @@ pub(super) fn part(
     spacing: f64,
     turned: Vec<Vec<[f64; 2]>>,
 ) -> PartData {
-    let count = samples.iter().take_while(|s| s.surface.sector == 0).count();
-    let sector0 = &samples[..count];
-    let stride = ((samples.len() as f64 / MOST_VERTICES as f64).sqrt().ceil() as usize).max(1);
+    let (sector0, count) = (samples, samples.len());
+    let stride = ((deviations.len() as f64 / MOST_VERTICES as f64).sqrt().ceil() as usize).max(1);
     let frame = Frame::around(sector0.iter().map(|s| [s.position.x, s.position.y, s.position.z]));
     let mut data = PartData {
         sectors: part.vane_count,

@@ -71,11 +71,17 @@ fn rounded(p: [f64; 3]) -> [f64; 3] {
     p.map(|x| (x * 1e4).round() / 1e4)
 }
 
-/// Normal of the sample that is nearest to a point; to see the point the eye must stand on that side.
-fn normal(samples: &[Sample], point: [f64; 3]) -> [f64; 3] {
-    let p = Point3::from(point);
-    let nearest = samples.iter().min_by(|a, b| (a.position - p).norm().total_cmp(&(b.position - p).norm()));
-    let n = nearest.map_or_else(Vector3::z, |s| s.normal);
+/// Normal of the part where it is nearest to a point; to see the point the eye must stand on that side.
+fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
+    let part = &input.program.part;
+    let near = (0..part.vane_count).filter_map(|sector| {
+        let turn = part.sector_rotation(sector);
+        let p = turn.inverse() * Point3::from(point);
+        let distance = |s: &Sample| (s.position - p).norm_squared();
+        let nearest = input.samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some((distance(nearest), turn * nearest.normal))
+    });
+    let n = near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vector3::z, |n| n.1);
     rounded([n.x, n.y, n.z])
 }
 
@@ -106,7 +112,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
             value,
             program: describe_at(at),
             point: rounded(point),
-            normal: normal(input.samples, point),
+            normal: normal(input, point),
             at: at.map(|a| [a.operation, a.index]),
             fails,
             rank,
@@ -201,22 +207,16 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     places.rest = rest;
     places.findings = findings;
     for c in &certificate.contracts {
-        let place = c.point.map(|p| {
-            places.asked(c.name(), figure(c.found, c.unit, &c.figures[1]), &c.place, p, input.samples, !c.holds)
-        });
+        let place = c
+            .point
+            .map(|p| places.asked(input, c.name(), figure(c.found, c.unit, &c.figures[1]), (&c.place, p), !c.holds));
         places.contracts.push(place);
     }
     for a in &certificate.allowed {
         let name = format!("allowed: {} {}", a.kind, a.scope);
         let place = a.point.map(|p| {
-            places.asked(
-                name,
-                a.found.map_or_else(|| a.figure.clone(), |f| figure(f, a.unit, &a.figure)),
-                &a.place,
-                p,
-                input.samples,
-                false,
-            )
+            let value = a.found.map_or_else(|| a.figure.clone(), |f| figure(f, a.unit, &a.figure));
+            places.asked(input, name, value, (&a.place, p), false)
         });
         places.allowed.push(place);
     }
@@ -227,11 +227,10 @@ impl Places {
     /// Adds the place that decides a contract; the move is that of the place measured there.
     fn asked(
         &mut self,
+        input: &Input<'_>,
         name: String,
         value: String,
-        program: &str,
-        point: [f64; 3],
-        samples: &[Sample],
+        (program, point): (&str, [f64; 3]),
         fails: bool,
     ) -> usize {
         let point = rounded(point);
@@ -242,7 +241,7 @@ impl Places {
             value,
             program: program.to_owned(),
             point,
-            normal: normal(samples, point),
+            normal: normal(input, point),
             at,
             fails,
             rank: f64::from(u8::from(fails)),
