@@ -7,6 +7,7 @@ mod rest_stock;
 mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
+use crate::diag::junit::Judged;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{CertificateFile, HEAD, Inputs, Lines, NcText, sha256};
 use crate::ir::print::{self, Detail};
@@ -23,29 +24,45 @@ pub use nc_check::{NcCheck, verify};
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
 
-/// What a run is asked to do.
+/// What a compilation and a check of NC text are asked alike.
 #[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Job file.
-    pub job: PathBuf,
-    /// Where to write the NC text.
-    pub output: Option<PathBuf>,
+pub struct RunOptions {
     /// Folder with `machines` and `tools`, before any other.
     pub library: Option<PathBuf>,
     /// Dialect instead of the job's.
     pub post: Option<String>,
-    /// Where to write a picture of part and paths.
-    pub picture: Option<PathBuf>,
-    /// Where to write the certificate.
-    pub certificate: Option<PathBuf>,
     /// Where to write the report, also when a contract fails.
     pub report: Option<PathBuf>,
     /// Edge of the cells of the stock simulation, mm, instead of the usual.
     pub stock_cell: Option<f64>,
     /// Folder for a mesh of the stock after each operation.
     pub stock: Option<PathBuf>,
+}
+
+impl RunOptions {
+    /// Whether everything can be written.
+    fn check(&self, sink: &mut Sink) -> Result<(), Aborted> {
+        let report = self.report.as_deref().map_or(Ok(()), output::check);
+        let all = report.and_then(|()| self.stock.as_deref().map_or(Ok(()), rest_stock::check));
+        all.map_err(|d| sink.push(d)).map_err(|()| Aborted)
+    }
+}
+
+/// What a compilation is asked to do.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Job file.
+    pub job: PathBuf,
+    /// Where to write the NC text.
+    pub output: Option<PathBuf>,
+    /// Where to write a picture of part and paths.
+    pub picture: Option<PathBuf>,
+    /// Where to write the certificate.
+    pub certificate: Option<PathBuf>,
     /// Print this stage value and stop there.
     pub emit: Option<Emit>,
+    /// The rest.
+    pub run: RunOptions,
 }
 
 /// What a run made.
@@ -62,13 +79,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The contracts that hold, in words.
-    pub fn held(&self) -> Vec<String> {
-        self.contracts
-            .iter()
-            .filter(|c| c.holds)
-            .map(|c| format!("{} {} {}: {} found", c.name(), c.relation, c.figures[0], c.figures[1]))
-            .collect()
+    /// The contracts as cases of a test report. Their names are those of the job, so that they stay from run to run.
+    pub fn judged(&self) -> Vec<Judged> {
+        let judged = |c: &ContractReport| Judged {
+            name: format!("{} {} {}", c.name(), c.relation, c.figures[0]),
+            found: c.figures[1].clone(),
+            span: c.span,
+            holds: c.holds,
+        };
+        self.contracts.iter().map(judged).collect()
     }
 }
 
@@ -90,11 +109,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     let post = find_post(&program, sink)?;
-    if let Some(folder) = &options.stock {
-        rest_stock::check(folder).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-    }
-    for path in [&options.output, &options.certificate, &options.report].into_iter().flatten() {
-        // Told before the minute that planning takes, not after it.
+    // Told before the minute that planning takes, not after it.
+    options.run.check(sink)?;
+    for path in [&options.output, &options.certificate, &options.picture].into_iter().flatten() {
         output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
     // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
@@ -115,8 +132,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
     let mut stock = Vec::new();
     let (judged, certificate) = stages.watched("verify", |progress| {
-        rest_stock::examine(options, &program, plan.motion, &mut stock, progress, sink)
+        rest_stock::examine(&options.run, &program, plan.motion, &mut stock, progress, sink)
     })?;
+    contracts.clone_from(&certificate.contracts);
     let inputs = inputs(sources);
     let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {
@@ -134,12 +152,11 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         judged.as_ref().map_err(|_| Aborted).and_then(|m| if sink.has_errors() { Err(Aborted) } else { Ok(m) })
     else {
         // What failed is what the reader wants to see.
-        if let Some(path) = &options.report {
+        if let Some(path) = &options.run.report {
             report::write(path, &shown, stages, sink)?;
         }
         return Err(Aborted);
     };
-    contracts.clone_from(&certificate.contracts);
     let (written, file) = stages.run("write", || written(&program, motion, &certificate, post, inputs.clone()));
     let file = file.map_err(|reason| {
         sink.push(
@@ -183,7 +200,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
         output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.run.report {
         report::write(path, &report::Shown { nc: Some(report::NcLines::written(&written)), ..shown }, stages, sink)?;
     }
     *emitted = Some(text);
@@ -205,7 +222,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         return Ok(None);
     }
 
-    let mut files = DiskFiles::new(&options.job, options.library.clone());
+    let mut files = DiskFiles::new(&options.job, options.run.library.clone());
     let job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
     if options.emit == Some(Emit::Job) {
         *emitted = Some(job::print::print(&job));
@@ -213,7 +230,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     }
 
     let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
-    if let Some(name) = &options.post {
+    if let Some(name) = &options.run.post {
         program.post = PostChoice { name: name.clone(), span: None };
     }
     Ok(Some(program))

@@ -2,11 +2,11 @@
 
 #![forbid(unsafe_code)]
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, render};
-use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, Stages};
+use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, RunOptions, Stages};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,7 +22,7 @@ struct Arguments {
     #[arg(required = true)]
     job: Option<PathBuf>,
 
-    /// File to write the NC text to; without it everything is checked and nothing written
+    /// File to write the NC text to; without it everything is checked and no NC written
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -30,33 +30,40 @@ struct Arguments {
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
 
+    /// Print a stage of the compilation and stop there
+    #[arg(long, value_enum, value_name = "STAGE")]
+    emit: Option<EmitArgument>,
+
+    /// File to write the certificate to, with the hash of the NC text
+    #[arg(long, value_name = "FILE.json")]
+    certificate: Option<PathBuf>,
+
+    /// File to write a picture of the part and the paths to
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+/// What both commands take.
+#[derive(Args)]
+struct RunArguments {
     /// Folder with `machines` and `tools` that is searched first
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
 
-    /// Print a stage value instead of going on to the NC text
-    #[arg(long, value_enum, value_name = "STAGE")]
-    emit: Option<EmitArgument>,
+    /// File to write a report for a browser to: deviations, paths, stock, plots, contracts; also when a contract fails
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 
-    /// Write the certificate as JSON, with the hash of the NC text
-    #[arg(long, value_name = "FILE.json")]
-    certificate: Option<PathBuf>,
-
-    /// Write a picture of the part and the paths
-    #[arg(long, value_name = "FILE.png")]
-    picture: Option<PathBuf>,
-
-    /// Edge of the cells of the stock simulation; the certificate says what was taken
-    #[arg(long, value_name = "MM")]
+    /// Edge of the cells of the stock simulation; usually 1 mm, more for parts over 200 mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     stock_cell: Option<f64>,
 
     /// Folder to write the stock after each operation to, as STL
     #[arg(long, value_name = "DIR")]
     stock: Option<PathBuf>,
-
-    /// Write a report to look at in a browser: deviations, paths, plots, contracts; also when a contract fails
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
 
     /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
     #[arg(long)]
@@ -67,12 +74,20 @@ struct Arguments {
     error_format: ErrorFormat,
 }
 
+impl RunArguments {
+    /// As the driver takes them.
+    fn options(self, post: Option<String>) -> RunOptions {
+        let Self { library, report, stock_cell, stock, .. } = self;
+        RunOptions { library, post, report, stock_cell, stock }
+    }
+}
+
 #[derive(Subcommand)]
 enum Command {
     /// Explains a code such as IMP0206: what it means, why it matters, an example, the way out
     Explain {
-        /// The code
-        code: String,
+        /// The code, or its digits; without it all codes are listed
+        code: Option<String>,
     },
     /// Measures NC text of any origin against a job
     Verify {
@@ -83,37 +98,16 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         job: Option<PathBuf>,
 
-        /// Dialect of the text instead of the job's
+        /// Dialect of the text, where it is not to be recognised by its words
         #[arg(long, value_name = "NAME")]
         post: Option<String>,
 
-        /// Folder with `machines` and `tools` that is searched first
-        #[arg(long, value_name = "DIR")]
-        library: Option<PathBuf>,
-
         /// Certificate that the text must belong to
-        #[arg(long, value_name = "FILE")]
+        #[arg(long, value_name = "FILE.json")]
         certificate: Option<PathBuf>,
 
-        /// Edge of the cells of the stock simulation; the certificate says what was taken
-        #[arg(long, value_name = "MM")]
-        stock_cell: Option<f64>,
-
-        /// Folder to write the stock after each operation to, as STL
-        #[arg(long, value_name = "DIR")]
-        stock: Option<PathBuf>,
-
-        /// Write a report to look at in a browser, also when a contract fails
-        #[arg(long, value_name = "FILE.html")]
-        report: Option<PathBuf>,
-
-        /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
-        #[arg(long)]
-        timings: bool,
-
-        /// How to report faults
-        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
-        error_format: ErrorFormat,
+        #[command(flatten)]
+        run: RunArguments,
     },
 }
 
@@ -131,53 +125,39 @@ enum ErrorFormat {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum EmitArgument {
-    /// Syntax tree
+    /// Syntax tree of the job text
     Ast,
     /// Job with every default
     Job,
-    /// Lowered program
+    /// Part, stock, tools and operations as geometry
     Ir,
-    /// Contact points
+    /// Contact points of the cutter
     Cc,
     /// Cutter locations
     Cl,
-    /// Joint motion
+    /// Axis positions of the machine
     Motion,
     /// NC text
     Nc,
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    match arguments.command {
-        Some(Command::Explain { code }) => explain(&code),
-        Some(Command::Verify {
-            nc,
-            job,
-            post,
-            library,
-            certificate,
-            report,
-            stock_cell,
-            stock,
-            timings,
-            error_format,
-        }) => {
-            let check = NcCheck { nc, job, library, post, certificate, report, stock_cell, stock };
-            finish(error_format, timings, |stages| driver::verify(&check, stages))
+    let Arguments { command, job, output, post, emit, certificate, picture, run } = Arguments::parse();
+    match command {
+        Some(Command::Explain { code }) => explain(code.as_deref()),
+        Some(Command::Verify { nc, job, post, certificate, run }) => {
+            let (format, timings) = (run.error_format, run.timings);
+            let check = NcCheck { nc, job, certificate, run: run.options(post) };
+            finish(format, timings, |stages| driver::verify(&check, stages))
         }
         None => {
+            let (format, timings) = (run.error_format, run.timings);
             let options = Options {
-                job: arguments.job.unwrap_or_default(),
-                output: arguments.output,
-                library: arguments.library,
-                post: arguments.post,
-                picture: arguments.picture,
-                certificate: arguments.certificate,
-                report: arguments.report,
-                stock_cell: arguments.stock_cell,
-                stock: arguments.stock,
-                emit: arguments.emit.map(|e| match e {
+                job: job.unwrap_or_default(),
+                output,
+                picture,
+                certificate,
+                emit: emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,
                     EmitArgument::Job => Emit::Job,
                     EmitArgument::Ir => Emit::Ir,
@@ -186,8 +166,9 @@ fn main() -> ExitCode {
                     EmitArgument::Motion => Emit::Motion,
                     EmitArgument::Nc => Emit::Nc,
                 }),
+                run: run.options(post),
             };
-            finish(arguments.error_format, arguments.timings, |stages| driver::compile(&options, stages))
+            finish(format, timings, |stages| driver::compile(&options, stages))
         }
     }
 }
@@ -205,7 +186,7 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
         ErrorFormat::Human => render::human(sink, sources, colour),
         ErrorFormat::Json => render::json(sink, sources),
         ErrorFormat::Sarif => sarif(sink, sources),
-        ErrorFormat::Junit => junit(sink, sources, &outcome.held()),
+        ErrorFormat::Junit => junit(sink, sources, &outcome.judged()),
     });
     if timings && matches!(format, ErrorFormat::Human | ErrorFormat::Json) {
         say(&stages.report());
@@ -214,14 +195,22 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
     if outcome.sink.has_errors() || !written { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-/// Prints the page of a code.
-fn explain(code: &str) -> ExitCode {
-    let Some(found) = Code::find(code) else {
-        let codes: Vec<&str> = Code::all().map(Code::id).collect();
-        say(&format!("no diagnostic has the code {code}; there are {}\n", codes.join(", ")));
-        return ExitCode::FAILURE;
+/// Prints the page of a code, or the list of all.
+fn explain(code: Option<&str>) -> ExitCode {
+    let text = match code {
+        None => {
+            let mut codes: Vec<Code> = Code::all().collect();
+            codes.sort_by_key(|c| c.id());
+            codes.iter().map(|c| format!("{}  {}\n", c.id(), c.0.title)).collect()
+        }
+        Some(code) => {
+            let Some(found) = Code::find(code).or_else(|| Code::find(&format!("IMP{code:0>4}"))) else {
+                say(&format!("no diagnostic has the code {code}; `impellerc explain` lists them all\n"));
+                return ExitCode::FAILURE;
+            };
+            format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end())
+        }
     };
-    let text = format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end());
     if print(&text) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 

@@ -1,7 +1,7 @@
 //! Output files: written whole or not at all.
 
 use crate::diag::{Diag, codes::files};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 /// Tells whether a path can be written, without touching what is there.
@@ -36,13 +36,21 @@ fn temporary(path: &Path) -> Result<tempfile::NamedTempFile, Diag> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    tempfile::Builder::new().prefix(".impellerc-").tempfile_in(folder).map_err(|e| failed(path, &e.to_string()))
+    tempfile::Builder::new().prefix(".impellerc-").tempfile_in(folder).map_err(|e| {
+        // The words of the system would name the temporary file.
+        let reason = match e.kind() {
+            ErrorKind::NotFound => "there is no such folder".to_owned(),
+            ErrorKind::PermissionDenied => "the folder may not be written to".to_owned(),
+            kind => kind.to_string(),
+        };
+        failed(path, &reason)
+    })
 }
 
 fn failed(path: &Path, reason: &str) -> Diag {
     Diag::error(files::CANNOT_WRITE, format!("{} cannot be written: {reason}", path.display()))
         .note("nothing was written; an existing file is as it was")
-        .help("give `-o` a file in a folder that exists and that you may write to")
+        .help("give a file in a folder that exists and that you may write to")
 }
 
 /// Temporary files are private; the output gets the rights of the file that it replaces, or the usual ones.

@@ -9,6 +9,15 @@ pub struct SourceFile {
     pub name: String,
     /// Whole text.
     pub text: String,
+    /// Where it lies, seen from the working folder, when the name does not say that.
+    pub path: Option<String>,
+}
+
+impl SourceFile {
+    /// Where it lies, seen from the working folder.
+    pub fn path(&self) -> &str {
+        self.path.as_deref().unwrap_or(&self.name)
+    }
 }
 
 /// Index of a file in the [`SourceMap`].
@@ -64,7 +73,12 @@ pub struct SourceMap {
 impl SourceMap {
     /// Adds a file and returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> SourceId {
-        self.files.push(SourceFile { name: name.into(), text: text.into() });
+        self.add_at(name, text, None)
+    }
+
+    /// [`Self::add`] for a file whose name does not say where it lies, seen from the working folder.
+    pub fn add_at(&mut self, name: impl Into<String>, text: impl Into<String>, path: Option<String>) -> SourceId {
+        self.files.push(SourceFile { name: name.into(), text: text.into(), path });
         SourceId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 

@@ -19,30 +19,90 @@ fn report(arguments: &[&str], format: &str) -> (bool, String) {
     (run.status.success(), String::from_utf8(run.stderr).unwrap())
 }
 
-/// The results of a SARIF log, after the parts that every log must have were looked at.
-fn results(text: &str) -> (Value, Vec<Value>) {
-    let log: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"));
+/// Names of the properties of an object, all of which the schema must know.
+fn only(value: &Value, known: &[&str]) {
+    for name in value.as_object().unwrap_or_else(|| panic!("no object: {value}")).keys() {
+        assert!(known.contains(&name.as_str()), "the schema has no {name} in {value}");
+    }
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().filter(|t| !t.is_empty()).unwrap_or_else(|| panic!("no text: {value}"))
+}
+
+/// A `region`: 3.30 of the standard.
+fn check_region(region: &Value) {
+    only(region, &["startLine", "startColumn", "endLine", "endColumn"]);
+    let number = |key: &str| region[key].as_u64().unwrap_or_else(|| panic!("no {key} in {region}"));
+    let (start, end) = ((number("startLine"), number("startColumn")), (number("endLine"), number("endColumn")));
+    assert!(start.0 >= 1 && start.1 >= 1 && start <= end, "{region}");
+}
+
+/// An `artifactLocation`: 3.4; its `uri` is a reference of RFC 3986, a relative one where the user gave one.
+fn check_artifact(location: &Value) {
+    only(location, &["uri"]);
+    let uri = text(&location["uri"]);
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-._~:/?#[]@!$&'()*+,;=%".contains(c);
+    assert!(uri.chars().all(allowed), "{uri}");
+    for (i, _) in uri.match_indices('%') {
+        assert!(uri[i + 1..].len() >= 2 && uri[i + 1..i + 3].chars().all(|c| c.is_ascii_hexdigit()), "{uri}");
+    }
+    assert!(uri.starts_with("file:///") || !uri.starts_with('/') && !uri.contains(':'), "{uri}");
+}
+
+/// The results of a SARIF log, after all of it was held against what sarif-schema-2.1.0.json requires and knows.
+fn results(text_of_log: &str) -> (Value, Vec<Value>) {
+    let log: Value = serde_json::from_str(text_of_log).unwrap_or_else(|e| panic!("{e}: {text_of_log}"));
+    only(&log, &["$schema", "version", "runs"]);
     assert_eq!(log["version"], "2.1.0");
     assert!(log["$schema"].as_str().unwrap().contains("sarif-2.1.0"));
     let runs = log["runs"].as_array().unwrap();
     assert_eq!(runs.len(), 1);
+    only(&runs[0], &["tool", "results", "invocations", "columnKind"]);
+    assert!(["utf16CodeUnits", "unicodeCodePoints"].contains(&runs[0]["columnKind"].as_str().unwrap()));
+    for invocation in runs[0]["invocations"].as_array().unwrap() {
+        assert!(invocation["executionSuccessful"].is_boolean(), "required by 3.20.14");
+    }
+    only(&runs[0]["tool"], &["driver"]);
     let driver = &runs[0]["tool"]["driver"];
+    only(driver, &["name", "semanticVersion", "informationUri", "rules"]);
     assert_eq!(driver["name"], "impellerc");
     let rules = driver["rules"].as_array().unwrap();
+    for (i, rule) in rules.iter().enumerate() {
+        only(rule, &["id", "shortDescription", "help", "helpUri"]);
+        assert!(rules[..i].iter().all(|r| r["id"] != rule["id"]), "rules are unique: {rule}");
+        for message in ["shortDescription", "help"] {
+            only(&rule[message], &["text", "markdown"]);
+            text(&rule[message]["text"]);
+        }
+    }
     let results = runs[0]["results"].as_array().unwrap().clone();
     for result in &results {
+        let known = ["ruleId", "ruleIndex", "level", "message", "locations", "relatedLocations", "fixes", "properties"];
+        only(result, &known);
         let index = usize::try_from(result["ruleIndex"].as_u64().unwrap()).unwrap();
         assert_eq!(rules[index]["id"], result["ruleId"], "a rule belongs to its result");
-        assert!(!rules[index]["shortDescription"]["text"].as_str().unwrap().is_empty());
         assert!(["note", "warning", "error"].contains(&result["level"].as_str().unwrap()));
-        assert!(!result["message"]["text"].as_str().unwrap().is_empty());
-        for location in result["locations"].as_array().unwrap() {
-            let place = &location["physicalLocation"];
-            let uri = place["artifactLocation"]["uri"].as_str().unwrap();
-            assert!(!uri.is_empty() && !uri.contains([' ', '\\']), "{uri}");
-            let region = |key: &str| place["region"][key].as_u64().unwrap();
-            let (start, end) = ((region("startLine"), region("startColumn")), (region("endLine"), region("endColumn")));
-            assert!(start.0 >= 1 && start.1 >= 1 && start <= end, "{place}");
+        only(&result["message"], &["text"]);
+        text(&result["message"]["text"]);
+        let related = result["relatedLocations"].as_array();
+        for location in result["locations"].as_array().unwrap().iter().chain(related.into_iter().flatten()) {
+            only(location, &["id", "physicalLocation", "message"]);
+            text(&location["message"]["text"]);
+            only(&location["physicalLocation"], &["artifactLocation", "region"]);
+            check_artifact(&location["physicalLocation"]["artifactLocation"]);
+            check_region(&location["physicalLocation"]["region"]);
+        }
+        for change in
+            result["fixes"].as_array().into_iter().flatten().flat_map(|f| f["artifactChanges"].as_array().unwrap())
+        {
+            only(change, &["artifactLocation", "replacements"]);
+            check_artifact(&change["artifactLocation"]);
+            for replacement in change["replacements"].as_array().unwrap() {
+                only(replacement, &["deletedRegion", "insertedContent"]);
+                check_region(&replacement["deletedRegion"]);
+                assert!(replacement["insertedContent"]["text"].is_string());
+            }
         }
     }
     (runs[0].clone(), results)
@@ -213,4 +273,26 @@ fn a_run_that_holds_and_one_that_fails() {
     let operation = &failed[0]["relatedLocations"][0];
     assert_eq!(operation["physicalLocation"]["region"]["startLine"], line_of(&text, "operation flank"), "{operation}");
     assert!(failed[0]["properties"]["place"]["point"].as_array().unwrap().len() == 3);
+
+    // The failed run lists the contract that holds too, under the name that it has when all hold.
+    let (_, junit) = report(&[job.to_str().unwrap()], "junit");
+    let judged = cases(&junit);
+    let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["clearance >= 0.5000 mm", "gouge <= 0.0010 mm"]);
+    assert!(held.iter().any(|c| c.name == names[0]));
+    assert!(judged[0].failure.is_none() && judged[0].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
+    assert!(judged[1].failure.as_ref().unwrap().contains("deep into"), "{junit}");
+    assert_eq!(judged[1].place.as_ref().unwrap().1, line_of(&text, "require gouge"));
+    assert_eq!(judged.len(), 2, "the failed contract is no second case: {junit}");
+}
+
+/// A finding in a file beside the job is placed where a reviewer has that file.
+#[test]
+fn files_beside_the_job_have_their_paths() {
+    let (_, sarif) = report(&["jobs/small/small.imp", "--emit", "cc"], "sarif");
+    let (_, all) = results(&sarif);
+    let files: Vec<String> =
+        all.iter().filter(|r| !r["locations"].as_array().unwrap().is_empty()).map(|r| location(r).0).collect();
+    assert!(files.iter().any(|f| f == "jobs/small/vane_curves.csv"), "{files:?}");
+    assert!(files.iter().all(|f| Path::new(f).is_file()), "{files:?}");
 }

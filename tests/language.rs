@@ -34,7 +34,7 @@ impl Files for Memory {
 fn find(name: &str, files: &[(&str, &str)]) -> Result<Found, Missing> {
     let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
     match files.iter().find(|f| f.0 == name) {
-        Some((name, text)) => Ok(Found { name: (*name).to_owned(), text: (*text).to_owned() }),
+        Some((name, text)) => Ok(Found { name: (*name).to_owned(), text: (*text).to_owned(), path: None }),
         None => Err(Missing { reason: "not in memory".to_owned(), known }),
     }
 }

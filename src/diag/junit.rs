@@ -1,37 +1,54 @@
 //! Diagnostics as a JUnit XML report, the form that build servers show as test results.
 
 use super::{Diag, Severity, Sink};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, Span};
 
-/// One report: a passed case for each name in `held`, a failed case for each error, and the warnings and remarks as the
-/// output of the suite. Without any error a case `no errors` passes, so that an empty run is not taken for a lost one.
-pub fn junit(sink: &Sink, sources: &SourceMap, held: &[String]) -> String {
-    let errors: Vec<&Diag> = sink.diags().iter().filter(|d| d.severity == Severity::Error).collect();
+/// A contract that was judged, as a case of the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Judged {
+    /// Name that stays the same from run to run, as servers compare by it: `gouge on hub <= 0.0050 mm`.
+    pub name: String,
+    /// What was found, for people.
+    pub found: String,
+    /// Its text in the job.
+    pub span: Span,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// One report: a case for each contract that was judged, passed or failed, a failed case for each further error, and the
+/// warnings and remarks as the output of the suite. Without any error a case `no errors` passes, so that an empty run is
+/// not taken for a lost one.
+pub fn junit(sink: &Sink, sources: &SourceMap, contracts: &[Judged]) -> String {
+    let mut errors: Vec<&Diag> = sink.diags().iter().filter(|d| d.severity == Severity::Error).collect();
+    let failures = errors.len();
     let mut cases = String::new();
-    for name in held {
-        cases.push_str(&format!("    <testcase classname=\"contract\" name=\"{}\"/>\n", escape(name)));
-    }
-    for diag in &errors {
-        let (place, attributes) = place(diag, sources);
-        let mut body = place;
-        for note in &diag.notes {
-            body.push_str(&format!("note: {note}\n"));
-        }
-        if let Some(help) = &diag.help {
-            body.push_str(&format!("help: {help}\n"));
-        }
+    for contract in contracts {
+        let name = escape(&contract.name);
+        let (_, attributes) = located(std::iter::once(contract.span), sources);
+        let is_own = |d: &&Diag| !contract.holds && d.labels.iter().any(|l| l.span == contract.span);
+        let body = match errors.iter().position(is_own) {
+            Some(index) => failure(errors.remove(index), sources),
+            None => format!("      <system-out>found {}</system-out>\n", escape(&contract.found)),
+        };
         cases.push_str(&format!(
-            "    <testcase classname=\"{code}\" name=\"{name}\"{attributes}>\n      <failure type=\"{code}\" message=\"{message}\">{body}</failure>\n    </testcase>\n",
-            code = diag.code.id(),
-            name = escape(&format!("{}: {}", diag.code.0.title, diag.message)),
-            message = escape(&diag.message),
-            body = escape(&body),
+            "    <testcase classname=\"contract\" name=\"{name}\"{attributes}>\n{body}    </testcase>\n"
         ));
     }
-    if errors.is_empty() {
-        cases.push_str("    <testcase classname=\"run\" name=\"no errors\"/>\n");
+    for diag in &errors {
+        cases.push_str(&format!(
+            "    <testcase classname=\"{}\" name=\"{}\"{}>\n{}    </testcase>\n",
+            diag.code.id(),
+            escape(&format!("{}: {}", diag.code.0.title, diag.message)),
+            place(diag, sources).1,
+            failure(diag, sources),
+        ));
     }
-    let count = held.len() + errors.len().max(1);
+    let mut count = contracts.len() + errors.len();
+    if failures == 0 {
+        cases.push_str("    <testcase classname=\"run\" name=\"no errors\"/>\n");
+        count += 1;
+    }
     let mut others = String::new();
     for diag in sink.diags().iter().filter(|d| d.severity != Severity::Error) {
         let word = if diag.severity == Severity::Warning { "warning" } else { "remark" };
@@ -39,29 +56,53 @@ pub fn junit(sink: &Sink, sources: &SourceMap, held: &[String]) -> String {
     }
     let output =
         if others.is_empty() { String::new() } else { format!("    <system-out>{}</system-out>\n", escape(&others)) };
-    let counts = format!("tests=\"{count}\" failures=\"{}\" errors=\"0\"", errors.len());
+    let counts = format!("tests=\"{count}\" failures=\"{failures}\" errors=\"0\"");
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {counts}>\n  <testsuite name=\"impellerc\" {counts} skipped=\"0\">\n{cases}{output}  </testsuite>\n</testsuites>\n"
     )
 }
 
+/// What failed, with its place, its facts and the way out.
+fn failure(diag: &Diag, sources: &SourceMap) -> String {
+    let mut body = place(diag, sources).0;
+    for note in &diag.notes {
+        body.push_str(&format!("note: {note}\n"));
+    }
+    if let Some(help) = &diag.help {
+        body.push_str(&format!("help: {help}\n"));
+    }
+    let (code, message, body) = (diag.code.id(), escape(&diag.message), escape(&body));
+    format!("      <failure type=\"{code}\" message=\"{message}\">{body}</failure>\n")
+}
+
 /// Lines that say where a diagnostic lies, and the attributes of its first place.
 fn place(diag: &Diag, sources: &SourceMap) -> (String, String) {
-    let mut lines = String::new();
-    let mut attributes = String::new();
-    for label in &diag.labels {
-        let Some(file) = sources.get(label.span.source) else { continue };
-        let (line, column) = sources.line_column(label.span);
-        lines.push_str(&format!("{}:{line}:{column}: {}\n", file.name, label.text));
-        if attributes.is_empty() {
-            attributes = format!(" file=\"{}\" line=\"{line}\"", escape(&file.name));
-        }
-    }
+    let (places, attributes) = located(diag.labels.iter().map(|l| l.span), sources);
+    let marked = places.iter().zip(&diag.labels).filter_map(|(p, l)| Some(format!("{}: {}\n", p.as_ref()?, l.text)));
+    let mut lines: String = marked.collect();
     if let Some(place) = &diag.place {
         let p = place.point;
         lines.push_str(&format!("place: {} at ({:.4}, {:.4}, {:.4}) mm\n", place.what, p.x, p.y, p.z));
     }
     (lines, attributes)
+}
+
+/// Each span as `file:line:column`, and the attributes of the first.
+fn located(spans: impl Iterator<Item = Span>, sources: &SourceMap) -> (Vec<Option<String>>, String) {
+    let mut attributes = String::new();
+    let mut places = Vec::new();
+    for span in spans {
+        let Some(file) = sources.get(span.source) else {
+            places.push(None);
+            continue;
+        };
+        let (line, column) = sources.line_column(span);
+        places.push(Some(format!("{}:{line}:{column}", file.path())));
+        if attributes.is_empty() {
+            attributes = format!(" file=\"{}\" line=\"{line}\"", escape(file.path()));
+        }
+    }
+    (places, attributes)
 }
 
 /// Text of an element or an attribute. Characters that XML 1.0 does not have become question marks.

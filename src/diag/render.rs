@@ -190,6 +190,6 @@ fn severity(severity: Severity) -> &'static str {
 
 fn range(span: Span, sources: &SourceMap) -> Value {
     let (line, column) = sources.line_column(span);
-    let file = sources.get(span.source).map(|f| f.name.as_str());
+    let file = sources.get(span.source).map(|f| f.path());
     json!({ "file": file, "start": span.start, "end": span.end, "line": line, "column": column })
 }

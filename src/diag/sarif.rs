@@ -100,7 +100,7 @@ fn physical(span: Span, sources: &SourceMap) -> Option<Value> {
     let (line, column) = sources.line_column(span);
     let (end_line, end_column) = sources.line_column(Span { start: span.end, ..span });
     Some(json!({ "physicalLocation": {
-        "artifactLocation": { "uri": uri(&file.name) },
+        "artifactLocation": { "uri": uri(file.path()) },
         "region": { "startLine": line, "startColumn": column, "endLine": end_line, "endColumn": end_column },
     }}))
 }

@@ -37,7 +37,11 @@ impl DiskFiles {
                 }
             }
             if let Some((_, text)) = shipped.iter().find(|s| s.0 == name) {
-                return Ok(Found { name: format!("{kind}/{name}.toml (shipped)"), text: (*text).to_owned() });
+                return Ok(Found {
+                    name: format!("{kind}/{name}.toml (shipped)"),
+                    text: (*text).to_owned(),
+                    path: None,
+                });
             }
         }
         let mut known: Vec<String> = shipped.iter().map(|s| s.0.to_owned()).collect();
@@ -61,7 +65,7 @@ fn read(path: &Path, name: &str) -> Result<Found, String> {
         return Err(format!("it has {} MB; at most {} are read", size >> 20, MAX_BYTES >> 20));
     }
     let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
-    Ok(Found { name: name.to_owned(), text })
+    Ok(Found { name: name.to_owned(), text, path: None })
 }
 
 impl Files for DiskFiles {
@@ -74,6 +78,8 @@ impl Files for DiskFiles {
     }
 
     fn curves(&mut self, path: &str) -> Result<Found, Missing> {
-        read(&self.folder.join(path), path).map_err(|reason| Missing { reason, known: Vec::new() })
+        let whole = self.folder.join(path);
+        let found = read(&whole, path).map_err(|reason| Missing { reason, known: Vec::new() })?;
+        Ok(Found { path: Some(whole.display().to_string()), ..found })
     }
 }

@@ -1,11 +1,10 @@
 //! `impellerc verify`: NC text against its job.
 
-use super::{Options, Outcome, Stages, find_post, front, report, rest_stock};
+use super::{Options, Outcome, RunOptions, Stages, find_post, front, report, rest_stock};
 use crate::diag::codes::{files, post as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
 use crate::ir::Program;
-use crate::output;
 use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceId, SourceMap, Span};
@@ -19,18 +18,10 @@ pub struct NcCheck {
     pub nc: PathBuf,
     /// Job that it must fulfil.
     pub job: Option<PathBuf>,
-    /// Folder with `machines` and `tools`, before any other.
-    pub library: Option<PathBuf>,
-    /// Dialect of the text instead of the job's.
-    pub post: Option<String>,
     /// Certificate that the text must belong to.
     pub certificate: Option<PathBuf>,
-    /// Where to write the report, also when a contract fails.
-    pub report: Option<PathBuf>,
-    /// Edge of the cells of the stock simulation, mm, instead of the usual.
-    pub stock_cell: Option<f64>,
-    /// Folder for a mesh of the stock after each operation.
-    pub stock: Option<PathBuf>,
+    /// The rest; its dialect is that of the text.
+    pub run: RunOptions,
 }
 
 /// Largest NC text, bytes.
@@ -55,12 +46,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         );
         return Err(Aborted);
     }
-    if let Some(path) = &check.report {
-        output::check(path).map_err(|d| outcome.sink.push(d)).map_err(|()| Aborted)?;
-    }
-    if let Some(folder) = &check.stock {
-        rest_stock::check(folder).map_err(|d| outcome.sink.push(d)).map_err(|()| Aborted)?;
-    }
+    check.run.check(&mut outcome.sink)?;
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
@@ -82,12 +68,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
 }
 
 fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outcome) -> Result<Program, Aborted> {
-    let options = Options {
-        job: job.to_path_buf(),
-        library: check.library.clone(),
-        post: check.post.clone(),
-        ..Options::default()
-    };
+    let options = Options { job: job.to_path_buf(), run: check.run.clone(), ..Options::default() };
     front(&options, stages, outcome)?.ok_or(Aborted)
 }
 
@@ -104,15 +85,16 @@ fn measure(
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     // Without a name on the command line the text itself says its dialect; a text without any is read as the job's, so
     // that the reader says what it lacks.
-    let post = match check.post.as_ref().map_or_else(|| post::recognise(text), |_| None) {
+    let post = match check.run.post.as_ref().map_or_else(|| post::recognise(text), |_| None) {
         Some(post) => post,
         None => find_post(program, sink)?,
     };
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
     let mut stock = Vec::new();
-    let stages_asked = check.report.is_some().then_some(&mut stock);
-    let asked = rest_stock::Asked { cell: check.stock_cell, folder: check.stock.as_deref(), stages: stages_asked };
+    let stages_asked = check.run.report.is_some().then_some(&mut stock);
+    let asked =
+        rest_stock::Asked { cell: check.run.stock_cell, folder: check.run.stock.as_deref(), stages: stages_asked };
     let names = rest_stock::names(program, &motion.motion);
     let certificate = stages.watched("verify", |progress| {
         rest_stock::simulated(asked, &names, sink, |settings, sink| {
@@ -126,7 +108,7 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
-    if let Some(path) = &check.report {
+    if let Some(path) = &check.run.report {
         let nc = sources.get(source).map_or(0, |f| f.text.lines().count());
         let shown = report::Shown {
             program,

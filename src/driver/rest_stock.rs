@@ -1,6 +1,6 @@
 //! Verification with the stock after each operation written as a mesh.
 
-use super::Options;
+use super::RunOptions;
 use crate::diag::codes::files;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::report::StockStage;
@@ -24,7 +24,7 @@ pub(super) struct Asked<'a> {
 /// Verifies with the settings of the command line. The meshes are written also when a contract fails then: they show
 /// why. `stages` gets them for the report.
 pub(super) fn examine(
-    options: &Options,
+    options: &RunOptions,
     program: &Program,
     motion: Motion,
     stages: &mut Vec<StockStage>,

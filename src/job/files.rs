@@ -28,6 +28,8 @@ pub struct Found {
     pub name: String,
     /// Its text.
     pub text: String,
+    /// Where it lies, seen from the working folder, when the name does not say that.
+    pub path: Option<String>,
 }
 
 /// Why a file is not there.

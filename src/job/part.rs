@@ -271,7 +271,7 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> 
     let known = cx.sources.files().iter().position(|f| f.name == found.name && f.text == found.text);
     let source = match known {
         Some(at) => crate::source::SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
-        None => cx.sources.add(found.name, found.text),
+        None => cx.sources.add_at(found.name, found.text, found.path),
     };
     curve_file::read(source, cx.sources, file, curve, cx.sink)
 }

@@ -149,7 +149,7 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
     let (what, _) = single(file, "machine", "use machine \"5mc850-c\"", pick, cx)?;
     match cx.files.machine(&what.text) {
         Ok(found) => {
-            let source = cx.sources.add(found.name, found.text);
+            let source = cx.sources.add_at(found.name, found.text, found.path);
             library::machine(&what.text, source, cx.sources, what.span, cx.sink)
         }
         Err(missing) => {
@@ -175,7 +175,7 @@ fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
         }
         match cx.files.tools(&what.text) {
             Ok(found) => {
-                let source = cx.sources.add(found.name, found.text);
+                let source = cx.sources.add_at(found.name, found.text, found.path);
                 library::tools(source, cx.sources, what.span, &mut library, cx.sink);
             }
             Err(missing) => cx.sink.push(not_in_library("tool", what, &missing)),

@@ -9,6 +9,7 @@ use super::surface::SurfaceReport;
 use super::sweep::At;
 use crate::contract::clock;
 use crate::ir::{Motion, Program};
+use crate::source::Span;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -59,6 +60,9 @@ pub struct ContractReport {
     /// Bound and found for people.
     #[serde(skip)]
     pub figures: [String; 2],
+    /// Its text in the job.
+    #[serde(skip)]
+    pub span: Span,
 }
 
 impl ContractReport {

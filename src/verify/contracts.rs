@@ -84,6 +84,7 @@ impl Judge<'_> {
             point: figure.point,
             holds,
             figures: [contract.bound.figure(), contract.kind.bound(figure.value).figure()],
+            span: contract.span,
         })
     }
 
