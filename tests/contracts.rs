@@ -189,6 +189,12 @@ fn clearances_are_told_apart() {
     assert_eq!(found(Guarded::Tool, &[], &[]), certificate.rapid.as_ref().map_or(5.0, |c| c.distance));
     assert_eq!(found(Guarded::Holder, &[], &[]), least(&holders));
     assert!(least(&shanks) < 5.0, "a shank comes near: {shanks:?}");
+    // What was found lies above the bound, by no more than a surface can come nearer beside a sample.
+    let half = impellerc::verify::SPACING * std::f64::consts::FRAC_1_SQRT_2;
+    for c in certificate.operations.iter().flat_map(|o| [&o.shank, &o.holder]).flatten() {
+        assert!(c.found > c.distance && c.found - c.distance <= half + 1e-12, "{} {}", c.found, c.distance);
+        assert!((c.found - c.distance.max(0.0).hypot(half)).abs() < 1e-12 || c.found <= half, "{c:?}");
+    }
     // The nearest of all surfaces is the nearest of one of them, within the resolution of the search.
     let per_surface = SurfaceClass::ALL.map(|s| found(Guarded::Shank, &[], &[s]));
     assert!((least(&per_surface) - least(&shanks)).abs() < 2e-3, "{per_surface:?} {shanks:?}");

@@ -11,8 +11,10 @@ const RESOLUTION: f64 = 1e-3;
 /// Least distance found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Clearance {
-    /// Least distance, mm; a lower bound that counts the spacing of the samples.
+    /// Nothing of the surface is nearer, mm: what was found less what the spacing of the samples may hide.
     pub distance: f64,
+    /// Distance of the nearest sample, mm: the least that was found.
+    pub found: f64,
     /// Sample of the surface, part frame, mm.
     pub point: [f64; 3],
     /// Tool tip there.
@@ -51,6 +53,7 @@ pub fn least(
                 let p = &cloud.points()[index];
                 best = Some(Clearance {
                     distance: found,
+                    found,
                     point: [p.position.x, p.position.y, p.position.z],
                     tip: [tip.x, tip.y, tip.z],
                     at: piece.at,

@@ -152,6 +152,12 @@ impl Judge<'_> {
                 bound.figure()
             ))
             .help(help);
+        if let Some(least) = found.found {
+            diag = diag.note(format!(
+                "the nearest point that was looked at is {} away; the bound counts what may lie beside it",
+                contract.kind.bound(least).figure()
+            ));
+        }
         if let Some(point) = found.point {
             diag = diag.place(describe(self.program, self.motion, found.at), Point3::from(point));
         }

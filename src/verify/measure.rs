@@ -14,6 +14,8 @@ use crate::ir::design::SurfaceKind;
 pub(super) struct Figure {
     /// In the unit of the contract's bound.
     pub(super) value: f64,
+    /// What was found, where the value is a bound that lies beyond it.
+    pub(super) found: Option<f64>,
     /// What was measured, in words.
     pub(super) what: String,
     /// Where on the part.
@@ -118,7 +120,7 @@ fn worst(
             let (value, point, at) = pick(s);
             if found.as_ref().is_none_or(|f| value > f.value) {
                 let operation = at.map(|a| a.operation as usize);
-                found = Some(Figure { value, what: s.surface.clone(), point: Some(point), at, operation });
+                found = Some(Figure { value, found: None, what: s.surface.clone(), point: Some(point), at, operation });
             }
         }
     }
@@ -126,7 +128,7 @@ fn worst(
 }
 
 fn none(value: f64, what: &str) -> Figure {
-    Figure { value, what: what.to_owned(), point: None, at: None, operation: None }
+    Figure { value, found: None, what: what.to_owned(), point: None, at: None, operation: None }
 }
 
 fn clearance(certificate: &Certificate, narrow: &dyn Narrow, body: Guarded, region: &Region) -> Figure {
@@ -159,6 +161,7 @@ fn clearance(certificate: &Certificate, narrow: &dyn Narrow, body: Guarded, regi
     match least {
         Some((name, c)) => Figure {
             value: c.distance,
+            found: Some(c.found),
             what: name.to_owned(),
             point: Some(c.point),
             at: Some(c.at),
@@ -183,7 +186,7 @@ fn time(certificate: &Certificate, region: &Region) -> Figure {
     }
     let name = longest.and_then(|(o, _)| certificate.operations.get(o)).map_or("", |o| o.name.as_str());
     let what = longest.map_or_else(String::new, |(_, t)| format!("{} of it in {name}", crate::contract::clock(t)));
-    Figure { value: sum, what, point: None, at: None, operation: longest.map(|l| l.0) }
+    Figure { value: sum, found: None, what, point: None, at: None, operation: longest.map(|l| l.0) }
 }
 
 /// Share of the time at feed without removal.
@@ -198,7 +201,7 @@ fn air(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
     }
     let what = worst.map_or_else(String::new, |w| format!("{} of it in {}", crate::contract::clock(w.feed[1]), w.name));
     let value = if sum[0] > 0.0 { sum[1] / sum[0] } else { 0.0 };
-    Ok(Figure { value, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
+    Ok(Figure { value, found: None, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
 }
 
 /// Largest removal rate, mm3/min.
@@ -210,6 +213,7 @@ fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasur
         || none(0.0, "nothing is removed"),
         |(o, r)| Figure {
             value: r.value * 60.0,
+            found: None,
             what: o.name.clone(),
             point: Some(r.tip),
             at: Some(r.at),
@@ -229,6 +233,7 @@ fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn Narrow) -
     let name = last.map_or("the blank", |o| o.name.as_str());
     Ok(Figure {
         value: rest - part,
+        found: None,
         what: format!("{rest:.0} mm3 of stock after {name}, {part:.0} mm3 of part"),
         point: None,
         at: None,
@@ -243,6 +248,7 @@ fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
     match fastest {
         Some(f) => Figure {
             value: f.share,
+            found: None,
             what: format!("axis {}", f.axis),
             point: Some(f.tip),
             at: Some(f.at),
@@ -268,7 +274,14 @@ fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Res
     let most = surfaces.chain(island).max_by(|a, b| a.0.total_cmp(&b.0));
     let (value, what, point) = most.unwrap_or((0.0, "nothing".to_owned(), [0.0; 3]));
     let operation = report.operation as usize;
-    Ok(Figure { value, what, point: Some(point), at: Some(super::rest::place(report)), operation: Some(operation) })
+    Ok(Figure {
+        value,
+        found: None,
+        what,
+        point: Some(point),
+        at: Some(super::rest::place(report)),
+        operation: Some(operation),
+    })
 }
 
 /// A length in words; what was not reached at all has none.
