@@ -154,6 +154,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         // What failed is what the reader wants to see.
         if let Some(path) = &options.run.report {
             report::write(path, &shown, stages, sink)?;
+            *emitted = Some(format!("wrote {}; no NC text\n", path.display()));
         }
         return Err(Aborted);
     };
@@ -199,9 +200,11 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if let Some(path) = &options.picture {
         let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
         output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+        text.push_str(&format!("wrote {}\n", path.display()));
     }
     if let Some(path) = &options.run.report {
         report::write(path, &report::Shown { nc: Some(report::NcLines::written(&written)), ..shown }, stages, sink)?;
+        text.push_str(&format!("wrote {}\n", path.display()));
     }
     *emitted = Some(text);
     Ok(())

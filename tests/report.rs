@@ -100,6 +100,18 @@ fn a_reader_sees_part_scale_plots_and_worst_places() {
     let blank = page.screenshot().part(scene);
     let changed = top.iter().zip(&blank).filter(|(a, b)| a != b).count();
     assert!(changed * 10 > top.len(), "the blank looks like the part: {changed} pixels changed");
+    // The stock after each operation: less than the blank after the first, less again after the second.
+    let mut before = blank;
+    for stage in 0..2 {
+        let choose = format!("body.value = '{stage}'; body.dispatchEvent(new Event('change'))");
+        page.evaluate(&choose);
+        page.settle();
+        let stock = page.screenshot().part(scene);
+        let changed = before.iter().zip(&stock).filter(|(a, b)| a != b).count();
+        assert!(changed * 200 > stock.len(), "stock {stage} looks like what was before it: {changed} pixels changed");
+        assert!(page.evaluate("document.getElementById('stock-note').textContent").contains("cells of 1 mm"));
+        before = stock;
+    }
 
     let address = format!("file://{}", report.display());
     assert_eq!(page.requests, [address], "the page asks for nothing but itself");

@@ -125,6 +125,9 @@ fn measure(
     let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{shown}: {moves} moves read as {}\n", post.name()));
+    if let Some(path) = &check.run.report {
+        text.push_str(&format!("wrote {}\n", path.display()));
+    }
     *emitted = Some(text);
     Ok(certificate)
 }

@@ -168,8 +168,8 @@ fn limits(program: &Program) -> Limits {
     Limits { gouge: tightest(ContractKind::Gouge), excess: tightest(ContractKind::Excess) }
 }
 
-/// Distance within which bodies are looked for: enough to judge every contract on it.
-fn search(program: &Program) -> f64 {
+/// Distance within which shank, holder and rapids are looked for, mm: enough to judge every contract on it.
+pub fn search(program: &Program) -> f64 {
     let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
     asked.map(|c| c.bound.value()).fold(BODY_SEARCH, f64::max)
 }

@@ -171,6 +171,8 @@ struct Data<'a> {
     tools: Vec<ToolData>,
     places: &'a [places::PlaceData],
     blank: Vec<[f64; 2]>,
+    /// Cells of the simulation of the stock, mm.
+    cell: Option<f64>,
     stock: &'a [stock::StockData],
 }
 
@@ -199,6 +201,7 @@ pub fn report(input: &Input<'_>) -> String {
         tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),
         places: &places.list,
         blank: program.stock.profile.clone(),
+        cell: input.certificate.stock.as_ref().map(|s| s.cell),
         stock: &stock,
     };
     let mut arrays = String::new();

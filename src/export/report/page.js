@@ -95,7 +95,7 @@ function setBody(value) {
   $('body').value = value;
   const s = data.stock[show.body];
   $('stock-note').textContent = data.stock.length === 0 ? 'The stock after each operation was not simulated.'
-    : s ? `${s.triangles} triangles${s.cell ? `, joined in cells of ${s.cell.toFixed(2)} mm` : ''}` : '';
+    : s ? `Simulated in cells of ${data.cell} mm${s.cell ? `, drawn in cells of ${s.cell.toFixed(1)} mm` : ''}: edges look ragged by that much, and nothing smaller is sure to be seen. A smaller --stock-cell shows more.` : '';
   redraw();
 }
 $('body').addEventListener('change', event => setBody(event.target.value));

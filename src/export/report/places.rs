@@ -56,12 +56,12 @@ pub(super) struct Places {
     pub(super) findings: Vec<Option<usize>>,
 }
 
-/// A length of a surface: um, or mm when large.
+/// A length of a surface: micrometres, or mm when large.
 pub(super) fn amount(mm: f64) -> String {
     if mm >= FAR {
         "not reached".to_owned()
     } else if mm.abs() < 0.2 {
-        format!("{:.2} um", mm * 1e3)
+        format!("{:.2} \u{b5}m", mm * 1e3)
     } else {
         format!("{mm:.3} mm")
     }
@@ -87,7 +87,12 @@ fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
 
 /// A figure of a contract: small lengths in um, all others as the certificate has them.
 pub(super) fn figure(value: f64, unit: &str, text: &str) -> String {
-    if unit == "mm" { amount(value) } else { text.to_owned() }
+    if unit == "mm" { amount(value) } else { text.replace("mm3", "mm\u{b3}") }
+}
+
+/// What is said to be found for a contract: of gouge and excess it is the bound that holds everywhere.
+pub(super) fn proved(kind: &str, found: &str) -> String {
+    if matches!(kind, "gouge" | "excess") { format!("\u{2264} {found}") } else { found.to_owned() }
 }
 
 /// Bound of a contract on the whole part and program.
@@ -187,7 +192,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
             peak("depth", &o.depth, 1.0, "mm"),
             peak("width", &o.width, 1.0, "mm"),
             peak("arc", &o.arc, 1.0, "deg"),
-            peak("removal", &o.rate, 60.0, "mm3/min"),
+            peak("removal", &o.rate, 60.0, "mm\u{b3}/min"),
         ]);
     }
     let findings: Vec<Option<usize>> = input
@@ -207,9 +212,10 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     places.rest = rest;
     places.findings = findings;
     for c in &certificate.contracts {
-        let place = c
-            .point
-            .map(|p| places.asked(input, c.name(), figure(c.found, c.unit, &c.figures[1]), (&c.place, p), !c.holds));
+        let place = c.point.map(|p| {
+            let value = proved(c.kind, &figure(c.found, c.unit, &c.figures[1]));
+            places.asked(input, c.name(), value, (&c.place, p), !c.holds)
+        });
         places.contracts.push(place);
     }
     for a in &certificate.allowed {

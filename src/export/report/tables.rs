@@ -2,7 +2,7 @@
 
 use super::Input;
 use super::markup::{Cell, escaped, table};
-use super::places::{Places, amount, figure};
+use super::places::{Places, figure, proved};
 use crate::contract::clock;
 use crate::diag::Severity;
 use crate::verify::clearance::Clearance;
@@ -22,7 +22,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
         ("NC dialect", input.post.to_owned()),
         ("machining time", format!("{} h:mm:ss", clock(total_time(input)))),
         ("vanes", vanes.to_string()),
-        ("surface samples", format!("{} mm apart", certificate.spacing)),
+        ("deviations proved over", format!("cells of {} mm and less", certificate.spacing)),
         ("inputs sha256", input.hash.to_owned()),
         ("compiler", format!("impellerc {}", env!("CARGO_PKG_VERSION"))),
     ];
@@ -63,7 +63,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
             vec![
                 Cell::words(c.name()),
                 Cell::figure(format!("{relation} {bound}")),
-                Cell::figure(found).place(places.contracts.get(i).copied().flatten()),
+                Cell::figure(proved(c.kind, &found)).place(places.contracts.get(i).copied().flatten()),
                 Cell::words(word).class(class),
             ]
         })
@@ -94,11 +94,14 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
 /// Operations with their times, ways and clearances.
 pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
     let program = input.program;
+    let search = crate::verify::search(program);
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     let (mut moves, mut length, mut time) = (0, [0.0; 3], [0.0; 3]);
     for (i, (o, planned)) in input.certificate.operations.iter().zip(&input.motion.operations).enumerate() {
         let declared = &program.operations[planned.operation];
-        let gap = |c: &Option<Clearance>| c.as_ref().map_or_else(|| "far".to_owned(), |c| format!("{:.3}", c.distance));
+        let gap = |c: &Option<Clearance>| {
+            c.as_ref().map_or_else(|| format!("over {search}"), |c| format!("{:.3}", c.distance))
+        };
         let place = |k: usize| places.operations.get(i).and_then(|p| p[k]);
         rows.push(vec![
             Cell::words(o.name.as_str()),
@@ -198,17 +201,17 @@ fn stock(input: &Input<'_>, places: &Places) -> String {
         .collect();
     let headings = [
         "operation",
-        "removed, cm3",
-        "stock after it, cm3",
+        "removed, cm\u{b3}",
+        "stock after it, cm\u{b3}",
         "time in air",
         "air, %",
-        "deepest along the axis, mm",
-        "widest, mm",
-        "arc, deg",
-        "removal, mm3/min",
+        "largest ap (along the axis), mm",
+        "largest ae (across), mm",
+        "largest arc, deg",
+        "largest removal, mm\u{b3}/min",
         "collisions with stock",
     ];
-    let caption = format!("Stock, in cells of {} mm: blank of {:.2} cm3", stock.cell, stock.blank * 1e-3);
+    let caption = format!("Stock, in cells of {} mm: blank of {:.2} cm\u{b3}", stock.cell, stock.blank * 1e-3);
     table(&caption, &headings, &rows)
 }
 
@@ -245,14 +248,16 @@ fn surfaces(input: &Input<'_>, places: &Places) -> String {
         .enumerate()
         .map(|(i, s)| {
             let place = |k: usize| places.surfaces.get(i).and_then(|p| p[k]);
-            let um =
-                |mm: f64| if mm >= crate::verify::surface::FAR { "-".to_owned() } else { format!("{:.2}", mm * 1e3) };
+            let um = |mm: f64| {
+                if mm >= crate::verify::surface::FAR { "not reached".to_owned() } else { format!("{:.2}", mm * 1e3) }
+            };
             vec![
                 Cell::words(s.surface.as_str()),
                 Cell::figure(format!("{:.0}", s.area)),
                 Cell::figure(um(s.gouge.depth)).place(place(0)),
-                Cell::figure(if place(1).is_some() { um(s.excess.value) } else { amount(s.excess.value.max(0.0)) })
-                    .place(place(1)),
+                Cell::figure(um(s.gouge_bound)),
+                Cell::figure(um(s.excess.value.max(0.0))).place(place(1)),
+                Cell::figure(um(s.excess_bound)),
                 Cell::figure(um(s.percentiles[0])),
                 Cell::figure(um(s.percentiles[1])),
                 Cell::figure(um(s.percentiles[2])),
@@ -261,12 +266,14 @@ fn surfaces(input: &Input<'_>, places: &Places) -> String {
         .collect();
     let headings = [
         "surface",
-        "area, mm2",
-        "deepest cut, um",
-        "most left, um",
-        "5 % lie below, um",
-        "50 % below, um",
-        "95 % below, um",
+        "area, mm\u{b2}",
+        "deepest cut found, \u{b5}m",
+        "proved: no deeper than",
+        "most left found, \u{b5}m",
+        "proved: no more than",
+        "5 % lie below, \u{b5}m",
+        "50 % below",
+        "95 % below",
     ];
     table("Surfaces: deviation of the swept cutters from the design (cut below zero, left above)", &headings, &rows)
 }
