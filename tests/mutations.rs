@@ -157,7 +157,7 @@ impl Memory {
 
     fn find(&self, name: &str) -> Result<Found, Missing> {
         match self.0.get(name) {
-            Some(text) => Ok(Found { name: name.to_owned(), path: None, text: text.clone(), path: None }),
+            Some(text) => Ok(Found { name: name.to_owned(), path: None, text: text.clone() }),
             None => Err(Missing { reason: "not in memory".to_owned(), known: self.0.keys().cloned().collect() }),
         }
     }
