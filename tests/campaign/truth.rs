@@ -2,7 +2,7 @@
 //! signed distances to convex solids in closed form. Nothing here comes from the verifier.
 
 use crate::blocks::{Station, axis};
-use impellerc::collide::Cutter;
+use impellerc::collide::{Cutter, Section};
 use impellerc::ir::design::{self, Sample, SurfaceId, SurfaceKind};
 use impellerc::ir::{Part, Program, Side};
 use nalgebra::{Point3, Vector2, Vector3};
@@ -134,7 +134,7 @@ pub struct Design<'a> {
     samples: Vec<Sample>,
     cells: HashMap<[i32; 3], Vec<u32>>,
     /// Coarser points for the wide bodies of shank and holder.
-    coarse: Vec<Sample>,
+    coarse: Vec<Cluster>,
 }
 
 fn cell(p: &Point3<f64>) -> [i32; 3] {
@@ -148,7 +148,7 @@ impl<'a> Design<'a> {
         for (i, s) in samples.iter().enumerate() {
             cells.entry(cell(&s.position)).or_default().push(i as u32);
         }
-        Self { part, samples, cells, coarse: design::sample(part, 0.4) }
+        Self { part, samples, cells, coarse: clusters(&design::sample(part, 0.4), 2.0) }
     }
 
     /// Points of the cells that a cutter at a pose may touch.
@@ -328,38 +328,29 @@ impl Truth<'_> {
         way
     }
 
-    /// Least distance of shank and holder to the points of the design below [`NEAR`], with its line.
+    /// Least distance of shank and holder to the points of the design below [`NEAR`], with its line. A first look at the
+    /// middles of all segments tells which of them can have the least.
     pub fn bodies(&self, segments: &[Segment]) -> (f64, usize) {
-        let all: Vec<(f64, usize)> = segments.par_iter().map(|s| (self.bodies_of(s), s.line)).collect();
-        all.into_iter().min_by(|x, y| x.0.total_cmp(&y.0)).unwrap_or((NEAR, 0))
+        let looks: Vec<(f64, f64)> = segments.par_iter().map(|s| self.bodies_at(s, (0.0, 1.0), NEAR)).collect();
+        let first = looks.iter().zip(segments).map(|(l, s)| (l.0, s.line)).min_by(|x, y| x.0.total_cmp(&y.0));
+        let first = first.filter(|f| f.0 < NEAR).unwrap_or((NEAR, 0));
+        let open: Vec<&Segment> =
+            looks.iter().zip(segments).filter(|(l, _)| l.0 - l.1 < first.0).map(|x| x.1).collect();
+        let all: Vec<(f64, usize)> = open.par_iter().map(|s| (self.bodies_below(s, first.0), s.line)).collect();
+        all.into_iter().filter(|x| x.0 < first.0).min_by(|x, y| x.0.total_cmp(&y.0)).unwrap_or(first)
     }
 
-    /// The same of one segment: halved until no part of the tool moves by more than a fiftieth of a millimetre.
+    /// The same of one segment.
     pub fn bodies_of(&self, segment: &Segment) -> f64 {
-        let id = self.program.operations.iter().nth(segment.operation).unwrap().1.tool;
-        let solid = &self.program.tools[id].solid;
-        let sections: Vec<_> = solid.shank.iter().chain(&solid.holder).collect();
-        let lowest = sections.iter().map(|x| x.from).fold(f64::INFINITY, f64::min);
-        let way = segment.way(solid.length() + 20.0);
-        let mut least = NEAR;
+        self.bodies_below(segment, NEAR)
+    }
+
+    /// Least distance of a segment below another one: halved until no part of the tool moves by more than a fiftieth of
+    /// a millimetre.
+    fn bodies_below(&self, segment: &Segment, mut least: f64) -> f64 {
         let mut open = vec![(0.0, 1.0)];
         while let Some((from, to)) = open.pop() {
-            let pose = segment.pose(0.5 * (from + to));
-            let moved = 0.5 * (to - from) * way;
-            let mut here = least + moved;
-            for sample in &self.design.coarse {
-                let s = (sample.position - pose.0).dot(&pose.1);
-                if lowest - s > here {
-                    continue;
-                }
-                let (rho, s) = in_tool(&sample.position, &pose);
-                for x in &sections {
-                    let apart = (rho - x.radius_from.max(x.radius_to)).max(x.from - s).max(s - x.to);
-                    if apart < here {
-                        here = here.min(frustum([x.radius_from, x.from], [x.radius_to, x.to], rho, s));
-                    }
-                }
-            }
+            let (here, moved) = self.bodies_at(segment, (from, to), least);
             least = least.min(here);
             if here - moved < least && moved > 0.02 {
                 let middle = 0.5 * (from + to);
@@ -368,6 +359,58 @@ impl Truth<'_> {
         }
         least
     }
+
+    /// Distance in the middle of a stretch of a segment, where it may matter beside `least`, and by how much it may be
+    /// less elsewhere on the stretch.
+    fn bodies_at(&self, segment: &Segment, (from, to): (f64, f64), least: f64) -> (f64, f64) {
+        let id = self.program.operations.iter().nth(segment.operation).unwrap().1.tool;
+        let solid = &self.program.tools[id].solid;
+        let sections: Vec<_> = solid.shank.iter().chain(&solid.holder).collect();
+        let pose = segment.pose(0.5 * (from + to));
+        let moved = 0.5 * (to - from) * segment.way(solid.length() + 20.0);
+        let mut here = least + moved;
+        // No farther than this from a box around each section: true of a cluster if it is of its middle, less its radius.
+        let apart = |p: &Point3<f64>, x: &Section| {
+            let (rho, s) = in_tool(p, &pose);
+            (rho - x.radius_from.max(x.radius_to)).max(x.from - s).max(s - x.to)
+        };
+        for cluster in &self.design.coarse {
+            if sections.iter().all(|x| apart(&cluster.middle, x) - cluster.radius >= here) {
+                continue;
+            }
+            for p in &cluster.points {
+                for x in &sections {
+                    if apart(p, x) < here {
+                        let (rho, s) = in_tool(p, &pose);
+                        here = here.min(frustum([x.radius_from, x.from], [x.radius_to, x.to], rho, s));
+                    }
+                }
+            }
+        }
+        (here, moved)
+    }
+}
+
+/// Points with a ball around them.
+struct Cluster {
+    middle: Point3<f64>,
+    radius: f64,
+    points: Vec<Point3<f64>>,
+}
+
+/// Points by cells of a size.
+fn clusters(samples: &[Sample], size: f64) -> Vec<Cluster> {
+    let mut cells: BTreeMap<[i32; 3], Vec<Point3<f64>>> = BTreeMap::new();
+    for p in samples.iter().map(|s| s.position) {
+        cells.entry([p.x, p.y, p.z].map(|x| (x / size).floor() as i32)).or_default().push(p);
+    }
+    let cluster = |points: Vec<Point3<f64>>| {
+        let middle = Point3::from(points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64);
+        // A little more, for rounding.
+        let radius = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max) + 1e-9;
+        Cluster { middle, radius, points }
+    };
+    cells.into_values().map(cluster).collect()
 }
 
 /// Distance of shank and holder beyond which nothing is asked, mm.
