@@ -83,7 +83,7 @@ fn rounding(solid: &ToolSolid) -> f64 {
 /// Takes the cuts of an operation off the stock.
 fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field) {
     let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
-    stock::simulate(field, &solid, steps(&planned.passes, solid.flute_length, StepKind::Cut, 0.0));
+    stock::simulate(field, &solid, steps(&planned.passes, StepKind::Cut, 0.0));
 }
 
 /// The cutter without shank and holder, grown on all sides.
@@ -113,7 +113,7 @@ struct Station {
 
 /// Stations of a pass so near to each other that two of them bound a step of the stock: the machine runs the tip
 /// straight between the planned ones and both rotary angles evenly with it.
-fn stations(pass: &ClPass, flute_length: f64) -> Vec<Station> {
+fn stations(pass: &ClPass) -> Vec<Station> {
     let mut found: Vec<Station> = Vec::with_capacity(pass.points.len());
     for point in &pass.points {
         let before = found.last().map_or(0.0, |s| s.c);
@@ -122,7 +122,7 @@ fn stations(pass: &ClPass, flute_length: f64) -> Vec<Station> {
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
             let turn = (to.a - from.a).hypot(to.c - from.c);
-            let count = (turn / stock::most_turn(flute_length)).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+            let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;
                 let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
@@ -136,11 +136,11 @@ fn stations(pass: &ClPass, flute_length: f64) -> Vec<Station> {
 }
 
 /// The steps of passes, numbered through, of a cutter whose tip lies lower on its axis by `lowered`.
-fn steps(passes: &[ClPass], flute_length: f64, kind: StepKind, lowered: f64) -> impl Iterator<Item = Step> {
+fn steps(passes: &[ClPass], kind: StepKind, lowered: f64) -> impl Iterator<Item = Step> {
     passes
         .iter()
         .flat_map(move |pass| {
-            let stations = stations(pass, flute_length);
+            let stations = stations(pass);
             let pairs: Vec<[Station; 2]> = stations.windows(2).map(|w| [w[0], w[1]]).collect();
             pairs
         })
@@ -165,14 +165,14 @@ fn reduce(
     let grown_by = field.cell() * field.cell() / (4.0 * rounding(solid));
     let grown = cutter_alone(solid, grown_by);
     // At rapid the engine tells what the cutter meets, and removes nothing.
-    let looks = steps(&planned.passes, solid.flute_length, StepKind::Rapid, grown_by);
+    let looks = steps(&planned.passes, StepKind::Rapid, grown_by);
     let met = stock::simulate(field, &grown, looks).collisions;
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
     let ways = Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program), program };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
-        let stations = stations(pass, solid.flute_length);
+        let stations = stations(pass);
         let steps = stations.len().saturating_sub(1);
         let mut cuts = vec![false; steps];
         while let Some(n) = deep.next_if(|n| *n < before + steps) {

@@ -37,15 +37,19 @@ pub struct Field {
     pub(super) families: [Family; 3],
 }
 
-/// Rays along one axis, in tiles.
+/// Rays along one axis, in tiles. Tiles know only the [`frame`] of the family, in which the rays run along Z.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
-    /// Direction.
-    pub(super) axis: usize,
     /// Tiles along the two axes after it, in cyclic order.
     pub(super) across: [usize; 2],
     /// Tiles, the first of both axes running first.
     pub(super) tiles: Vec<Tile>,
+}
+
+/// The axes in the order in which a family of rays sees them: across in cyclic order, then its own.
+pub(super) fn frame(axis: usize) -> [usize; 3] {
+    let [u, v] = across(axis);
+    [u, v, axis]
 }
 
 /// The two axes across an axis, in cyclic order.
@@ -95,7 +99,7 @@ impl Field {
                     let place = |k: usize, axis: usize, i: usize| low[axis] + cell * ((first[k] + i) as f64 + 0.5);
                     let rays = [(count[u] - first[0]).min(SIDE), (count[v] - first[1]).min(SIDE)];
                     let depth = [low[axis], low[axis] + cell * count[axis] as f64];
-                    Tile::new(axis, [place(0, u, 0), place(1, v, 0)], cell, depth, rays, |i, j| {
+                    Tile::new([place(0, u, 0), place(1, v, 0)], cell, depth, rays, |i, j| {
                         if axis == 2 {
                             along_axis(profile, place(0, u, i).hypot(place(1, v, j)))
                         } else {
@@ -107,7 +111,7 @@ impl Field {
                     })
                 })
                 .collect();
-            Family { axis, across, tiles }
+            Family { across, tiles }
         });
         Ok(Self { cell, low, count, families })
     }

@@ -7,6 +7,7 @@
 //! | `ray` | sorted disjoint solid intervals |
 //! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
 //! | `sweep` | such a body in motion: its signed distance, least over time |
+//! | `moving` | the same with bounds, against a line: what it takes of it |
 //! | `tile` | 64 x 64 rays with a coarse map of where material is left |
 //! | [`simulate()`] | a stream of steps through all tiles |
 //! | [`mesh`] | closed triangle mesh of what is left, STL |
@@ -17,6 +18,7 @@
 
 pub mod field;
 pub mod mesh;
+mod moving;
 mod ray;
 mod shape;
 pub mod simulate;
@@ -29,16 +31,12 @@ pub use simulate::{BlockCut, Collision, Outcome, Touched, simulate};
 
 use nalgebra::{Point3, Vector3};
 
-/// Largest distance between the end of an interval and the surface of the swept tool, mm, when steps turn by no more
-/// than [`most_turn`]: what the arcs of a turning tool add to tangent bounds, over the stop of the iteration.
+/// Largest distance between the end of an interval and the surface of the swept tool, mm: the bounds at which the
+/// search in time and along a ray stops.
 pub const END_ERROR: f64 = 1e-3;
 
-/// Largest turn of a step, radians, for a cutter that goes up to a height over its tip, mm. A point there that turns by
-/// w leaves the tangents of its way by at most height w^2 / 2.
-pub fn most_turn(height: f64) -> f64 {
-    const DEGREE: f64 = std::f64::consts::PI / 180.0;
-    (2.0 * END_ERROR / height.max(1e-3)).sqrt().min(DEGREE)
-}
+/// Largest turn of a step, radians: what its three axes describe to a fraction of [`END_ERROR`].
+pub const MOST_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +49,7 @@ pub enum StepKind {
     Rapid,
 }
 
-/// A short piece of motion of one tool: a turn of at most [`most_turn`], and a few millimetres.
+/// A short piece of motion of one tool: a turn of at most [`MOST_TURN`], and a few millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Number of the block that it belongs to; never falls along a stream.

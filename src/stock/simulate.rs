@@ -4,16 +4,18 @@
 //! off in program order. Tiles share nothing, so that the result does not depend on the number of threads; sums over
 //! tiles are made in the order of the tiles.
 
-use super::field::across;
+use super::field::frame;
+use super::moving::Moving;
 use super::shape::Shape;
-use super::tile::{Moving, Overlap, Removal, SIDE, Tile};
-use super::{Field, Step, StepKind};
+use super::sweep::Sweep;
+use super::tile::{Overlap, Removal, Run, SIDE, Tile, Work};
+use super::{END_ERROR, Field, Step, StepKind};
 use crate::collide::ToolSolid;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Steps of a batch: some ten megabytes with all that is prepared for them.
-const BATCH: usize = 1 << 16;
+const BATCH: usize = 1 << 14;
 
 /// Depth from which stock inside shank, holder or a cutter at rapid counts, mm: contact with a wall that the same tool
 /// has just cut, on the chords of its path, is shallower.
@@ -67,11 +69,164 @@ pub struct Outcome {
     pub collisions: Vec<Collision>,
 }
 
-/// A step prepared: its bodies, those that must not touch first.
+/// Steps of a run.
+const RUN: usize = 8;
+
+/// Way of a run, mm; and share of it by which its steps may leave the run as a whole. What decides is how much of a way
+/// can be ruled out at once.
+const RUN_WAY: f64 = 3.0;
+const RUN_DRIFT: f64 = 0.3;
+
+/// Error of the depth of parts that must not touch, mm.
+const FORBIDDEN_ERROR: f64 = 3.0 * END_ERROR;
+
+/// Steps of one kind that follow each other without a jump, prepared.
 struct Prepared {
-    /// Blocks before its own in the batch.
-    ordinal: u32,
-    bodies: Vec<(Option<Touched>, Moving)>,
+    /// For each step its block, counted in the batch.
+    ordinals: Vec<u32>,
+    sweeps: Vec<Sweep>,
+    /// Parts that must not touch, over the whole run.
+    forbidden: Vec<(Touched, Moving)>,
+    /// Cutter over the whole run, and step by step, where it cuts.
+    whole: Option<Moving>,
+    steps: Vec<Moving>,
+    /// True when the same body has just swept to where this one starts.
+    follows: bool,
+}
+
+/// Coordinates of a family of rays: its own run along Z.
+struct Frame {
+    /// Axes of the field in the order of the frame.
+    order: [usize; 3],
+    /// Corners of the field.
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+/// Steps of a batch as a family of rays sees them, for a cutter and the parts that must not touch.
+fn prepare(
+    steps: &[Step],
+    ordinals: &[u32],
+    runs: &[std::ops::Range<usize>],
+    (cutter, body): (&Shape, &[(Touched, Shape)]),
+    frame: &Frame,
+) -> Vec<Prepared> {
+    let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);
+    let turned = |v: &Vector3<f64>| Vector3::from(frame.order.map(|k| v[k]));
+    runs.par_iter()
+        .map(|range| {
+            let kind = steps[range.start].kind;
+            let own = &steps[range.clone()];
+            let sweeps: Vec<Sweep> = own
+                .iter()
+                .map(|s| Sweep::through(s.tips.map(|t| turned(&t.coords)), s.axes.map(|a| turned(&a))))
+                .collect();
+            let moving = |shape: &Shape| {
+                let (_, top, radius) = shape.extent();
+                let (whole, drift) = if sweeps.len() == 1 { (sweeps[0], 0.0) } else { joined(&sweeps, top + radius) };
+                Some(Moving::new(whole, *shape, drift)).filter(|m| !outside(m))
+            };
+            let rapid = kind == StepKind::Rapid;
+            let forbidden = body
+                .iter()
+                .copied()
+                .chain(rapid.then_some((Touched::Cutter, *cutter)))
+                .filter_map(|(what, shape)| moving(&shape).map(|m| (what, m)))
+                .collect();
+            let whole = if rapid { None } else { moving(cutter) };
+            let each = if whole.is_some() { sweeps.as_slice() } else { &[] };
+            let before = range.start.checked_sub(1).map(|n| &steps[n]);
+            Prepared {
+                ordinals: ordinals[range.clone()].to_vec(),
+                forbidden,
+                whole,
+                steps: each.iter().map(|s| Moving::new(*s, *cutter, 0.0)).collect(),
+                follows: before.is_some_and(|b| b.kind != StepKind::Rapid && follows(b, &own[0])),
+                sweeps,
+            }
+        })
+        .collect()
+}
+
+/// The motion through the ends of a run and about its middle, with the speed at which the steps leave it; times are
+/// shared out by way.
+fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
+    let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
+    let total: f64 = lengths.iter().sum();
+    let mut before = 0.0;
+    // Start of each step in the time of the run, and its share of it.
+    let times: Vec<[f64; 2]> = lengths
+        .iter()
+        .map(|l| {
+            let start = before / total;
+            before += l;
+            [start, l / total]
+        })
+        .collect();
+    let (first, last) = (&sweeps[0], &sweeps[sweeps.len() - 1]);
+    let middle = times.iter().rposition(|[start, _]| *start <= 0.5).unwrap_or(0);
+    let at = ((0.5 - times[middle][0]) / times[middle][1]).clamp(0.0, 1.0);
+    let (start, end) = (first.pose(0.0), last.pose(1.0));
+    let whole = Sweep::through([start.0, end.0], [start.1, sweeps[middle].pose(at).1, end.1]);
+    let mut drift: f64 = 0.0;
+    for (n, (sweep, [begin, share])) in sweeps.iter().zip(&times).enumerate() {
+        let off = |t: f64| {
+            let (own, all) = (sweep.pose(t), whole.pose(begin + share * t));
+            ((own.0 - all.0).norm(), (own.1 - all.1).norm() * reach)
+        };
+        let offs = [0.0, 0.5, 1.0].map(off);
+        for (t, (tip, axis)) in [0.0, 0.5, 1.0].into_iter().zip(offs) {
+            let now = begin + share * t;
+            let near = now.min(1.0 - now);
+            if near > 1e-9 {
+                // A parabola through three values rises a quarter over them.
+                drift = drift.max((tip + 1.25 * axis) / near);
+            }
+        }
+        // At the ends of the run the parabola of the axis starts from zero, with this speed.
+        if n == 0 {
+            drift = drift.max((4.0 * offs[1].1 + offs[2].1 + offs[2].0) / share);
+        }
+        if n + 1 == sweeps.len() {
+            drift = drift.max((4.0 * offs[1].1 + offs[0].1 + offs[0].0) / share);
+        }
+    }
+    (whole, drift)
+}
+
+/// Steps of a batch in runs: as long as they follow each other, are of a kind, and run about as one.
+fn runs(steps: &[Step], reach: f64) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < steps.len() {
+        let mut end = start + 1;
+        let way = |s: &Step| (s.tips[1] - s.tips[0]).norm();
+        let mut length = way(&steps[start]);
+        while end < steps.len() && end - start < RUN && follows(&steps[end - 1], &steps[end]) {
+            length += way(&steps[end]);
+            if length > RUN_WAY || steps[end].kind != steps[start].kind {
+                break;
+            }
+            end += 1;
+        }
+        // Half as many as long as they bend too much.
+        while end - start > 1 {
+            let sweeps: Vec<Sweep> =
+                steps[start..end].iter().map(|s| Sweep::through(s.tips.map(|t| t.coords), s.axes)).collect();
+            let (whole, drift) = joined(&sweeps, reach);
+            if drift <= RUN_DRIFT * whole.way().norm() {
+                break;
+            }
+            end = start + (end - start) / 2;
+        }
+        found.push(start..end);
+        start = end;
+    }
+    found
+}
+
+fn follows(before: &Step, step: &Step) -> bool {
+    before.tips[1] == step.tips[0] && before.axes[2] == step.axes[0]
 }
 
 /// What a tile says of a batch.
@@ -116,52 +271,54 @@ fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps
             index32(blocks.len() - 1)
         })
         .collect();
-    let high: [f64; 3] = std::array::from_fn(|k| field.low[k] + field.cell * field.count[k] as f64);
-    let outside = |m: &Moving| (0..3).any(|k| m.high[k] < field.low[k] || m.low[k] > high[k]);
-    let prepared: Vec<Prepared> = steps
-        .par_iter()
-        .enumerate()
-        .zip(&ordinals)
-        .map(|((n, step), &ordinal)| {
-            let before = n.checked_sub(1).map(|n| &steps[n]);
-            let follows = before
-                .is_some_and(|b| b.kind != StepKind::Rapid && b.tips[1] == step.tips[0] && b.axes[2] == step.axes[0]);
-            let bodies = body
-                .iter()
-                .map(|(what, shape)| (Some(*what), Moving::new(step, *shape, false)))
-                .chain(std::iter::once((None, Moving::new(step, *cutter, follows))))
-                .filter(|(_, m)| !outside(m))
-                .collect();
-            Prepared { ordinal, bodies }
-        })
-        .collect();
-
+    let reach = {
+        let (_, top, radius) = cutter.extent();
+        top + radius
+    };
+    let runs = runs(steps, reach);
     let area = field.cell * field.cell;
-    let (low, cell) = (field.low, field.cell);
-    let mut work: Vec<(&mut Tile, Vec<(u32, u32)>)> = Vec::new();
-    for family in &mut field.families {
-        let [u, v] = across(family.axis);
-        let mut lists: Vec<Vec<(u32, u32)>> = vec![Vec::new(); family.tiles.len()];
-        for (n, p) in prepared.iter().enumerate() {
-            for (k, (_, m)) in p.bodies.iter().enumerate() {
-                let span = |axis: usize, count: usize| {
-                    let tile = |x: f64| (x - low[axis]) / cell / SIDE as f64;
+    let cell = field.cell;
+    let size = field.count.map(|n| cell * n as f64);
+    let frames = [0, 1, 2].map(|axis| {
+        let order = frame(axis);
+        let low = order.map(|k| field.low[k]);
+        Frame { order, low, high: std::array::from_fn(|k| low[k] + size[order[k]]) }
+    });
+    let prepared = frames.each_ref().map(|frame| prepare(steps, &ordinals, &runs, (cutter, body), frame));
+    let mut work: Vec<(&mut Tile, usize, Vec<u32>)> = Vec::new();
+    for (axis, family) in field.families.iter_mut().enumerate() {
+        let low = frames[axis].low;
+        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); family.tiles.len()];
+        for (n, p) in prepared[axis].iter().enumerate() {
+            for m in p.forbidden.iter().map(|(_, m)| m).chain(&p.whole) {
+                let span = |k: usize, count: usize| {
+                    let tile = |x: f64| (x - low[k]) / cell / SIDE as f64;
                     // Casts saturate at zero.
-                    tile(m.low[axis]) as usize..=(tile(m.high[axis]) as usize).min(count - 1)
+                    tile(m.low[k]) as usize..=(tile(m.high[k]) as usize).min(count - 1)
                 };
-                for j in span(v, family.across[1]) {
-                    for i in span(u, family.across[0]) {
+                for j in span(1, family.across[1]) {
+                    for i in span(0, family.across[0]) {
                         let t = j * family.across[0] + i;
-                        if family.tiles[t].meets(&m.low, &m.high) {
-                            lists[t].push((index32(n), index32(k)));
+                        if lists[t].last() != Some(&index32(n)) && family.tiles[t].meets(&m.low, &m.high) {
+                            lists[t].push(index32(n));
                         }
                     }
                 }
             }
         }
-        work.extend(family.tiles.iter_mut().zip(lists).filter(|(_, l)| !l.is_empty()));
+        work.extend(family.tiles.iter_mut().zip(lists).filter(|(_, l)| !l.is_empty()).map(|(t, l)| (t, axis, l)));
     }
-    let said: Vec<Said> = work.par_iter_mut().map(|(tile, list)| run_tile(tile, list, &prepared)).collect();
+    let said: Vec<Said> = work
+        .par_iter_mut()
+        .map(|(tile, axis, list)| {
+            let mut said = run_tile(tile, list, &prepared[*axis]);
+            for (_, _, overlap) in &mut said.overlaps {
+                let own = overlap.point;
+                frames[*axis].order.iter().zip(own).for_each(|(k, x)| overlap.point[*k] = x);
+            }
+            said
+        })
+        .collect();
 
     let mut removals = vec![Removal::NONE; blocks.len()];
     let mut overlaps: Vec<(u32, Touched, Overlap)> = Vec::new();
@@ -220,33 +377,81 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
     }
 }
 
-/// Works off the steps of a tile in order.
-fn run_tile(tile: &mut Tile, list: &[(u32, u32)], prepared: &[Prepared]) -> Said {
+/// Works off the runs of a tile in order.
+fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     let mut said = Said::default();
-    let mut cuts: Vec<[f64; 2]> = Vec::new();
-    for &(n, k) in list {
-        let step = &prepared[n as usize];
-        let (what, moving) = &step.bodies[k as usize];
-        let forbidden = what.or((moving.kind == StepKind::Rapid).then_some(Touched::Cutter));
-        if let Some(what) = forbidden
-            && let Some(overlap) = tile.overlap(moving, CONTACT)
-        {
-            let before = said.overlaps.iter_mut().rev().take_while(|o| o.0 == step.ordinal);
-            match before.into_iter().find(|o| o.1 == what) {
-                Some(o) if o.2.depth < overlap.depth => o.2 = overlap,
-                Some(_) => {}
-                None => said.overlaps.push((step.ordinal, what, overlap)),
-            }
+    let mut work = Work::default();
+    for &n in list {
+        let run = &prepared[n as usize];
+        // Parts that touch nothing of the stock as it is before the run touch nothing during it.
+        let near: Vec<(Touched, Shape)> = run
+            .forbidden
+            .iter()
+            .filter(|(_, m)| tile.meets(&m.low, &m.high) && tile.overlap(m, CONTACT - m.error()).is_some())
+            .map(|(what, m)| (*what, m.shape))
+            .collect();
+        let touches = run.sweeps.iter().any(|s| near.iter().any(|(_, shape)| touch(tile, s, shape).is_some()));
+        if !touches {
+            said.remove(tile, run, 0..run.steps.len(), &mut work);
+            continue;
         }
-        if forbidden.is_none() {
-            let removal = tile.remove(moving, &mut cuts);
-            if removal.length > 0.0 {
-                match said.removals.last_mut() {
-                    Some((ordinal, r)) if *ordinal == step.ordinal => r.add(&removal),
-                    _ => said.removals.push((step.ordinal, removal)),
+        for (k, (sweep, ordinal)) in run.sweeps.iter().zip(&run.ordinals).enumerate() {
+            for (what, shape) in &near {
+                if let Some(overlap) = touch(tile, sweep, shape) {
+                    said.overlap(*ordinal, *what, overlap);
                 }
+            }
+            if !run.steps.is_empty() {
+                said.remove(tile, run, k..k + 1, &mut work);
             }
         }
     }
     said
+}
+
+/// The deepest place of stock inside a part that must not touch, over a step; divided until its depth is exact to
+/// [`FORBIDDEN_ERROR`].
+fn touch(tile: &mut Tile, sweep: &Sweep, shape: &Shape) -> Option<Overlap> {
+    let moving = Moving::new(*sweep, *shape, 0.0);
+    let error = moving.error();
+    if error <= FORBIDDEN_ERROR {
+        return tile.overlap(&moving, CONTACT);
+    }
+    tile.overlap(&moving, CONTACT - error)?;
+    let halves = [sweep.part(0.0, 0.5), sweep.part(0.5, 1.0)].map(|half| touch(tile, &half, shape));
+    halves.into_iter().flatten().reduce(|a, b| if b.depth > a.depth { b } else { a })
+}
+
+impl Said {
+    fn overlap(&mut self, ordinal: u32, what: Touched, overlap: Overlap) {
+        let before = self.overlaps.iter_mut().rev().take_while(|o| o.0 == ordinal);
+        match before.into_iter().find(|o| o.1 == what) {
+            Some(o) if o.2.depth < overlap.depth => o.2 = overlap,
+            Some(_) => {}
+            None => self.overlaps.push((ordinal, what, overlap)),
+        }
+    }
+
+    /// Takes away what the cutter sweeps in some of the steps of a run.
+    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Work) {
+        let cut = &run.steps[steps.clone()];
+        let whole = match cut {
+            [] => return,
+            [one] => one,
+            _ => match &run.whole {
+                Some(whole) => whole,
+                None => return,
+            },
+        };
+        let mut removals = [Removal::NONE; RUN];
+        tile.remove(&Run { whole, steps: cut, follows: run.follows && steps.start == 0 }, work, &mut removals);
+        for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
+            if removal.length > 0.0 {
+                match self.removals.last_mut() {
+                    Some((last, r)) if last == ordinal => r.add(removal),
+                    _ => self.removals.push((*ordinal, *removal)),
+                }
+            }
+        }
+    }
 }

@@ -2,10 +2,8 @@
 //!
 //! For a step that only shifts, the function of place and time is convex in both together, so that tangents bound it
 //! from below: the least over time is found with a known gap, and a ray that leaves the body never meets it again.
-//! Under a turn by w a point at a distance h from the tip runs on an arc: there the same holds but for h w^2 / 2, which
-//! [`super::most_turn`] keeps below [`super::END_ERROR`].
+//! Under a turn a point bends away from its tangent, seen from the body: there the same holds but for [`Sweep::bow`].
 
-use super::Step;
 use super::shape::Shape;
 use nalgebra::Vector3;
 
@@ -29,12 +27,29 @@ pub(super) struct Sweep {
 pub(super) struct Look {
     /// Value.
     pub(super) f: f64,
-    /// Derivative by the place.
-    pub(super) normal: Vector3<f64>,
+    /// Derivative along Z.
+    pub(super) rise: f64,
     /// Derivative by time.
     pub(super) slope: f64,
+    /// Half the second derivative by time, but for what the surface of the body adds, which is never negative.
+    pub(super) bend: f64,
     /// Time.
     pub(super) t: f64,
+}
+
+/// A line along Z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) x: f64,
+    pub(super) y: f64,
+}
+
+impl Line {
+    /// The point at a height.
+    #[inline]
+    pub(super) fn point(&self, z: f64) -> Vector3<f64> {
+        Vector3::new(self.x, self.y, z)
+    }
 }
 
 /// A pose of a moving tool with the speeds there.
@@ -43,76 +58,182 @@ pub(super) struct Pose {
     tip: Vector3<f64>,
     axis: Vector3<f64>,
     way: Vector3<f64>,
-    /// Derivative of the axis by time.
+    /// First and second derivative of the axis by time.
     turning: Vector3<f64>,
+    pull: Vector3<f64>,
+    /// Parts of the way along the axis, and along its derivative.
+    advance: f64,
+    swing: f64,
+    /// Square of the part of Z across the axis, and its inverse; inverse of the part along it. Zero when parallel.
+    square: f64,
+    by_square: f64,
+    by_along: f64,
     t: f64,
 }
 
 impl Pose {
-    /// The function at a place.
-    #[inline]
-    pub(super) fn look(&self, shape: &Shape, p: &Vector3<f64>) -> Look {
-        let d = p - self.tip;
+    /// Tip of the tool.
+    pub(super) fn tip(&self) -> &Vector3<f64> {
+        &self.tip
+    }
+
+    /// The function on a line at a height.
+    #[inline(always)]
+    pub(super) fn look(&self, shape: &Shape, line: &Line, z: f64) -> Look {
+        let d = line.point(z) - self.tip;
         let s = d.dot(&self.axis);
         let across = d - self.axis * s;
         let rho = across.norm();
-        let out = if rho > 1e-12 { across / rho } else { Vector3::zeros() };
+        let share = if rho > 1e-12 { 1.0 / rho } else { 0.0 };
         let v = shape.at(rho, s);
-        let turn = out.dot(&self.turning);
-        let slope = v.by_rho * (-out.dot(&self.way) - s * turn) + v.by_s * (rho * turn - self.axis.dot(&self.way));
-        Look { f: v.f, normal: out * v.by_rho + self.axis * v.by_s, slope, t: self.t }
-    }
-
-    /// Stretch of a line along a coordinate axis inside the body, its place given by `o` with zero along the line;
-    /// `None` when the line misses it, or when the shape has no closed form.
-    #[inline]
-    pub(super) fn inside(&self, shape: &Shape, axis: usize, o: &Vector3<f64>) -> Option<[f64; 2]> {
-        let d = o - self.tip;
-        let (along, s0) = (self.axis[axis], d.dot(&self.axis));
-        let disc = |from: f64, to: f64, radius: f64| {
-            // Between two planes across the axis, then inside the cylinder.
-            let (mut low, mut high) = if along.abs() > PARALLEL {
-                let (p, q) = ((from - s0) / along, (to - s0) / along);
-                (p.min(q), p.max(q))
-            } else if s0 > from && s0 < to {
-                (f64::NEG_INFINITY, f64::INFINITY)
-            } else {
-                return None;
-            };
-            let a = 1.0 - along * along;
-            let c = d.norm_squared() - s0 * s0 - radius * radius;
-            if a > PARALLEL {
-                let b = d[axis] - s0 * along;
-                let root = b * b - a * c;
-                if root <= 0.0 {
-                    return None;
-                }
-                let root = root.sqrt();
-                (low, high) = (low.max((-b - root) / a), high.min((-b + root) / a));
-            } else if c >= 0.0 {
-                return None;
-            }
-            (low < high).then_some([low, high])
-        };
-        match *shape {
-            Shape::Flat { radius, top } => disc(0.0, top, radius),
-            Shape::Ball { radius, top } if top > 2.0 * radius => {
-                let e = d - self.axis * radius;
-                let root = e[axis] * e[axis] - e.norm_squared() + radius * radius;
-                let ball = (root > 0.0).then(|| {
-                    let root = root.sqrt();
-                    [-e[axis] - root, -e[axis] + root]
-                });
-                // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
-                match (ball, disc(radius, top, radius)) {
-                    (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
-                    (one, None) | (None, one) => one,
-                }
-            }
-            _ => None,
+        // First and second derivative of the height, then of the distance from the axis.
+        let (s1, s2) = (d.dot(&self.turning) - self.advance, d.dot(&self.pull) - 2.0 * self.swing);
+        let turn = across.dot(&self.turning) * share;
+        let (r1, r2) =
+            (-across.dot(&self.way) * share - s * turn, -2.0 * s1 * turn - s * across.dot(&self.pull) * share);
+        Look {
+            f: v.f,
+            rise: across.z * share * v.by_rho + self.axis.z * v.by_s,
+            slope: v.by_rho * r1 + v.by_s * s1,
+            bend: 0.5 * (v.by_rho * r2 + v.by_s * s2),
+            t: self.t,
         }
     }
+
+    /// Where the body stands on a line; asked about the part a..b and all that may come there while no point of the body moves farther than `margin`.
+    #[inline(always)]
+    pub(super) fn stretch(&self, shape: &Shape, at: &Line, [a, b]: [f64; 2], margin: f64) -> Stretch {
+        let (ball, radius, top) = match *shape {
+            Shape::Flat { radius, top } => (false, radius, top),
+            Shape::Ball { radius, top } if top > 2.0 * radius => (true, radius, top),
+            _ => return self.stretch_by_tangents(shape, at, [a, b]),
+        };
+        let d = at.point(0.0) - self.tip;
+        let (along, s0) = (self.axis.z, d.dot(&self.axis));
+        let crosses = self.by_square > 0.0;
+        // Against the cylinder: distance from its axis, squared, less that of its radius.
+        let (line, off) = (d.z - s0 * along, d.norm_squared() - s0 * s0 - radius * radius);
+        let root = line * line - self.square * off;
+        let mut nearest = if crosses { -line * self.by_square } else { 0.5 * (a + b) };
+        let mut found = if crosses {
+            let half = if root > 0.0 { root.sqrt() * self.by_square } else { -1.0 };
+            [nearest - half, nearest + half]
+        } else if off < 0.0 {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            EMPTY
+        };
+        // Between two planes across its axis.
+        let planes = |from: f64, to: f64| {
+            let (p, q) = ((from - s0) * self.by_along, (to - s0) * self.by_along);
+            if self.by_along > 0.0 {
+                [p, q]
+            } else if self.by_along < 0.0 {
+                [q, p]
+            } else if s0 > from && s0 < to {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                EMPTY
+            }
+        };
+        let [low, high] = planes(if ball { radius } else { 0.0 }, top);
+        found = [found[0].max(low), found[1].min(high)];
+        nearest = nearest.min(high).max(low);
+        if ball {
+            let e = d - self.axis * radius;
+            let middle = -e.z;
+            let root = middle * middle - e.norm_squared() + radius * radius;
+            if root > 0.0 {
+                // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
+                let half = root.sqrt();
+                let other = if found[0] < found[1] { found } else { EMPTY };
+                found = [other[0].min(middle - half), other[1].max(middle + half)];
+            } else if s0 + along * nearest <= radius + 1e-9 {
+                nearest = middle;
+            }
+        }
+        if found[0] < found[1] {
+            return Stretch::Inside(found);
+        }
+        let wider = margin * (2.0 * radius + margin);
+        let wide = root + self.square * wider;
+        if (crosses && wide <= 0.0) || (!crosses && off >= wider) {
+            return Stretch::Away;
+        }
+        let [low, high] = planes(-margin, top + margin);
+        let mut within = [a.max(low), b.min(high)];
+        if crosses {
+            let (middle, half) = (-line * self.by_square, wide.sqrt() * self.by_square);
+            within = [within[0].max(middle - half), within[1].min(middle + half)];
+        }
+        if within[0] >= within[1] {
+            return Stretch::Away;
+        }
+        Stretch::Near { x: nearest.clamp(within[0], within[1]), within }
+    }
+
+    /// The same for any shape by tangents, along the part alone.
+    fn stretch_by_tangents(&self, shape: &Shape, line: &Line, [a, b]: [f64; 2]) -> Stretch {
+        let look = |z: f64| {
+            let look = self.look(shape, line, z);
+            (z, look.f, look.rise)
+        };
+        let near = |x: f64| Stretch::Near { x, within: [a, b] };
+        let (first, last) = (look(a), look(b));
+        // A place inside, or none.
+        let (mut low, mut high) = (first, last);
+        let mut inside = if first.1 < 0.0 { first } else { last };
+        for k in 0..MOST_LOOKS {
+            let best = if low.1 < high.1 { low } else { high };
+            if best.1 < 0.0 {
+                inside = best;
+                break;
+            }
+            if low.2 >= 0.0 || high.2 <= 0.0 {
+                return near(if low.2 >= 0.0 { low.0 } else { high.0 });
+            }
+            // Where the tangents meet.
+            let x = (high.1 - low.1 + low.2 * low.0 - high.2 * high.0) / (low.2 - high.2);
+            if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < GAP || k + 1 == MOST_LOOKS {
+                return near(best.0);
+            }
+            let x = if k % 3 == 2 { 0.5 * (low.0 + high.0) } else { x };
+            let middle = look(x.clamp(low.0, high.0));
+            if middle.2 > 0.0 { high = middle } else { low = middle }
+        }
+        // From outside tangents come to the surface without passing it.
+        let leave = |mut at: (f64, f64, f64), beyond: f64| {
+            if at.1 <= 0.0 {
+                return beyond;
+            }
+            for _ in 0..MOST_LOOKS {
+                let next = at.0 - at.1 / at.2;
+                if !next.is_finite() || (next - inside.0) * (at.0 - inside.0) <= 0.0 {
+                    return inside.0;
+                }
+                at = look(next);
+                if at.1 < GAP {
+                    break;
+                }
+            }
+            at.0
+        };
+        Stretch::Inside([leave(first, f64::NEG_INFINITY), leave(last, f64::INFINITY)])
+    }
 }
+
+/// Where a line is inside of a body that stands.
+pub(super) enum Stretch {
+    /// From here to there.
+    Inside([f64; 2]),
+    /// Nowhere: a place where it comes nearest, or about there, and the part that the body may reach.
+    Near { x: f64, within: [f64; 2] },
+    /// Nowhere, nor does it come to the part.
+    Away,
+}
+
+/// Of a line that misses.
+const EMPTY: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Square of a component below which a line is taken as parallel.
 const PARALLEL: f64 = 1e-9;
@@ -121,15 +242,39 @@ impl Sweep {
     /// The pose at a time with its speeds.
     pub(super) fn stand(&self, t: f64) -> Pose {
         let (tip, axis) = self.pose(t);
-        Pose { tip, axis, way: self.way, turning: self.axis[1] + self.axis[2] * (2.0 * t), t }
+        let turning = self.axis[1] + self.axis[2] * (2.0 * t);
+        let (advance, swing) = (axis.dot(&self.way), turning.dot(&self.way));
+        let square = 1.0 - axis.z * axis.z;
+        let by_square = if square > PARALLEL { 1.0 / square } else { 0.0 };
+        let by_along = if axis.z.abs() > PARALLEL { 1.0 / axis.z } else { 0.0 };
+        Pose {
+            tip,
+            axis,
+            way: self.way,
+            turning,
+            pull: self.axis[2] * 2.0,
+            advance,
+            swing,
+            square,
+            by_square,
+            by_along,
+            t,
+        }
     }
 
-    pub(super) fn new(step: &Step) -> Self {
-        let [a, m, b] = step.axes;
+    /// The motion through a pose at the start, an axis at half time, and a pose at the end.
+    pub(super) fn through(tips: [Vector3<f64>; 2], [a, m, b]: [Vector3<f64>; 3]) -> Self {
+        Self { tip: tips[0], way: tips[1] - tips[0], axis: [a, m * 4.0 - a * 3.0 - b, (a + b) * 2.0 - m * 4.0] }
+    }
+
+    /// The motion between two times.
+    pub(super) fn part(&self, from: f64, to: f64) -> Self {
+        let d = to - from;
+        let [_, linear, square] = self.axis;
         Self {
-            tip: step.tips[0].coords,
-            way: step.tips[1] - step.tips[0],
-            axis: [a, m * 4.0 - a * 3.0 - b, (a + b) * 2.0 - m * 4.0],
+            tip: self.tip + self.way * from,
+            way: self.way * d,
+            axis: [self.pose(from).1, (linear + square * (2.0 * from)) * d, square * (d * d)],
         }
     }
 
@@ -137,6 +282,37 @@ impl Sweep {
     #[inline]
     pub(super) fn pose(&self, t: f64) -> (Vector3<f64>, Vector3<f64>) {
         (self.tip + self.way * t, self.axis[0] + (self.axis[1] + self.axis[2] * t) * t)
+    }
+
+    /// Largest speed of the axis, radians in the time of the step.
+    pub(super) fn turn(&self) -> f64 {
+        let [_, linear, square] = self.axis;
+        // The speed is linear: largest at an end.
+        linear.norm().max((linear + square * 2.0).norm())
+    }
+
+    /// Half the largest acceleration, seen from the body, of a place that comes within `reach` of the tip: over a time t
+    /// the function may fall below its tangent by as much times t^2. Seen from a frame that turns by w and moves by v
+    /// the acceleration is r (w' + w^2) + 2 w v.
+    pub(super) fn bow(&self, reach: f64) -> f64 {
+        let turn = self.turn();
+        let pull = self.axis[2] * 2.0;
+        let middle = self.pose(0.5).1;
+        // Part of it that keeps the axis on the sphere is no acceleration of the turn. The axis leaves the middle by
+        // half the turn.
+        let gain = (pull - middle * pull.dot(&middle)).norm() + 0.5 * turn * pull.norm();
+        0.5 * (reach * (gain + turn * turn) + 2.0 * turn * self.way.norm())
+    }
+
+    /// Bound on what is left out when the function is told by a look with slope and bend, for a time of 1; it grows by
+    /// the third power of the time.
+    ///
+    /// The body is convex in distance from the axis, as a vector r, and height s over the tip. A tangent of it, by
+    /// (r, s) as they move, lies below it; what the parabola leaves out are the third derivatives of r, across the axis,
+    /// and s: with speed v, axis speed w and its derivative p at most 3 w (2 v w + h p) + 3 p (v + h w) + 3 v p (1 + w).
+    pub(super) fn twist(&self, reach: f64) -> f64 {
+        let (v, w, p) = (self.way.norm(), self.turn(), 2.0 * self.axis[2].norm());
+        0.5 * (w * (2.0 * v * w + reach * p) + p * (v + reach * w) + v * p * (1.0 + w))
     }
 
     /// Distance from the axis and height over the tip of a place at the start.
@@ -153,34 +329,43 @@ impl Sweep {
 
     /// The function at a place and a time.
     #[inline]
-    pub(super) fn look(&self, shape: &Shape, p: &Vector3<f64>, t: f64) -> Look {
-        self.stand(t).look(shape, p)
+    fn look(&self, shape: &Shape, line: &Line, z: f64, t: f64) -> Look {
+        self.stand(t).look(shape, line, z)
     }
 
-    /// Least over time at a place, from a first guess of the time. The value lies at most [`GAP`] below the true one,
-    /// or anywhere between `cutoff` and the true one.
-    #[inline]
-    pub(super) fn least(&self, shape: &Shape, p: &Vector3<f64>, guess: f64, cutoff: f64) -> Look {
-        let first = self.look(shape, p, guess);
-        let end = if first.slope > 0.0 { 0.0 } else { 1.0 };
-        let gap = first.slope * (first.t - end);
+    /// Least over a piece of the time at a place, from a first guess of the time, by tangents. The value lies at most
+    /// [`GAP`] below the true one, or anywhere between `cutoff` and the true one.
+    pub(super) fn least(
+        &self,
+        shape: &Shape,
+        line: &Line,
+        z: f64,
+        [from, to]: [f64; 2],
+        guess: f64,
+        cutoff: f64,
+    ) -> Look {
+        let first = self.look(shape, line, z, guess);
+        let end = if first.slope > 0.0 { from } else { to };
+        // How far it may fall to both sides.
+        let fall = |run: f64| (first.slope + first.bend.min(0.0) * run) * run;
+        let gap = -fall(from - first.t).min(fall(to - first.t)).min(0.0);
         if gap < GAP || first.f - gap > cutoff {
             return Look { f: first.f - gap, ..first };
         }
-        let other = self.look(shape, p, end);
-        if other.slope * (end - 0.5) <= 0.0 {
+        let other = self.look(shape, line, z, end);
+        if other.slope * (end - 0.5 * (from + to)) <= 0.0 {
             // Still falling at the end of the time.
             return other;
         }
-        let (mut low, mut high) = if end > 0.5 { (first, other) } else { (other, first) };
+        let (mut low, mut high) = if end > guess { (first, other) } else { (other, first) };
         for k in 0..MOST_LOOKS {
             // Tangents in time that cancel: a plane below the least over time.
             let share = high.slope / (high.slope - low.slope);
             let bound = (low.f - low.slope * low.t) * share + (high.f - high.slope * high.t) * (1.0 - share);
             let best = if low.f < high.f { low } else { high };
             if best.f - bound < GAP || bound > cutoff {
-                let normal = low.normal * share + high.normal * (1.0 - share);
-                return Look { f: bound, normal, slope: 0.0, t: best.t };
+                let rise = low.rise * share + high.rise * (1.0 - share);
+                return Look { f: bound, rise, slope: 0.0, ..best };
             }
             // Where the slope would vanish if it were linear; where the tangents meet, for kinks; the middle, for all.
             let t = match k % 3 {
@@ -188,7 +373,7 @@ impl Sweep {
                 1 => (high.f - low.f + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope),
                 _ => 0.5 * (low.t + high.t),
             };
-            let middle = self.look(shape, p, t.clamp(low.t, high.t));
+            let middle = self.look(shape, line, z, t.clamp(low.t, high.t));
             if middle.slope > 0.0 {
                 high = middle
             } else {
@@ -218,18 +403,30 @@ mod tests {
             axes: [axis(0.5, 0.3), axis(0.505, 0.305), axis(0.51, 0.31)],
         };
         let sweep = Sweep::new(&step);
-        let turn = step.axes[0].angle(&step.axes[2]);
         for shape in [Shape::Flat { radius: 3.0, top: 20.0 }, Shape::Ball { radius: 3.0, top: 20.0 }] {
             for k in 0..400 {
                 let x = f64::from(k);
                 let p = Vector3::new(2.0 + 6.0 * (x * 0.7).sin(), 2.0 + 6.0 * (x * 1.3).cos(), -4.0 + x * 0.06);
-                let brute =
-                    (0..=20_000).map(|i| sweep.look(&shape, &p, f64::from(i) / 20_000.0).f).fold(f64::MAX, f64::min);
+                let line = Line { x: p.x, y: p.y };
+                let brute = (0..=20_000)
+                    .map(|i| sweep.look(&shape, &line, p.z, f64::from(i) / 20_000.0).f)
+                    .fold(f64::MAX, f64::min);
+                let reach = (p - step.tips[0].coords).norm() + sweep.way.norm();
+                let (bow, twist) = (sweep.bow(reach), sweep.twist(reach));
                 for guess in [0.0, 0.4, 1.0] {
-                    let found = sweep.least(&shape, &p, guess, f64::INFINITY).f;
-                    // The bound of the module, at the turn of this step.
-                    let bound = GAP + 0.5 * (p - step.tips[0].coords).norm() * turn * turn + 1e-5;
-                    assert!((found - brute).abs() < bound, "{k} {guess}: {found} {brute}");
+                    let found = sweep.least(&shape, &line, p.z, [0.0, 1.0], guess, f64::INFINITY).f;
+                    assert!((found - brute).abs() < GAP + bow, "{k} {guess}: {found} {brute}");
+                }
+                // No look stands above what its tangent and the bow allow.
+                for i in 0..=20 {
+                    let (s, e) = (sweep.look(&shape, &line, p.z, f64::from(i) / 20.0), [0.0, 0.3, 1.0]);
+                    for t in e {
+                        let look = sweep.look(&shape, &line, p.z, t);
+                        let run = s.t - t;
+                        assert!(s.f > look.f + look.slope * run - bow * run * run - 1e-9, "{k} {i} {t}");
+                        let parabola = look.f + (look.slope + look.bend * run) * run;
+                        assert!(s.f > parabola - twist * run.abs().powi(3) - 1e-9, "{k} {i} {t}");
+                    }
                 }
             }
         }

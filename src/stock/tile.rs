@@ -1,11 +1,9 @@
-//! A square of 64 x 64 parallel rays, with maps of where along them material is left: one of groups of 4 x 4 rays, one
+//! A square of 64 x 64 rays along Z, with maps of where along them material is left: one of groups of 4 x 4 rays, one
 //! of groups of 16 x 16.
 
-use super::ray::{Ray, SKIN};
-use super::shape::Shape;
-use super::sweep::{GAP, Look, Pose, Sweep};
-use super::{Step, StepKind};
-use nalgebra::Vector3;
+use super::moving::{Chip, Moving};
+use super::ray::Ray;
+use super::sweep::Line;
 
 /// Rays along an edge of a tile.
 pub(super) const SIDE: usize = 64;
@@ -26,287 +24,6 @@ const MEMBERS: usize = GROUP * GROUP;
 /// surface that was cut before.
 const NOTABLE: f64 = 0.01;
 
-/// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
-/// below.
-const MOST_NEWTON: u32 = 40;
-
-/// A body of one tool over one step, with its bounds.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moving {
-    pub(super) sweep: Sweep,
-    pub(super) shape: Shape,
-    pub(super) kind: StepKind,
-    /// True when the same body has just swept to where this one starts: no material is inside of it there.
-    pub(super) follows: bool,
-    /// Turn of the axis, radians, a little more: by as much less than convex is the function along a line and in time.
-    turn: f64,
-    /// Corners of a box around all of it.
-    pub(super) low: [f64; 3],
-    pub(super) high: [f64; 3],
-    /// Pose at half time.
-    tip: Vector3<f64>,
-    axis: Vector3<f64>,
-    /// Cylinder about the middle pose that holds the whole sweep: heights and radius.
-    from: f64,
-    to: f64,
-    radius: f64,
-    /// Unit vector across way and axis.
-    side: Vector3<f64>,
-    /// Poses at start and end.
-    ends: [Pose; 2],
-}
-
-/// Added to bounds for the sag of the arcs that points run on between the three poses: 1e-3 of 100 mm at a degree.
-const SAG: f64 = 5e-3;
-
-impl Moving {
-    pub(super) fn new(step: &Step, shape: Shape, follows: bool) -> Self {
-        let sweep = Sweep::new(step);
-        let (from, to, radius) = shape.extent();
-        let (tip, axis) = sweep.pose(0.5);
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for t in [0.0, 0.5, 1.0] {
-            let (tip, axis) = sweep.pose(t);
-            for k in 0..3 {
-                let wide = radius * (1.0 - axis[k] * axis[k]).max(0.0).sqrt() + SAG;
-                let (a, b) = (tip[k] + axis[k] * from, tip[k] + axis[k] * to);
-                low[k] = low[k].min(a.min(b) - wide);
-                high[k] = high[k].max(a.max(b) + wide);
-            }
-        }
-        let turn = (step.axes[0] - axis).norm().max((step.axes[2] - axis).norm());
-        let whole = 1.01 * ((step.axes[0] - axis).norm() + (step.axes[2] - axis).norm());
-        let moved = 0.5 * sweep.way().norm() + turn * (from.abs().max(to.abs()) + radius) + SAG;
-        let across = axis.cross(sweep.way());
-        // A plunge has no side: any will do.
-        let side = across.try_normalize(0.05 * sweep.way().norm() + 1e-12).unwrap_or_else(|| {
-            let least = axis.iamin();
-            let mut unit = Vector3::zeros();
-            unit[least] = 1.0;
-            axis.cross(&unit).normalize()
-        });
-        let (from, to, radius) = (from - moved, to + moved, radius + moved);
-        let ends = [sweep.stand(0.0), sweep.stand(1.0)];
-        Self { ends, sweep, shape, kind: step.kind, follows, turn: whole, low, high, tip, axis, from, to, radius, side }
-    }
-
-    /// Part of a line along an axis that can lie within `lateral` of the sweep; `o` has zero along the axis.
-    fn window(&self, axis: usize, o: &Vector3<f64>, lateral: f64) -> Option<[f64; 2]> {
-        let w = o - self.tip;
-        let (along, s0) = (self.axis[axis], w.dot(&self.axis));
-        let a = 1.0 - along * along;
-        let b = w[axis] - s0 * along;
-        let radius = self.radius + lateral;
-        let c = w.norm_squared() - s0 * s0 - radius * radius;
-        let (mut low, mut high) = (self.low[axis] - lateral, self.high[axis] + lateral);
-        if a > 1e-9 {
-            let root = b * b - a * c;
-            if root < 0.0 {
-                return None;
-            }
-            let (middle, half) = (-b / a, root.sqrt() / a);
-            (low, high) = (low.max(middle - half), high.min(middle + half));
-        } else if c > 1e-3 {
-            return None;
-        }
-        if along.abs() > 1e-6 {
-            let (p, q) = ((self.from - lateral - s0) / along, (self.to + lateral - s0) / along);
-            (low, high) = (low.max(p.min(q)), high.min(p.max(q)));
-        }
-        (low < high).then_some([low, high])
-    }
-
-    /// True when no point within `lateral` of the stretch a..b of a line can lie inside the sweep.
-    fn clear(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], lateral: f64, guess: &mut f64) -> bool {
-        let at = |x: f64| {
-            let mut p = *o;
-            p[axis] = x;
-            p
-        };
-        let first = self.sweep.least(&self.shape, &at(a), *guess, lateral);
-        *guess = first.t;
-        if first.f > lateral && first.normal[axis] >= self.turn {
-            return true;
-        }
-        let last = self.sweep.least(&self.shape, &at(b), *guess, lateral);
-        *guess = last.t;
-        if last.f > lateral && last.normal[axis] <= -self.turn {
-            return true;
-        }
-        let (da, db) = (first.normal[axis] - self.turn, last.normal[axis] + self.turn);
-        if da < 0.0 && db > 0.0 {
-            // Where the tangents meet lies below the least.
-            let share = db / (db - da);
-            return first.f * share + last.f * (1.0 - share) + (b - a) * share * da > lateral;
-        }
-        false
-    }
-
-    /// The stretch of material a..b that lies inside the sweep, with the times at its ends; `middle` is about where the
-    /// body is.
-    fn cut(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], middle: f64, guess: &mut f64) -> Option<Chip> {
-        let (near, far, sign) = if a >= middle {
-            (a, b, 1.0)
-        } else if b <= middle {
-            (b, a, -1.0)
-        } else {
-            return self.cut_from_both(axis, o, [a, b], guess);
-        };
-        let at = |x: f64| {
-            let mut p = *o;
-            p[axis] = x;
-            p
-        };
-        // Tangents at a look: no place of the material comes deeper than the skin at any time.
-        let untouched = |look: &Look| {
-            let leaving = look.normal[axis] * sign - self.turn;
-            let end = if look.slope > 0.0 { 0.0 } else { 1.0 };
-            leaving >= 0.0 && look.f + look.slope * (end - look.t) > -SKIN * leaving
-        };
-        let first = usize::from(*guess > 0.5);
-        let mut inside = false;
-        for n in [first, 1 - first] {
-            let look = self.ends[n].look(&self.shape, &at(near));
-            if untouched(&look) {
-                *guess = look.t;
-                return None;
-            }
-            inside |= n == 1 && look.f < 0.0;
-        }
-        if inside && let Some([low, high]) = self.ends[1].inside(&self.shape, axis, o) {
-            let exit = if sign > 0.0 { high } else { low };
-            let whole = (exit - far) * sign >= 0.0;
-            // Where the body still comes nearer at its end, no other time reaches farther.
-            if whole || {
-                let look = self.ends[1].look(&self.shape, &at(exit));
-                look.slope < GAP && look.f.abs() < GAP
-            } {
-                *guess = 1.0;
-                let exit = if whole { far } else { exit };
-                let chip = Chip { from: near.min(exit), to: near.max(exit), times: [1.0; 2] };
-                return (chip.to - chip.from > SKIN).then_some(chip);
-            }
-        }
-        self.cut_from_both(axis, o, [a, b], guess)
-    }
-
-    /// The same by tangents from both ends of the stretch.
-    fn cut_from_both(&self, axis: usize, o: &Vector3<f64>, [a, b]: [f64; 2], guess: &mut f64) -> Option<Chip> {
-        let at = |x: f64| {
-            let mut p = *o;
-            p[axis] = x;
-            p
-        };
-        let least = |x: f64, guess: f64, cutoff: f64| self.sweep.least(&self.shape, &at(x), guess, cutoff);
-        let first = least(a, *guess, GAP);
-        *guess = first.t;
-        let leaving = first.normal[axis] - self.turn;
-        if leaving >= 0.0 && (first.f > GAP || -first.f < SKIN * leaving) {
-            return None;
-        }
-        let last = least(b, *guess, GAP);
-        let leaving = -last.normal[axis] - self.turn;
-        if leaving >= 0.0 && (last.f > GAP || -last.f < SKIN * leaving) {
-            *guess = last.t;
-            return None;
-        }
-        // Tangent steps from an end that lies outside, steeper by the turn. Should one end inside all the same, it is
-        // taken back by the secant, which lies between.
-        let approach = |mut x: f64, mut look: super::sweep::Look, sign: f64| {
-            let mut outside: Option<(f64, f64)> = None;
-            for _ in 0..MOST_NEWTON {
-                match outside {
-                    _ if look.f.abs() <= GAP => return Some((x, look.t)),
-                    None if look.f < 0.0 => return Some((x, look.t)),
-                    Some((far, f)) if look.f < 0.0 => x += (far - x) * look.f / (look.f - f),
-                    _ => {
-                        outside = Some((x, look.f));
-                        let down = look.normal[axis] * sign - self.turn;
-                        if down >= 0.0 {
-                            return None;
-                        }
-                        x -= sign * look.f / down;
-                    }
-                }
-                if !(a..=b).contains(&x) {
-                    return None;
-                }
-                look = least(x, look.t, f64::INFINITY);
-            }
-            Some((x, look.t))
-        };
-        let (from, t_from) = approach(a, first, 1.0)?;
-        let (to, t_to) = approach(b, last, -1.0)?;
-        *guess = t_from;
-        (to - from > SKIN).then_some(Chip { from, to, times: [t_from, t_to] })
-    }
-
-    /// True when the sweep takes nothing from the rays of a group that has material from `starts` on, `sign` telling the
-    /// direction: at its start the body was outside of all of it, and from there on it moves away.
-    fn behind(&self, axis: usize, o: &Vector3<f64>, starts: [f64; 2], sign: f64, lateral: f64) -> bool {
-        let reach = lateral.hypot(0.5 * (starts[1] - starts[0]));
-        let mut p = *o;
-        p[axis] = 0.5 * (starts[0] + starts[1]);
-        let look = self.sweep.look(&self.shape, &p, 0.0);
-        if look.slope <= 0.0 || look.normal[axis] * sign <= self.turn {
-            return false;
-        }
-        let (rho, s) = self.sweep.at_start(&p);
-        let bend = self.shape.bend(rho, s, reach);
-        let speed = self.sweep.way().norm() + self.turn * (rho.hypot(s) + reach);
-        look.slope > bend * speed + self.turn * reach && look.normal[axis] * sign > bend + self.turn
-    }
-
-    /// Place of the deepest point inside the sweep on a stretch, and its depth; `None` when none is deeper than `least`.
-    fn deepest(
-        &self,
-        axis: usize,
-        o: &Vector3<f64>,
-        [a, b]: [f64; 2],
-        least: f64,
-        guess: &mut f64,
-    ) -> Option<(f64, f64)> {
-        let look = |x: f64, guess: f64| {
-            let mut p = *o;
-            p[axis] = x;
-            self.sweep.least(&self.shape, &p, guess, f64::INFINITY)
-        };
-        let (mut low, mut high) = ((a, look(a, *guess)), (b, look(b, *guess)));
-        *guess = low.1.t;
-        let mut best = if low.1.f < high.1.f { (low.0, low.1.f) } else { (high.0, high.1.f) };
-        // Tangents again, now along the ray.
-        for k in 0..MOST_NEWTON {
-            let (da, db) = (low.1.normal[axis], high.1.normal[axis]);
-            if da >= 0.0 || db <= 0.0 {
-                break;
-            }
-            let share = db / (db - da);
-            let bound = (low.1.f - da * low.0) * share + (high.1.f - db * high.0) * (1.0 - share);
-            if bound > -least || best.1 - bound < GAP {
-                break;
-            }
-            let x = if k % 2 == 0 {
-                low.0 + (high.0 - low.0) * (1.0 - share)
-            } else {
-                (high.1.f - low.1.f + da * low.0 - db * high.0) / (da - db)
-            };
-            let middle = (x.clamp(low.0, high.0), look(x.clamp(low.0, high.0), low.1.t));
-            if middle.1.f < best.1 {
-                best = (middle.0, middle.1.f);
-            }
-            if middle.1.normal[axis] > 0.0 { high = middle } else { low = middle }
-        }
-        (-best.1 > least).then_some((best.0, -best.1))
-    }
-}
-
-/// What one step takes from one stretch of a ray.
-struct Chip {
-    from: f64,
-    to: f64,
-    times: [f64; 2],
-}
-
 /// What a block takes from the rays of a tile, or of a family.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Removal {
@@ -321,6 +38,21 @@ pub(super) struct Removal {
 impl Removal {
     pub(super) const NONE: Self =
         Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], side: [f64::INFINITY, f64::NEG_INFINITY] };
+
+    /// Adds what a step takes from a line.
+    fn take(&mut self, step: &Moving, line: &Line, chip: &Chip) {
+        self.length += chip.to - chip.from;
+        if chip.to - chip.from < NOTABLE {
+            return;
+        }
+        for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
+            let (tip, axis) = step.sweep.pose(t);
+            let d = line.point(x) - tip;
+            let (s, across) = (d.dot(&axis), d.dot(&step.side));
+            self.height = [self.height[0].min(s), self.height[1].max(s)];
+            self.side = [self.side[0].min(across), self.side[1].max(across)];
+        }
+    }
 
     pub(super) fn add(&mut self, other: &Self) {
         self.length += other.length;
@@ -341,8 +73,7 @@ pub(super) struct Overlap {
 /// 64 x 64 rays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tile {
-    axis: usize,
-    /// Place of the first ray on the next two axes.
+    /// Place of the first ray.
     origin: [f64; 2],
     cell: f64,
     /// Rays along both edges, at most [`SIDE`]; the others are empty.
@@ -392,7 +123,6 @@ fn set(words: &mut [u64], [from, to]: [usize; 2]) {
 impl Tile {
     /// A tile of `count` rays whose intervals `make` gives.
     pub(super) fn new(
-        axis: usize,
         origin: [f64; 2],
         cell: f64,
         depth: [f64; 2],
@@ -402,7 +132,6 @@ impl Tile {
         let brick = cell * GROUP as f64;
         let words = ((depth[1] - depth[0]) / brick / 64.0).floor() as usize + 1;
         let mut tile = Self {
-            axis,
             origin,
             cell,
             count,
@@ -453,13 +182,12 @@ impl Tile {
 
     /// True when a box can meet material of the tile.
     pub(super) fn meets(&self, low: &[f64; 3], high: &[f64; 3]) -> bool {
-        if self.is_empty() || low[self.axis] > self.extent[1] || high[self.axis] < self.extent[0] {
+        if self.is_empty() || low[2] > self.extent[1] || high[2] < self.extent[0] {
             return false;
         }
-        let across = super::field::across(self.axis);
         (0..2).all(|k| {
             let last = self.origin[k] + self.cell * (self.count[k] as f64 - 1.0);
-            low[across[k]] <= last && high[across[k]] >= self.origin[k]
+            low[k] <= last && high[k] >= self.origin[k]
         })
     }
 
@@ -491,28 +219,23 @@ impl Tile {
         }
     }
 
-    /// Visits the rays that a moving body may meet, each with the line of the ray and the stretch in question; what the
-    /// visitor says tells whether the ray was changed.
+    /// Visits the rays that a moving body may meet; what the visitor says tells whether the ray was changed. `follows`
+    /// tells that no material lies inside of the body at its start.
     fn visit(
         &mut self,
         moving: &Moving,
-        mut visitor: impl FnMut(&mut Ray, &Vector3<f64>, [f64; 2], f64, &mut f64) -> bool,
+        follows: bool,
+        mut visitor: impl FnMut(&mut Ray, &Line, &Group, &mut f64) -> bool,
     ) {
-        let [u, v] = super::field::across(self.axis);
         // Rays of the tile inside the box of the sweep.
-        let span = |k: usize, axis: usize| {
-            let first = ((moving.low[axis] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
-            let last = ((moving.high[axis] - self.origin[k]) / self.cell).floor();
+        let span = |k: usize| {
+            let first = ((moving.low[k] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
+            let last = ((moving.high[k] - self.origin[k]) / self.cell).floor();
             (last >= 0.0).then(|| (first, (last as usize).min(self.count[k] - 1))).filter(|(a, b)| a <= b)
         };
-        let (Some(iu), Some(iv)) = (span(0, u), span(1, v)) else { return };
+        let (Some(iu), Some(iv)) = (span(0), span(1)) else { return };
         let (origin, cell) = (self.origin, self.cell);
-        let line = |i: f64, j: f64| {
-            let mut o = Vector3::zeros();
-            o[u] = origin[0] + cell * i;
-            o[v] = origin[1] + cell * j;
-            o
-        };
+        let line = |i: f64, j: f64| Line { x: origin[0] + cell * i, y: origin[1] + cell * j };
         let half = |rays: usize| 0.5 * (rays as f64 - 1.0);
         let lateral = |rays: usize| half(rays) * self.cell * std::f64::consts::SQRT_2;
         let (lateral_fine, lateral_coarse) = (lateral(GROUP), lateral(GROUP * GROUP));
@@ -522,36 +245,37 @@ impl Tile {
             for ci in iu.0 / WIDE..=iu.1 / WIDE {
                 let coarse = cj * COARSE + ci;
                 let o = line((ci * WIDE) as f64 + half(WIDE), (cj * WIDE) as f64 + half(WIDE));
-                let Some([a, b]) = moving.window(self.axis, &o, lateral_coarse) else { continue };
+                let Some([a, b]) = moving.window(&o, lateral_coarse) else { continue };
                 if !any(&self.coarse[coarse * self.words..][..self.words], [self.bit(a), self.bit(b)]) {
                     continue;
                 }
                 let mut changed = false;
                 for fj in (cj * GROUP).max(iv.0 / GROUP)..=(cj * GROUP + GROUP - 1).min(iv.1 / GROUP) {
                     for fi in (ci * GROUP).max(iu.0 / GROUP)..=(ci * GROUP + GROUP - 1).min(iu.1 / GROUP) {
-                        let group = fj * FINE + fi;
-                        let o = line((fi * GROUP) as f64 + half(GROUP), (fj * GROUP) as f64 + half(GROUP));
-                        let Some(window) = moving.window(self.axis, &o, lateral_fine) else { continue };
-                        let middle = 0.5 * (window[0] + window[1]);
+                        let number = fj * FINE + fi;
+                        let middle = line((fi * GROUP) as f64 + half(GROUP), (fj * GROUP) as f64 + half(GROUP));
+                        let Some(window) = moving.window(&middle, lateral_fine) else { continue };
                         let bits = [self.bit(window[0]), self.bit(window[1])];
-                        if !any(&self.fine[group * self.words..][..self.words], bits) {
+                        if !any(&self.fine[number * self.words..][..self.words], bits) {
                             continue;
                         }
-                        let members = &mut self.rays[group * MEMBERS..(group + 1) * MEMBERS];
-                        let Some(window) = narrow(members, moving, self.axis, &o, window, lateral_fine, &mut guess)
-                        else {
-                            continue;
-                        };
+                        let members = &mut self.rays[number * MEMBERS..(number + 1) * MEMBERS];
+                        let centre = 0.5 * (window[0] + window[1]);
+                        let mut group = Group { middle, lateral: lateral_fine, window, centre };
+                        match group.narrow(members, moving, follows, &mut guess) {
+                            Some(part) => group.window = part,
+                            None => continue,
+                        }
                         let mut cut = false;
                         for (n, ray) in members.iter_mut().enumerate() {
                             if ray.is_empty() {
                                 continue;
                             }
                             let (i, j) = (fi * GROUP + n % GROUP, fj * GROUP + n / GROUP);
-                            cut |= visitor(ray, &line(i as f64, j as f64), window, middle, &mut guess);
+                            cut |= visitor(ray, &line(i as f64, j as f64), &group, &mut guess);
                         }
                         if cut {
-                            self.map_fine(group);
+                            self.map_fine(number);
                             changed = true;
                         }
                     }
@@ -563,54 +287,50 @@ impl Tile {
         }
     }
 
-    /// Takes away what a moving cutter sweeps.
-    pub(super) fn remove(&mut self, moving: &Moving, cuts: &mut Vec<[f64; 2]>) -> Removal {
-        let axis = self.axis;
-        let mut removal = Removal::NONE;
-        self.visit(moving, |ray, o, window, middle, guess| {
-            cuts.clear();
-            for [a, b] in ray.intervals() {
-                let part = [a.max(window[0]), b.min(window[1])];
-                if part[0] >= part[1] {
+    /// Takes away what a cutter sweeps in the steps of a run, and adds to the removal of each.
+    pub(super) fn remove(&mut self, run: &Run, work: &mut Work, removals: &mut [Removal]) {
+        let steps = run.steps;
+        self.visit(run.whole, run.follows, |ray, line, group, _| {
+            let part = |[a, b]: [f64; 2]| [a.max(group.window[0]), b.min(group.window[1])];
+            if steps.len() > 1
+                && ray.intervals().map(part).all(|p| p[0] >= p[1] || run.whole.leaves(line, p, &mut work.settled))
+            {
+                return false;
+            }
+            let mut changed = false;
+            for (step, removal) in steps.iter().zip(removals.iter_mut()) {
+                work.chips.clear();
+                for p in ray.intervals().map(part).filter(|p| p[0] < p[1]) {
+                    step.cut(line, p, &mut work.settled, &mut work.chips);
+                }
+                if work.chips.is_empty() {
                     continue;
                 }
-                let Some(chip) = moving.cut(axis, o, part, middle, guess) else { continue };
-                cuts.push([chip.from, chip.to]);
-                removal.length += chip.to - chip.from;
-                if chip.to - chip.from < NOTABLE {
-                    continue;
+                changed = true;
+                for chip in &work.chips {
+                    removal.take(step, line, chip);
                 }
-                for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
-                    let (tip, axis_now) = moving.sweep.pose(t);
-                    let mut d = o - tip;
-                    d[axis] += x;
-                    let (s, across) = (d.dot(&axis_now), d.dot(&moving.side));
-                    removal.height = [removal.height[0].min(s), removal.height[1].max(s)];
-                    removal.side = [removal.side[0].min(across), removal.side[1].max(across)];
-                }
+                work.chips.sort_by(|x, y| x.from.total_cmp(&y.from));
+                work.cuts.clear();
+                work.cuts.extend(work.chips.iter().map(|c| [c.from, c.to]));
+                ray.subtract(&work.cuts);
             }
-            if !cuts.is_empty() {
-                ray.subtract(cuts);
-            }
-            !cuts.is_empty()
+            changed
         });
-        removal
     }
 
     /// The deepest place of material inside a moving body, when deeper than `least`.
     pub(super) fn overlap(&mut self, moving: &Moving, least: f64) -> Option<Overlap> {
-        let axis = self.axis;
         let mut worst: Option<Overlap> = None;
-        self.visit(moving, |ray, o, window, _, guess| {
+        self.visit(moving, false, |ray, line, group, guess| {
             for [a, b] in ray.intervals() {
-                let part = [a.max(window[0]), b.min(window[1])];
+                let part = [a.max(group.window[0]), b.min(group.window[1])];
                 if part[0] >= part[1] {
                     continue;
                 }
                 let least = worst.map_or(least, |w| w.depth);
-                if let Some((x, depth)) = moving.deepest(axis, o, part, least, guess) {
-                    let mut p = *o;
-                    p[axis] = x;
+                if let Some((x, depth)) = moving.deepest(line, part, least, guess) {
+                    let p = line.point(x);
                     let height = (p - moving.tip).dot(&moving.axis);
                     worst = Some(Overlap { depth, point: [p.x, p.y, p.z], height });
                 }
@@ -621,46 +341,69 @@ impl Tile {
     }
 }
 
-/// The half or whole of a window in which the rays of a group may meet the sweep; `None` when they do not.
-fn narrow(
-    members: &[Ray],
-    moving: &Moving,
-    axis: usize,
-    o: &Vector3<f64>,
-    [a, b]: [f64; 2],
+/// A run of steps of a cutter.
+pub(super) struct Run<'a> {
+    /// All of it as one motion.
+    pub(super) whole: &'a Moving,
+    /// Its steps in order.
+    pub(super) steps: &'a [Moving],
+    /// True when the same body has just swept to where this one starts: no material is inside of it there.
+    pub(super) follows: bool,
+}
+
+/// Room that the removal works in.
+#[derive(Default)]
+pub(super) struct Work {
+    chips: Vec<Chip>,
+    cuts: Vec<[f64; 2]>,
+    /// End of time that settled the last question.
+    settled: usize,
+}
+
+/// A fine group of rays with the stretch in which a body may meet it.
+struct Group {
+    /// Line amid the rays, which lie within `lateral` of it.
+    middle: Line,
     lateral: f64,
-    guess: &mut f64,
-) -> Option<[f64; 2]> {
-    let middle = 0.5 * (a + b);
-    const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
-    // Extents of the material, and of its ends towards the middle.
-    let (mut below, mut above, mut ends, mut starts) = (NONE, NONE, NONE, NONE);
-    let join = |x: &mut [f64; 2], from: f64, to: f64| *x = [x[0].min(from), x[1].max(to)];
-    for [from, to] in members.iter().flat_map(Ray::intervals) {
-        let (from, to) = (from.max(a), to.min(b));
-        if from >= to {
-            continue;
+    window: [f64; 2],
+    /// About where the body is.
+    centre: f64,
+}
+
+impl Group {
+    /// The half or whole of the window in which the rays may meet the sweep; `None` when they do not.
+    fn narrow(&self, members: &[Ray], moving: &Moving, follows: bool, guess: &mut f64) -> Option<[f64; 2]> {
+        let ([a, b], middle) = (self.window, self.centre);
+        const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+        // Extents of the material, and of its ends towards the middle.
+        let (mut below, mut above, mut ends, mut starts) = (NONE, NONE, NONE, NONE);
+        let join = |x: &mut [f64; 2], from: f64, to: f64| *x = [x[0].min(from), x[1].max(to)];
+        for [from, to] in members.iter().flat_map(Ray::intervals) {
+            let (from, to) = (from.max(a), to.min(b));
+            if from >= to {
+                continue;
+            }
+            if from < middle {
+                let end = to.min(middle);
+                join(&mut below, from, end);
+                join(&mut ends, end, end);
+            }
+            if to > middle {
+                let start = from.max(middle);
+                join(&mut above, start, to);
+                join(&mut starts, start, start);
+            }
         }
-        if from < middle {
-            let end = to.min(middle);
-            join(&mut below, from, end);
-            join(&mut ends, end, end);
+        let mut open = |part: [f64; 2], ends: [f64; 2], sign: f64| {
+            part[0] < part[1]
+                && !(follows && moving.behind(&self.middle, ends, sign, self.lateral))
+                && !moving.clear(&self.middle, part, self.lateral, guess)
+        };
+        match (open(below, ends, -1.0), open(above, starts, 1.0)) {
+            (false, false) => None,
+            (true, false) => Some([a, middle]),
+            (false, true) => Some([middle, b]),
+            (true, true) => Some([a, b]),
         }
-        if to > middle {
-            let start = from.max(middle);
-            join(&mut above, start, to);
-            join(&mut starts, start, start);
-        }
-    }
-    let mut open = |part: [f64; 2], ends: [f64; 2], sign: f64| {
-        part[0] < part[1]
-            && !(moving.follows && moving.behind(axis, o, ends, sign, lateral))
-            && !moving.clear(axis, o, part, lateral, guess)
-    };
-    match (open(below, ends, -1.0), open(above, starts, 1.0)) {
-        (false, false) => None,
-        (true, false) => Some([a, middle]),
-        (false, true) => Some([middle, b]),
-        (true, true) => Some([a, b]),
     }
 }

@@ -232,17 +232,15 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let mut places: Vec<StepPlace> = Vec::new();
-    let stream = operation
-        .moves
-        .windows(2)
-        .enumerate()
-        .flat_map(|(i, pair)| work.step(steps(program, pair, i + 1, solid.flute_length)))
-        .map(|(place, step)| {
-            // Each step is a block of its own to the engine: moves may be long.
-            let block = u32::try_from(places.len()).unwrap_or(u32::MAX);
-            places.push(place);
-            Step { block, ..step }
-        });
+    let stream =
+        operation.moves.windows(2).enumerate().flat_map(|(i, pair)| work.step(steps(program, pair, i + 1))).map(
+            |(place, step)| {
+                // Each step is a block of its own to the engine: moves may be long.
+                let block = u32::try_from(places.len()).unwrap_or(u32::MAX);
+                places.push(place);
+                Step { block, ..step }
+            },
+        );
     let outcome = stock::simulate(field, solid, stream);
     let at = |step: u32| At {
         operation: u32::try_from(o).unwrap_or(u32::MAX),
@@ -352,7 +350,6 @@ fn steps<'a>(
     program: &'a Program,
     pair: &'a [JointMove],
     index: usize,
-    flute_length: f64,
 ) -> impl Iterator<Item = (StepPlace, Step)> + use<'a> {
     let (from, to) = (pair[0].joints, pair[1].joints);
     let (kind, time) = (pair[1].kind, pair[1].time);
@@ -360,7 +357,7 @@ fn steps<'a>(
     let way = tips[1] - tips[0];
     // A and C turn about axes at right angles: the turn of the tool is at most this.
     let turn = (to.a - from.a).hypot(to.c - from.c);
-    let count = (turn / stock::most_turn(flute_length)).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+    let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
     let axis = move |t: f64| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
     (0..count as usize).map(move |k| {
         let (a, b) = (k as f64 / count, (k + 1) as f64 / count);
