@@ -7,10 +7,11 @@
 //! - *below*, F lies above its tangent at any (p*, t*). At the joint minimum over cell and piece that tangent is level,
 //!   and the bound is as sharp as the bend and the bulge of the cell allow ([`Sweep::below`]);
 //! - *above*, F at a mean of corners and times is at most the mean of F at the corners, each at its own best time
-//!   ([`Sweep::along`]). No term with the radius of the cutter enters: the cutter follows the cell.
+//!   (`roof.rs`). No term with the radius of the cutter enters: the cutter follows the cell.
 
-use super::sweep::{Drift, Piece, Spans, Sweep, Touch};
-use crate::collide::{Cutter, ToolSolid};
+use super::capsule::{Ball, Capsule, Foot};
+use super::sweep::{Piece, Spans, Sweep, Touch};
+use crate::collide::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
 
 /// Slope over a cell, mm, that counts as level.
@@ -22,8 +23,8 @@ const ROUNDS: usize = 4;
 /// What a bound may give away to the bend of a piece before the piece is halved, mm.
 const BEND_SLACK: f64 = 1e-4;
 
-/// How much farther the ball at the tip may be than the cutter where it still serves for bounds from above, mm.
-const ON_BALL: f64 = 1e-5;
+/// How far beyond its goal a bound by the curvature of a ball is still told apart, mm.
+const BEYOND: f64 = 1e-3;
 
 /// A cell of a surface: the biquadratic through nine of its points, thickened.
 #[derive(Clone, Copy, Debug)]
@@ -35,13 +36,13 @@ pub(super) struct Hull {
     /// Distance of the farthest point from the middle.
     pub(super) radius: f64,
     /// Control points of the biquadratic relative to the middle; their hull holds it.
-    control: [Vector3<f64>; 9],
+    pub(super) control: [Vector3<f64>; 9],
     /// Control points of edges and middle relative to those of the bilinear through the corners.
-    bulge: [Vector3<f64>; 5],
+    pub(super) bulge: [Vector3<f64>; 5],
     /// Half sides.
     sides: [Vector3<f64>; 2],
     /// Thickness about the biquadratic.
-    thickness: f64,
+    pub(super) thickness: f64,
 }
 
 impl Hull {
@@ -79,35 +80,35 @@ impl Hull {
         from.dot(gradient) - least + self.thickness
     }
 
-    /// Most that it rises from the middle.
-    pub(super) fn rise(&self, gradient: &Vector3<f64>) -> f64 {
-        self.control.iter().map(|c| c.dot(gradient)).fold(f64::NEG_INFINITY, f64::max) + self.thickness
-    }
-
     /// Area, mm2.
     pub(super) fn area(&self) -> f64 {
         let [a, b, c, d] = self.corners;
         0.5 * (d - a).cross(&(c - b)).norm()
     }
 
-    /// Least over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it.
-    fn least_curved(&self, at: [f64; 2], gradient: &Vector3<f64>, across: &Vector3<f64>, k: f64) -> f64 {
-        let from = self.at(at);
+    /// Least over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it, with the
+    /// best k of at most `most`: any share of a curvature holds, and the best one balances that of the surface.
+    fn least_curved(&self, at: [f64; 2], gradient: &Vector3<f64>, across: &Vector3<f64>, most: f64) -> f64 {
+        const PLACE: [f64; 3] = [-1.0, 0.0, 1.0];
+        const SQUARE: [f64; 3] = [1.0, -1.0, 1.0];
+        const SHARES: usize = 4;
+        let along = self.at(at).dot(gradient);
         // e . (p - from) is linear up to what the bulge adds.
         let (a, b) = (across.dot(&self.sides[0]), across.dot(&self.sides[1]));
         let c = -a * at[0] - b * at[1];
         let widest = a.abs() + b.abs() + c.abs();
-        const PLACE: [f64; 3] = [-1.0, 0.0, 1.0];
-        const SQUARE: [f64; 3] = [1.0, -1.0, 1.0];
-        let (mut least, mut stray) = (f64::INFINITY, 0.0_f64);
-        for (n, control) in self.control.iter().enumerate() {
+        let mut stray = 0.0_f64;
+        let parts: [(f64, f64); 9] = std::array::from_fn(|n| {
             let (i, j) = (n / 3, n % 3);
             let (x, y) = (PLACE[i], PLACE[j]);
             let square = a * a * SQUARE[i] + b * b * SQUARE[j] + c * c + 2.0 * (a * b * x * y + c * (a * x + b * y));
-            least = least.min((control - from).dot(gradient) + k * square);
-            stray = stray.max((across.dot(control) - a * x - b * y).abs());
-        }
-        least - self.thickness - 2.0 * k * widest * (stray + self.thickness)
+            stray = stray.max((across.dot(&self.control[n]) - a * x - b * y).abs());
+            (self.control[n].dot(gradient) - along, square)
+        });
+        let strayed = 2.0 * widest * (stray + self.thickness);
+        let least = |k: f64| parts.iter().map(|p| p.0 + k * p.1).fold(f64::INFINITY, f64::min) - k * strayed;
+        let best = (0..=SHARES).map(|n| least(most * n as f64 / SHARES as f64)).fold(f64::NEG_INFINITY, f64::max);
+        best - self.thickness
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
@@ -120,320 +121,297 @@ impl Hull {
 pub(super) struct Below {
     /// No point of the cell comes nearer to the cutter.
     pub(super) bound: f64,
-    /// Where the bound fell short of its goal: the touch and its place in the cell, in half sides from the middle.
-    pub(super) nearest: Option<(Touch, [f64; 2])>,
+    /// Where the bound fell short of its goal: the nearest place of the cell, in half sides from the middle.
+    pub(super) nearest: Option<[f64; 2]>,
 }
 
-/// An upper bound of the distance over a cell: a biquadratic by its control values, x by x.
+/// A lower bound of the distance to a cutter over a piece, between two shares and for the points of a cell: linear in the
+/// point at each of both.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Roof {
-    control: [f64; 9],
+pub(super) struct Tangent {
+    /// Where it touches.
+    place: Point3<f64>,
+    value: f64,
+    gradient: Vector3<f64>,
+    /// Change of the value and of the gradient over the share.
+    change: (f64, Vector3<f64>),
+    /// From the share of the touch to both ends.
+    ends: [f64; 2],
+    /// Bound of the length of the gradient between them.
+    steepness: f64,
 }
 
-impl Roof {
-    /// Most over the cell.
-    pub(super) fn most(&self) -> f64 {
-        self.control.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+impl Tangent {
+    /// To the ball over a whole piece.
+    fn to_ball(place: Point3<f64>, foot: &Foot, ball: Ball, capsule: &Capsule) -> Self {
+        Self {
+            place,
+            value: foot.length - ball.radius - capsule.flaw(),
+            gradient: foot.direction(),
+            change: (0.0, Vector3::zeros()),
+            ends: [0.0; 2],
+            steepness: 1.0,
+        }
     }
 
-    /// Most of the mean of two.
-    pub(super) fn most_of_mean(&self, other: &Self) -> f64 {
-        self.control.iter().zip(&other.control).map(|(a, b)| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max)
+    /// To the cutter between two shares, at a touch of a place; for points within a radius of it.
+    fn to_cutter(place: Point3<f64>, piece: &Piece, touch: &Touch, (from, to): (f64, f64), radius: f64) -> Self {
+        let twist = piece.twist(touch, radius);
+        let ends = [from - touch.t, to - touch.t];
+        let h = ends[1].max(-ends[0]);
+        Self {
+            place,
+            value: touch.value - 0.5 * twist.bend * h * h - twist.slope_flaw * h - twist.flaw,
+            gradient: touch.gradient,
+            change: (touch.rate, twist.change),
+            ends,
+            steepness: 1.0 + h * twist.change.norm(),
+        }
     }
 
-    /// Over the quarters of the cell.
-    pub(super) fn quarters(&self) -> [Self; 4] {
-        let halves = |[a, b, c]: [f64; 3]| {
-            let (ab, bc) = (0.5 * (a + b), 0.5 * (b + c));
-            let m = 0.5 * (ab + bc);
-            [[a, ab, m], [m, bc, c]]
-        };
-        let c = &self.control;
-        let along_y = [0, 3, 6].map(|i| halves([c[i], c[i + 1], c[i + 2]]));
-        let quarter = |right: usize, upper: usize| {
-            let mut control = [0.0; 9];
-            for j in 0..3 {
-                let column = halves([along_y[0][upper][j], along_y[1][upper][j], along_y[2][upper][j]])[right];
-                for (i, value) in column.into_iter().enumerate() {
-                    control[3 * i + j] = value;
-                }
-            }
-            Self { control }
-        };
-        [quarter(0, 0), quarter(0, 1), quarter(1, 0), quarter(1, 1)]
+    /// At a place of the cell.
+    pub(super) fn at(&self, p: &Point3<f64>) -> f64 {
+        self.from(&(p - self.place))
+    }
+
+    fn from(&self, way: &Vector3<f64>) -> f64 {
+        let slope = self.change.0 + self.change.1.dot(way);
+        self.value + self.gradient.dot(way) + (slope * self.ends[0]).min(slope * self.ends[1])
+    }
+
+    /// No more than anywhere within a radius of a place of the cell.
+    pub(super) fn about(&self, p: &Point3<f64>, radius: f64) -> f64 {
+        self.at(p) - radius * self.steepness
+    }
+
+    /// Over a whole cell.
+    pub(super) fn over(&self, hull: &Hull) -> f64 {
+        let middle = hull.centre - self.place;
+        let least = hull.control.iter().map(|c| self.from(&(middle + c))).fold(f64::INFINITY, f64::min);
+        least - hull.thickness * self.steepness
     }
 }
 
-/// The ball at the tip of a cutter; it lies inside of the cutter.
+/// What a first look at a cell and a piece shows.
 #[derive(Clone, Copy, Debug)]
-struct Ball {
-    radius: f64,
-    /// Largest s-component of the normal at which the cutter is this ball.
-    upper: f64,
-}
-
-fn ball(solid: &ToolSolid) -> Option<Ball> {
-    let radius = solid.cutter.tip_radius();
-    let upper = match solid.cutter {
-        Cutter::Flat { .. } | Cutter::Bull { .. } => return None,
-        Cutter::Ball { .. } | Cutter::Lollipop { .. } => 0.0,
-        Cutter::TaperedBall { half_angle, .. } => -half_angle.sin(),
-        Cutter::Barrel { barrel, .. } => -(solid.cutter.barrel_height()? - radius) / (barrel - radius),
-    };
-    (solid.flute_length >= 2.0 * radius).then_some(Ball { radius, upper })
+pub(super) struct Look {
+    /// Share at which the cutter is nearest to the middle.
+    pub(super) t: f64,
+    /// Distance of the middle then.
+    pub(super) value: f64,
+    /// Lower bound over cell and piece.
+    pub(super) tangent: Tangent,
+    /// What the tangent leaves over the cell.
+    pub(super) bound: f64,
 }
 
 impl Sweep<'_> {
+    /// A first look at a cell; none where the cutter comes nowhere in it nearer than `enough`.
+    pub(super) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
+        if let Some((ball, capsule)) = self.ruling_ball(index, hull) {
+            let foot = capsule.foot(&hull.centre);
+            let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
+            if tangent.value - hull.radius >= enough {
+                return None;
+            }
+            let bound = tangent.over(hull);
+            let value = foot.length - ball.radius;
+            return (bound < enough).then_some(Look { t: foot.t, value, tangent, bound });
+        }
+        let piece = self.piece(index);
+        let whole = (0.0, 1.0);
+        let start = self.touch(piece, 0.5, &hull.centre);
+        let tangent = Tangent::to_cutter(hull.centre, piece, &start, whole, hull.radius);
+        if tangent.about(&hull.centre, hull.radius) >= enough || tangent.over(hull) >= enough {
+            return None;
+        }
+        let nearest = self.minimum(piece, start, &hull.centre, whole);
+        let tangent = Tangent::to_cutter(hull.centre, piece, &nearest, whole, hull.radius);
+        let bound = tangent.over(hull);
+        (bound < enough).then_some(Look { t: nearest.t, value: nearest.value, tangent, bound })
+    }
+
+    /// Most distance of any point of a cell at a share of a piece: the distance is convex.
+    pub(super) fn farthest(&self, index: u32, hull: &Hull, t: f64) -> f64 {
+        let (tip, axis) = self.piece(index).pose(t);
+        let distance = |c: &Vector3<f64>| {
+            let (rho, s) = tool_coordinates(&(hull.centre + c), &tip, &axis);
+            self.solid().cutter_distance(rho, s)
+        };
+        hull.control.iter().map(distance).fold(f64::NEG_INFINITY, f64::max) + hull.thickness
+    }
+
+    /// The ball over a piece where it is the cutter, seen from anywhere in a cell.
+    fn ruling_ball(&self, index: u32, hull: &Hull) -> Option<(Ball, &Capsule)> {
+        self.capsule(index).filter(|(ball, capsule)| capsule.rules(*ball, &hull.centre, hull.radius))
+    }
+
     /// Lower bound of the distance of a cell to the cutter over a piece; the search ends where the bound reaches
-    /// `goal`. Without `thorough` only the middle of the cell is tried.
-    pub(super) fn below(&self, index: u32, hull: &Hull, goal: f64, thorough: bool) -> Below {
+    /// `goal`.
+    pub(super) fn below(&self, index: u32, hull: &Hull, goal: f64) -> Below {
+        if let Some((ball, capsule)) = self.ruling_ball(index, hull) {
+            return below_capsule(ball, capsule, hull, goal);
+        }
         let piece = self.piece(index);
         let mut result = Below { bound: f64::INFINITY, nearest: None };
         let mut spans = Spans::whole();
         while let Some(span) = spans.pop() {
             let start = self.touch(piece, 0.5 * (span.0 + span.1), &hull.centre);
-            let drift = piece.drift(&start, 2.0 * hull.radius);
-            let origin = Vector3::zeros();
-            let bound =
-                |touch: &Touch, from: &Vector3<f64>, loss: f64| touch.value - loss - hull.fall(from, &touch.gradient);
-            let loss = drift.loss(&start, span);
+            let tangent = Tangent::to_cutter(hull.centre, piece, &start, span, hull.radius);
             // Far pieces need no look at the hull.
-            let first = match start.value - loss - hull.radius {
+            let first = match tangent.about(&hull.centre, hull.radius) {
                 far if far >= goal => far,
-                _ => bound(&start, &origin, loss),
+                _ => tangent.over(hull),
             };
             if first >= goal {
                 result.bound = result.bound.min(first);
                 continue;
             }
             let nearest = self.minimum(piece, start, &hull.centre, span);
-            let second = bound(&nearest, &origin, drift.loss(&nearest, span));
-            if second >= goal || !thorough {
-                result.bound = result.bound.min(first.max(second));
-                if second < goal {
-                    result.nearest = Some((nearest, [0.0; 2]));
-                    return result;
-                }
+            let second = Tangent::to_cutter(hull.centre, piece, &nearest, span, hull.radius).over(hull).max(first);
+            if second >= goal {
+                result.bound = result.bound.min(second);
                 continue;
             }
-            let (touch, at) = self.joint_minimum(piece, hull, span, nearest);
-            let loss = drift.loss(&touch, span);
-            let curved = self.below_ball(piece, hull, span, &touch, at);
-            let third = bound(&touch, &hull.at(at), loss).max(second).max(curved.map_or(f64::NEG_INFINITY, |c| c.0));
+            let go = |at: [f64; 2], t: f64| {
+                let p = hull.centre + hull.at(at);
+                self.minimum(piece, self.touch(piece, t, &p), &p, span)
+            };
+            let (touch, at) = joint_minimum(hull, nearest, |t| (t.gradient, t.t), go);
+            let curved = self.below_ball(piece, hull, span, &touch, at, goal);
+            let tangent = Tangent::to_cutter(hull.centre + hull.at(at), piece, &touch, span, 2.0 * hull.radius);
+            let third = tangent.over(hull).max(second).max(curved.map_or(f64::NEG_INFINITY, |c| c.0));
             if third >= goal {
                 result.bound = result.bound.min(third);
                 continue;
             }
-            if curved.map_or(loss, |c| c.1) > BEND_SLACK && spans.halve(span) {
+            let loss = curved.map_or_else(|| piece.drift(&touch, 2.0 * hull.radius).loss(&touch, span), |c| c.1);
+            if loss > BEND_SLACK && spans.halve(span) {
                 continue;
             }
             result.bound = result.bound.min(third);
-            result.nearest = Some((touch, at));
+            result.nearest = Some(at);
             return result;
         }
         result
     }
 
-    /// The nearest place of a cell to the cutter between two shares, from the nearest share of its middle on.
-    fn joint_minimum(&self, piece: &Piece, hull: &Hull, span: (f64, f64), start: Touch) -> (Touch, [f64; 2]) {
-        let (mut touch, mut at) = (start, [0.0; 2]);
-        let slope = |t: &Touch| [t.gradient.dot(&hull.sides[0]), t.gradient.dot(&hull.sides[1])];
-        let go = |at: [f64; 2], t: f64| {
-            let p = hull.centre + hull.at(at);
-            self.minimum(piece, self.touch(piece, t, &p), &p, span)
-        };
-        for _ in 0..ROUNDS {
-            let own = slope(&touch);
-            let mut down = [0.0; 2];
-            let mut way = f64::INFINITY;
-            for k in 0..2 {
-                let blocked = if own[k] > 0.0 { at[k] <= -1.0 } else { at[k] >= 1.0 };
-                if !blocked && own[k].abs() > LEVEL {
-                    down[k] = -own[k];
-                    way = way.min((1.0 - at[k] * down[k].signum()) / down[k].abs());
-                }
-            }
-            if !way.is_finite() {
-                break;
-            }
-            let to = |share: f64| [0, 1].map(|k| (at[k] + down[k] * way * share).clamp(-1.0, 1.0));
-            let along = |t: &Touch| slope(t)[0] * down[0] + slope(t)[1] * down[1];
-            let end = go(to(1.0), touch.t);
-            let (here, there) = (along(&touch), along(&end));
-            if there <= 0.0 {
-                (touch, at) = (end, to(1.0));
-                continue;
-            }
-            let share = here / (here - there);
-            let next = to(share);
-            (touch, at) = (go(next, touch.t + (end.t - touch.t) * share), next);
-        }
-        (touch, at)
-    }
-
-    /// The bound of [`Self::below`] where the cutter is a ball all over cell and span. Turning does not move a ball, and
-    /// its curvature across the way of its centre counts: it outweighs that of any groove that it fits into. Also what
-    /// the bound loses to the way.
+    /// The bound of [`Self::below`] where the cutter is a ball all over cell and span, between two shares. Also what the
+    /// bound loses to the way.
     fn below_ball(
         &self,
         piece: &Piece,
         hull: &Hull,
-        (from, to): (f64, f64),
+        span: (f64, f64),
         touch: &Touch,
         at: [f64; 2],
+        goal: f64,
     ) -> Option<(f64, f64)> {
-        let ball = ball(self.solid())?;
-        let (before, after) = (touch.t - from, to - touch.t);
-        let h = before.max(after);
+        let ball = self.ball()?;
+        let h = (touch.t - span.0).max(span.1 - touch.t);
         let distance = touch.value + ball.radius;
         let most = distance + 2.0 * hull.radius + piece.displacement(ball.radius) * 2.0 * h;
-        let highest = touch.s - ball.radius + 2.0 * hull.radius + piece.displacement(touch.s + touch.rho) * 2.0 * h;
+        let highest = touch.s - ball.radius + 2.0 * hull.radius + piece.displacement(touch.arm()) * 2.0 * h;
         if distance <= 0.0 || highest > ball.upper * most {
             return None;
         }
         let (_, speed) = piece.ball_centre(touch.t, ball.radius);
-        let across = touch.gradient.cross(&speed).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-        let down = (touch.rate * before).max(-touch.rate * after).max(0.0);
-        let (bend, flaw) = piece.ball_bend(ball.radius);
-        let k = 0.5 / most;
-        let loss = down + 0.5 * bend * h * h + flaw;
-        // Any share of the curvature holds; the best one balances that of the surface.
-        let least = (0..=4)
-            .map(|n| hull.least_curved(at, &touch.gradient, &across, k * 0.25 * f64::from(n)))
-            .fold(f64::NEG_INFINITY, f64::max);
-        Some((touch.value - loss + least, loss))
+        let loss = piece.ball_drift(ball.radius).loss(touch, span);
+        Some((above_tangent(ball, hull, (touch.value, &touch.gradient, loss), at, &speed, goal), loss))
     }
+}
 
-    /// Upper bound of the distance of a cell to the cutter swept over a piece and the one that follows it.
-    pub(super) fn above(&self, first: u32, second: u32, hull: &Hull) -> Roof {
-        let (a, b) = (self.piece(first), self.piece(second));
-        let ball = ball(self.solid());
-        let arm = self.solid().flute_length;
-        let ((tip_a, axis_a), (tip_b, axis_b)) = (a.speed(), b.speed());
-        let pace = |tip: &Vector3<f64>, axis: &Vector3<f64>| tip.norm() + arm * axis.norm();
-        let (pace_a, pace_b) = (pace(&tip_a, &axis_a), pace(&tip_b, &axis_b));
-        // Shares of the second piece in those of the first, so that poses pass the joint at one pace.
-        let stretch = if pace_a > 0.0 && pace_b > 0.0 { pace_b / pace_a } else { 1.0 };
-        let mut touches: [Option<(Touch, &Piece)>; 4] = [None; 4];
-        // Time from the joint, in shares of the first piece.
-        let (mut early, mut late) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (k, corner) in hull.corners.iter().enumerate() {
-            let nearest = |piece: &Piece| {
-                let start = self.touch(piece, 0.5, corner);
-                self.minimum(piece, start, corner, (0.0, 1.0))
-            };
-            let (x, y) = (nearest(a), nearest(b));
-            let (touch, time, piece) = if x.value <= y.value { (x, x.t - 1.0, a) } else { (y, y.t * stretch, b) };
-            (early, late) = (early.min(time), late.max(time));
-            touches[k] = Some((touch, piece));
+/// The bound of [`Sweep::below`] where the cutter is its ball.
+fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below {
+    let foot = capsule.foot(&hull.centre);
+    let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
+    let first = match tangent.about(&hull.centre, hull.radius) {
+        far if far >= goal => far,
+        _ => tangent.over(hull),
+    };
+    if first >= goal {
+        return Below { bound: first, nearest: None };
+    }
+    let curved = |foot: &Foot, at: [f64; 2]| {
+        let tangent = (foot.length - ball.radius, &foot.direction(), capsule.flaw());
+        above_tangent(ball, hull, tangent, at, capsule.way(), goal)
+    };
+    let second = curved(&foot, [0.0; 2]).max(first);
+    if second >= goal {
+        return Below { bound: second, nearest: None };
+    }
+    let go = |at: [f64; 2], _: f64| capsule.foot(&(hull.centre + hull.at(at)));
+    let (foot, at) = joint_minimum(hull, foot, |f| (f.direction(), f.t), go);
+    let third = curved(&foot, at).max(second);
+    Below { bound: third, nearest: (third < goal).then_some(at) }
+}
+
+/// Least distance to a ball that moves along `way`, over a cell, from the value and the gradient of its tangent at a place
+/// of the cell, at least where it is less than about `goal`. The centre leaves the line by no more than `loss`.
+///
+/// Turning does not move a ball, and its curvature across the way of its centre counts: it outweighs that of any groove
+/// that it fits into. From the centre, let a point lie n farther along the gradient and e across gradient and way. Where
+/// its distance is at most d, that is at least n + e^2 / 2 d. Elsewhere it is more than d.
+fn above_tangent(
+    ball: Ball,
+    hull: &Hull,
+    (value, gradient, loss): (f64, &Vector3<f64>, f64),
+    at: [f64; 2],
+    way: &Vector3<f64>,
+    goal: f64,
+) -> f64 {
+    let enough = goal + BEYOND;
+    // From there on the ball on the line is so far that the cutter is farther than `enough`.
+    let most = ball.radius + enough + loss;
+    if most <= 0.0 {
+        return f64::NEG_INFINITY;
+    }
+    let across = gradient.cross(way).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+    (value - loss + hull.least_curved(at, gradient, &across, 0.5 / most)).min(enough)
+}
+
+/// The nearest place of a cell to a cutter, from what is nearest to its middle on; `go` finds what is nearest to a place
+/// from a share on, `slope` gives gradient and share of what was found.
+fn joint_minimum<T: Copy>(
+    hull: &Hull,
+    start: T,
+    slope: impl Fn(&T) -> (Vector3<f64>, f64),
+    go: impl Fn([f64; 2], f64) -> T,
+) -> (T, [f64; 2]) {
+    let (mut found, mut at) = (start, [0.0; 2]);
+    let along_sides = |t: &T| {
+        let (gradient, _) = slope(t);
+        [gradient.dot(&hull.sides[0]), gradient.dot(&hull.sides[1])]
+    };
+    for _ in 0..ROUNDS {
+        let own = along_sides(&found);
+        let mut down = [0.0; 2];
+        let mut way = f64::INFINITY;
+        for k in 0..2 {
+            let blocked = if own[k] > 0.0 { at[k] <= -1.0 } else { at[k] >= 1.0 };
+            if !blocked && own[k].abs() > LEVEL {
+                down[k] = -own[k];
+                way = way.min((1.0 - at[k] * down[k].signum()) / down[k].abs());
+            }
         }
-        let time = late - early;
-        // A kink of the way at the joint, and the bend on both sides of it, lead away from means of the corners. The
-        // paces at the joint differ from those in the middles by half of the bends.
-        let kinks = early < 0.0 && late > 0.0;
-        let across = if kinks { -early * late / time } else { 0.0 };
-        let used = [(a, 1.0, early < 0.0), (b, 1.0 / stretch, late > 0.0)];
-        let worst = |of: &dyn Fn(&Piece, f64) -> f64| {
-            used.iter().filter(|u| u.2 || !kinks).map(|u| of(u.0, u.1)).fold(0.0, f64::max)
+        if !way.is_finite() {
+            break;
+        }
+        let to = |share: f64| [0, 1].map(|k| (at[k] + down[k] * way * share).clamp(-1.0, 1.0));
+        let along = |t: &T| {
+            let own = along_sides(t);
+            own[0] * down[0] + own[1] * down[1]
         };
-        let jump = |reach: f64| (tip_a - tip_b / stretch).norm() + (axis_a - axis_b / stretch).norm() * reach;
-        let touches = touches.map(|t| t.map_or((Touch::FAR, a), |t| t));
-        // Elsewhere on the cutter the ball lies deeper and says little.
-        let on_ball = ball.filter(|ball| {
-            touches.iter().zip(&hull.corners).all(|((t, piece), corner)| {
-                let centre = piece.ball_centre(t.t, ball.radius).0;
-                (corner - centre).norm() - ball.radius <= t.value + ON_BALL
-            })
-        });
-        match on_ball {
-            Some(ball) => {
-                let bend = worst(&|p, scale| p.ball_bend(ball.radius).0 * scale * scale);
-                let flaw = worst(&|p, _| p.ball_bend(ball.radius).1);
-                let error = 0.125 * bend * time * time + flaw + across * (jump(ball.radius) + bend);
-                let centres = touches.map(|(t, piece)| piece.ball_centre(t.t, ball.radius).0);
-                roof_of_ball(ball.radius, &centres, hull, error)
-            }
-            None => {
-                let drift = |p: &Piece| touches.map(|(t, _)| p.drift(&t, hull.radius));
-                let most = |p: &Piece, of: &dyn Fn(&Drift) -> f64| drift(p).iter().map(of).fold(0.0, f64::max);
-                let bend = worst(&|p, scale| most(p, &|d| d.bend) * scale * scale);
-                let turn = worst(&|p, scale| most(p, &|d| d.turn) * scale);
-                let flaw = worst(&|p, _| most(p, &|d| d.flaw));
-                let reach = touches.iter().map(|(t, _)| t.rho + t.s.abs()).fold(0.0, f64::max) + 2.0 * hull.radius;
-                // Means lie within half the span of time and half the diagonal of the cell.
-                let error = 0.5 * (0.25 * bend * time * time + turn * time * hull.radius)
-                    + flaw
-                    + across * (jump(reach) + bend);
-                let least =
-                    touches.iter().map(|(t, _)| self.least_radius(t, 2.0 * hull.radius)).fold(f64::INFINITY, f64::min);
-                // The gradient turns by no more than this over the cell.
-                let swing = if least > 0.0 { (2.0 * hull.radius / least).min(2.0) } else { 2.0 } + turn * time;
-                roof_of_cutter(&touches.map(|(t, _)| t), hull, swing, error)
-            }
+        let t = slope(&found).1;
+        let end = go(to(1.0), t);
+        let (here, there) = (along(&found), along(&end));
+        if there <= 0.0 {
+            (found, at) = (end, to(1.0));
+            continue;
         }
+        let share = here / (here - there);
+        let next = to(share);
+        (found, at) = (go(next, t + (slope(&end).1 - t) * share), next);
     }
-
-    /// Least radius of curvature of the level surfaces of the distance within a radius of a touched point; zero or less
-    /// where an edge may lie there.
-    pub(super) fn least_radius(&self, t: &Touch, radius: f64) -> f64 {
-        let solid = self.solid();
-        if t.s + radius > solid.flute_length {
-            return 0.0;
-        }
-        let corner = solid.cutter.tip_radius();
-        match solid.cutter {
-            // Beside the cylinder the level surfaces are cylinders about the axis.
-            Cutter::Flat { .. } | Cutter::Bull { .. } if t.s - radius >= corner => t.rho - radius,
-            _ => corner + (t.value - radius).min(0.0),
-        }
-    }
-}
-
-/// Control values of the bilinear through four corners.
-fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
-    [a, 0.5 * (a + b), b, 0.5 * (a + c), 0.25 * (a + b + c + d), 0.5 * (b + d), c, 0.5 * (c + d), d]
-}
-
-/// Places of [`Hull::bulge`] among nine control points.
-const BULGE: [usize; 5] = [1, 3, 5, 7, 4];
-
-/// F at the means of corners and their times is at most the mean of F; the bulge adds its part along the gradients.
-fn roof_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> Roof {
-    let mut control = bilinear(touches.map(|t| t.value));
-    for (b, place) in hull.bulge.iter().zip(BULGE) {
-        let along = touches.iter().map(|t| t.gradient.dot(b)).fold(f64::NEG_INFINITY, f64::max);
-        control[place] += (along + swing * b.norm()).min(b.norm());
-    }
-    Roof { control: control.map(|c| c + error + hull.thickness) }
-}
-
-/// For a ball: with w_i from its centres to the corners, |mean w|^2 = mean |w|^2 - variance of w, so that the bound
-/// falls between the corners by as much as the ball stands out across its way.
-fn roof_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64) -> Roof {
-    let w: [Vector3<f64>; 4] = std::array::from_fn(|k| hull.corners[k] - centres[k]);
-    let d = w.map(|v| v.norm());
-    let (least, most) = d.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
-    let mut control = bilinear(d.map(|d| d - radius));
-    let x = (w[2] + w[3] - w[0] - w[1]) * 0.25;
-    let y = (w[1] + w[3] - w[0] - w[2]) * 0.25;
-    let twist = ((w[0] + w[3] - w[1] - w[2]) * 0.25).norm();
-    // (1 - x^2) of this much at least; its control value in the middle is twice that.
-    let variance = |v: &Vector3<f64>| (v.norm_squared() - 2.0 * v.norm() * twist).max(0.0) / most;
-    let (across_x, across_y) = (variance(&x), variance(&y));
-    let falls = [across_y, across_x, across_x, across_y, across_x + across_y];
-    // |mean w|^2 = mean |w|^2 - variance, and corners stray from their mean by no more than this.
-    let stray = x.norm() + y.norm() + twist;
-    let shortest = (least * least - stray * stray).max(0.0).sqrt();
-    let mut extra = error + hull.thickness;
-    if shortest <= 0.0 {
-        return Roof { control: control.map(|c| c + extra + 2.0 * hull.radius) };
-    }
-    // mean d^2 exceeds (mean d)^2 by the variance of d.
-    extra += (most - least) * (most - least) / (8.0 * shortest);
-    for ((b, place), fall) in hull.bulge.iter().zip(BULGE).zip(falls) {
-        let along = w.iter().map(|v| v.dot(b)).fold(f64::NEG_INFINITY, f64::max);
-        let out = if along > 0.0 { along / shortest } else { along / most };
-        control[place] += out + b.norm_squared() / (2.0 * shortest) - fall;
-    }
-    Roof { control: control.map(|c| c + extra) }
+    (found, at)
 }

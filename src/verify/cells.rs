@@ -1,6 +1,7 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
 
-use super::bounds::{Hull, Roof};
+use super::bounds::{Hull, Tangent};
+use super::roof::Roof;
 use super::surface::{FAR, LEAST_SLACK, PatchCorners, SLACK};
 use super::sweep::{At, Sweep};
 use crate::ir::chart::{Patch, Shape};
@@ -57,7 +58,6 @@ impl Grid {
     /// The grid of a patch.
     pub(super) fn new(shape: &dyn Shape, patch: Patch) -> Self {
         let (nx, ny) = (2 * patch.columns, 2 * patch.rows);
-        let mix = |r: [f64; 2], i: usize, n: usize| r[0] + (r[1] - r[0]) * i as f64 / n as f64;
         let points: Vec<Point3<f64>> = (0..=nx)
             .flat_map(|i| (0..=ny).map(move |j| (i, j)))
             .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
@@ -82,11 +82,27 @@ impl Grid {
     }
 }
 
+/// The i-th of n + 1 even places over a range.
+fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
+    range[0] + (range[1] - range[0]) * i as f64 / n as f64
+}
+
 /// A piece of a sweep that may come near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Candidate {
     sweep: u32,
     piece: u32,
+}
+
+/// A candidate over a run of cells.
+struct Near {
+    candidate: Candidate,
+    /// Its distance from the middle.
+    value: f64,
+    /// It comes nowhere nearer.
+    bound: f64,
+    /// The same for places.
+    tangent: Tangent,
 }
 
 /// g at a corner of cells.
@@ -108,7 +124,13 @@ impl Block {
         (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
     }
 
-    /// Halves along the longer side, or along both.
+    /// Its cells.
+    fn cells(&self) -> impl Iterator<Item = Self> {
+        let [from, to] = self.y;
+        (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
+    }
+
+    /// Both halves along x by both along y; a single column or row stays whole.
     fn parts(&self) -> impl Iterator<Item = Self> {
         let cut = |[from, to]: [usize; 2]| {
             let middle = from + (to - from).div_ceil(2);
@@ -121,10 +143,8 @@ impl Block {
 
 /// What the first look at a patch found.
 pub(super) struct Looked {
-    /// Everything that may come nearest within the patch.
-    near: Vec<Candidate>,
-    /// Blocks of cells, each with what may come nearest in it and a lower bound of its distance there.
-    blocks: Vec<(Block, Vec<(f64, Candidate)>)>,
+    /// Blocks of cells, each with what may come nearest in it.
+    blocks: Vec<(Block, Vec<Near>)>,
     corners: Vec<Corner>,
     /// True for corners on the part.
     inside: Vec<bool>,
@@ -280,14 +300,13 @@ impl Task<'_> {
         let count = (patch.columns + 1) * (patch.rows + 1);
         let hull = self.hull(&self.whole());
         let mut looked = Looked {
-            near: Vec::new(),
             blocks: Vec::new(),
             corners: vec![Corner { value: f64::NAN, by: None }; count],
             inside: vec![true; count],
             range: [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let near = self.narrow(gather(self.sweeps, &hull.centre, hull.radius).into_iter(), &hull);
-        looked.near = near.iter().map(|n| n.1).collect();
+        let near = gather(self.sweeps, &hull.centre, hull.radius);
+        let near = self.narrow(near.into_iter().map(|c| (c, None)), &hull);
         self.look_at(&self.whole(), near, &mut looked);
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
@@ -302,10 +321,10 @@ impl Task<'_> {
         looked
     }
 
-    fn look_at(&self, block: &Block, near: Vec<(f64, Candidate)>, looked: &mut Looked) {
+    fn look_at(&self, block: &Block, near: Vec<Near>, looked: &mut Looked) {
         if block.longest() > BLOCK {
             for part in block.parts() {
-                let near = self.narrow(near.iter().map(|n| n.1), &self.hull(&part));
+                let near = self.narrow(near.iter().map(|n| (n.candidate, Some(&n.tangent))), &self.hull(&part));
                 self.look_at(&part, near, looked);
             }
             return;
@@ -316,43 +335,56 @@ impl Task<'_> {
                 let k = i * rows + j;
                 if looked.corners[k].value.is_nan() {
                     let p = self.surface.turn * self.grid.point(2 * i, 2 * j);
-                    looked.corners[k] = self.corner(&p, near.iter().map(|n| &n.1));
+                    looked.corners[k] = self.corner(&p, &near);
                 }
             }
         }
         looked.blocks.push((*block, near));
     }
 
-    /// g at a point.
-    fn corner<'c>(&self, p: &Point3<f64>, near: impl Iterator<Item = &'c Candidate>) -> Corner {
+    /// g at a point of a run of cells.
+    fn corner(&self, p: &Point3<f64>, near: &[Near]) -> Corner {
         let mut best = Corner { value: FAR, by: None };
-        for c in near {
+        let mut visit = |near: &Near| {
+            let c = near.candidate;
             if let Some(touch) = self.sweeps[c.sweep as usize].least(c.piece, p, best.value, CORNER_SLACK) {
-                best = Corner { value: touch.value, by: Some(*c) };
+                best = Corner { value: touch.value, by: Some(c) };
+            }
+            best.value
+        };
+        let bounds: Vec<f64> = near.iter().map(|n| n.tangent.at(p)).collect();
+        let first = (0..near.len()).min_by(|a, b| bounds[*a].total_cmp(&bounds[*b]));
+        let mut value = first.map_or(FAR, |k| visit(&near[k]));
+        for (k, near) in near.iter().enumerate() {
+            if bounds[k] < value && Some(k) != first {
+                value = visit(near);
             }
         }
         best
     }
 
-    /// Those of the candidates that may come nearest anywhere in a hull, nearest first, with lower bounds of their
-    /// distances over it. The others come nowhere nearer than g is.
-    fn narrow(&self, from: impl Iterator<Item = Candidate>, hull: &Hull) -> Vec<(f64, Candidate)> {
-        let mut found: Vec<(f64, f64, Candidate)> = Vec::with_capacity(from.size_hint().0);
+    /// Those of the candidates that may come nearest anywhere in a hull, nearest first. The others come nowhere nearer
+    /// than g is; what is known of them over a larger hull rules most of them out.
+    fn narrow<'c>(&self, from: impl Iterator<Item = (Candidate, Option<&'c Tangent>)>, hull: &Hull) -> Vec<Near> {
+        let mut found: Vec<Near> = Vec::with_capacity(from.size_hint().0);
         // g is nowhere in the hull more than this.
         let mut most = FAR + hull.radius;
-        for c in from {
-            let sweep = &self.sweeps[c.sweep as usize];
-            let below = sweep.below(c.piece, hull, most, false);
-            if let Some((touch, _)) = below.nearest {
-                let least = sweep.least_radius(&touch, hull.radius);
-                let sag = if least > 0.0 { 0.5 * hull.radius * hull.radius / least } else { f64::INFINITY };
-                most = most.min(touch.value + (hull.rise(&touch.gradient) + sag).min(hull.radius));
-                found.push((touch.value, below.bound, c));
+        let mut least = FAR;
+        for (c, known) in from {
+            if known.is_some_and(|tangent| tangent.about(&hull.centre, hull.radius) > most) {
+                continue;
             }
+            let sweep = &self.sweeps[c.sweep as usize];
+            let Some(look) = sweep.look(c.piece, hull, most) else { continue };
+            if look.value < least {
+                least = look.value;
+                most = most.min(sweep.farthest(c.piece, hull, look.t));
+            }
+            found.push(Near { candidate: c, value: look.value, bound: look.bound, tangent: look.tangent });
         }
-        found.retain(|f| f.1 <= most);
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        found.iter().map(|f| (f.1, f.2)).collect()
+        found.retain(|f| f.bound <= most);
+        found.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.candidate.cmp(&b.candidate)));
+        found
     }
 
     /// Proves bounds of g over the patch.
@@ -363,7 +395,6 @@ impl Task<'_> {
             for j in 0..=patch.rows {
                 let k = i * (patch.rows + 1) + j;
                 if looked.inside[k] {
-                    let mix = |r: [f64; 2], i: usize, n: usize| r[0] + (r[1] - r[0]) * i as f64 / n as f64;
                     let at = [mix(patch.x, i, patch.columns), mix(patch.y, j, patch.rows)];
                     proved.take(looked.corners[k].value, at);
                 }
@@ -373,16 +404,15 @@ impl Task<'_> {
         for (block, near) in &looked.blocks {
             self.below(block, near, goals.low, &mut proved);
         }
-        for i in 0..patch.columns {
-            for j in 0..patch.rows {
-                let block = Block { x: [i, i + 1], y: [j, j + 1] };
-                let hull = self.hull(&block);
+        for (block, near) in &looked.blocks {
+            for cell in block.cells() {
+                let hull = self.hull(&cell);
                 let lies = self.lies(&hull);
                 if lies != Lies::Outside {
                     let at = |i: usize, j: usize| looked.corners[i * (patch.rows + 1) + j];
-                    let corners = [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
-                    let near = || self.narrow(looked.near.iter().copied(), &hull).iter().map(|n| n.1).collect();
-                    self.above(&self.cell(&block), &hull, lies, corners, &near, goals.high, &mut proved);
+                    let ([i, i1], [j, j1]) = (cell.x, cell.y);
+                    let corners = [at(i, j), at(i, j1), at(i1, j), at(i1, j1)];
+                    self.above(&self.cell(&cell), &hull, lies, corners, near, goals.high, &mut proved);
                 }
             }
         }
@@ -391,13 +421,13 @@ impl Task<'_> {
 
     /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
     /// something above the goal is known everywhere.
-    fn below(&self, block: &Block, near: &[(f64, Candidate)], goal: f64, proved: &mut Proved) {
+    fn below(&self, block: &Block, near: &[Near], goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
         let mut left: Vec<Candidate> = Vec::new();
-        for (bound, c) in near {
+        for Near { bound, candidate: c, .. } in near {
             let bound = match *bound {
                 far if far >= goal => far,
-                _ => self.sweeps[c.sweep as usize].below(c.piece, &hull, goal, true).bound,
+                _ => self.sweeps[c.sweep as usize].below(c.piece, &hull, goal).bound,
             };
             if bound >= goal {
                 proved.low = proved.low.min(bound);
@@ -408,11 +438,8 @@ impl Task<'_> {
         if left.is_empty() {
             return;
         }
-        for i in block.x[0]..block.x[1] {
-            for j in block.y[0]..block.y[1] {
-                let block = Block { x: [i, i + 1], y: [j, j + 1] };
-                self.below_cell(&self.cell(&block), &self.hull(&block), &left, goal, proved);
-            }
+        for cell in block.cells() {
+            self.below_cell(&self.cell(&cell), &self.hull(&cell), &left, goal, proved);
         }
     }
 
@@ -427,9 +454,9 @@ impl Task<'_> {
         let mut left = Vec::new();
         for c in near {
             let sweep = &self.sweeps[c.sweep as usize];
-            let below = sweep.below(c.piece, hull, goal, true);
+            let below = sweep.below(c.piece, hull, goal);
             low = low.min(below.bound);
-            if let Some((_, at)) = below.nearest {
+            if let Some(at) = below.nearest {
                 left.push(*c);
                 if lies == Lies::Inside {
                     // What the hull shows is asked of the surface itself.
@@ -458,7 +485,7 @@ impl Task<'_> {
         hull: &Hull,
         lies: Lies,
         corners: [Corner; 4],
-        near: &dyn Fn() -> Vec<Candidate>,
+        near: &[Near],
         goal: f64,
         proved: &mut Proved,
     ) {
@@ -471,11 +498,10 @@ impl Task<'_> {
         if !self.divides(cell, hull, lies) {
             return;
         }
-        let candidates = near();
         let at = |i: f64, j: f64| {
             let place = cell.at(i, j);
             let p = self.surface.point(place);
-            (self.corner(&p, candidates.iter()), place, self.surface.holds(&p))
+            (self.corner(&p, near), place, self.surface.holds(&p))
         };
         let between = [at(-1.0, 0.0), at(0.0, -1.0), at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0)];
         for (corner, place, inside) in &between {
@@ -496,7 +522,7 @@ impl Task<'_> {
             let hull = self.hull_of(quarter);
             let lies = if lies == Lies::Inside { lies } else { self.lies(&hull) };
             if lies != Lies::Outside {
-                self.above(quarter, &hull, lies, corners, &|| candidates.clone(), goal, proved);
+                self.above(quarter, &hull, lies, corners, near, goal, proved);
             }
         }
     }

@@ -17,6 +17,7 @@
 //! Not checked yet: jerk.
 
 mod bounds;
+mod capsule;
 pub mod carried;
 mod cells;
 pub mod certificate;
@@ -26,6 +27,7 @@ pub mod dynamics;
 pub mod machine;
 mod measure;
 pub mod rest;
+mod roof;
 pub mod stock;
 pub mod structure;
 pub mod surface;

@@ -172,10 +172,12 @@ impl Limits {
 
 /// What is to be proved of a surface on which g was found between two values.
 fn goals([least, most]: [f64; 2], limits: &Limits) -> Goals {
-    let within = |found: f64, slack: f64, limit: f64| (found + slack).min(limit).max(found + LEAST_SLACK);
-    let usual =
-        |found: f64, slack: f64, limit: f64| if found < limit { within(found, slack, limit) } else { found + slack };
-    Goals { low: -usual(-least, SLACK, limits.gouge), high: usual(most, SLACK.max(SLACK_SHARE * most), limits.excess) }
+    // Beyond what was found by the slack, or by less where a limit lies between.
+    let beyond = |found: f64, slack: f64, limit: f64| match found + slack {
+        goal if found < limit => goal.min(limit).max(found + LEAST_SLACK),
+        goal => goal,
+    };
+    Goals { low: -beyond(-least, SLACK, limits.gouge), high: beyond(most, SLACK.max(SLACK_SHARE * most), limits.excess) }
 }
 
 /// The figures of one surface from those of its patches.

@@ -9,6 +9,7 @@
 //! their angular velocities add by Pythagoras, and their angular acceleration is at most their product. The first term
 //! vanishes at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
+use super::capsule::{Ball, Capsule};
 use crate::collide::{Slope, ToolSolid, tool::tool_coordinates};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine, transform::axis_at};
@@ -31,6 +32,9 @@ const STEPS: usize = 60;
 
 /// Pieces in a leaf of the hierarchy.
 const LEAF: usize = 4;
+
+/// Bound of a second derivative under [`Piece::twist`], (1 + sqrt 5) / 2 and a little.
+const GOLDEN: f64 = 1.6181;
 
 /// Length by which directions weigh against positions when pieces are grouped: about half an engaged cutter, mm.
 const ARM: f64 = 15.0;
@@ -99,6 +103,12 @@ impl Piece {
         (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change)
     }
 
+    /// Tip and axis of [`Self::quick_pose`].
+    pub(super) fn quick_axis(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
+        let (tip, axis, _) = self.quick_pose(t);
+        (tip, axis)
+    }
+
     /// Bound of the distance between the parabola of the axis and the axis: the largest |t (t - 1/2) (t - 1)| / 6 times
     /// the third derivative, which for two even turns at right angles stays below 3 w^3.
     fn parabola_error(&self) -> f64 {
@@ -106,12 +116,19 @@ impl Piece {
         0.0081 * 3.0 * turn * turn * turn
     }
 
+    /// The same for the change of the axis over the share: at most a twelfth of the third derivative.
+    fn parabola_slope_error(&self) -> f64 {
+        let turn = 2.0 * self.reach.1;
+        0.25 * turn * turn * turn
+    }
+
     /// How the way of the touched point, and of all within a radius about it, may bend over the piece.
     pub fn drift(&self, touch: &Touch, radius: f64) -> Drift {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
         // Farthest that any of the points gets from the tip.
-        let arm = touch.rho + touch.s.abs() + way + radius;
-        Drift { bend: 1.5 * turn * turn * arm + 2.0 * turn * way, turn, flaw: self.parabola_error() * arm, radius }
+        let arm = touch.arm() + way + radius;
+        let bend = 1.5 * turn * turn * arm + 2.0 * turn * way;
+        Drift { bend, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
     }
 
     /// Centre of a ball of a radius at the tip, and its change over the share.
@@ -120,10 +137,25 @@ impl Piece {
         (tip + axis * radius, self.tips[1] - self.tips[0] + change * radius)
     }
 
-    /// Bound of the second derivative of that centre, and the error of the quick poses there.
-    pub fn ball_bend(&self, radius: f64) -> (f64, f64) {
+    /// How the way of that centre may bend over the piece; turning does not move a ball about it.
+    pub fn ball_drift(&self, radius: f64) -> Drift {
         let turn = 2.0 * self.reach.1;
-        (1.5 * turn * turn * radius, self.parabola_error() * radius)
+        let (flaw, slope_flaw) = (self.parabola_error() * radius, self.parabola_slope_error() * radius);
+        Drift { bend: 1.5 * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
+    }
+
+    /// How a tangent at a touch moves with the share, see [`Twist`]; it is to hold for points within a radius.
+    pub(super) fn twist(&self, touch: &Touch, radius: f64) -> Twist {
+        let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
+        let (_, axis, change) = self.quick_pose(touch.t);
+        let arm = touch.arm() + way + radius;
+        Twist {
+            change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
+            bend: GOLDEN * turn * turn * arm + 2.0 * turn * way,
+            // In the change of the axis, and twice in that of the gradient.
+            slope_flaw: 3.0 * self.parabola_slope_error() * arm,
+            flaw: self.parabola_error() * arm,
+        }
     }
 
     /// Change of tip and axis over the share, at the middle.
@@ -140,6 +172,11 @@ impl Piece {
             Self::new(self.at, self.kind, [self.tips[0], tip], [self.rotary[0], rotary]),
             Self::new(self.at, self.kind, [tip, self.tips[1]], [rotary, self.rotary[1]]),
         ]
+    }
+
+    /// Half of the tip's way, and half of the turn, radians.
+    pub(super) fn reach(&self) -> (f64, f64) {
+        self.reach
     }
 
     /// Middle pose.
@@ -216,6 +253,9 @@ pub struct Sweep<'a> {
     /// Index of each piece in the order of time.
     in_order: Vec<u32>,
     nodes: Vec<Node>,
+    ball: Option<Ball>,
+    /// The ball over each piece; none without a ball.
+    capsules: Vec<Capsule>,
 }
 
 /// Least signed distance of a point to a swept cutter.
@@ -261,7 +301,9 @@ impl<'a> Sweep<'a> {
         for (index, piece) in pieces.iter().enumerate() {
             in_order[piece.order as usize] = u32::try_from(index).unwrap_or(u32::MAX);
         }
-        Some(Self { solid, pieces, in_order, nodes })
+        let ball = Ball::of(solid);
+        let capsules = ball.iter().flat_map(|ball| pieces.iter().map(|p| Capsule::new(p, *ball))).collect();
+        Some(Self { solid, pieces, in_order, nodes, ball, capsules })
     }
 
     /// Least distance below `cutoff` of a point to the swept cutter.
@@ -331,6 +373,15 @@ impl<'a> Sweep<'a> {
     /// Where a point is nearest to the cutter over a piece, if nearer than `least`; nowhere is it nearer by `slack`.
     pub fn least(&self, index: u32, p: &Point3<f64>, mut least: f64, slack: f64) -> Option<Touch> {
         let piece = &self.pieces[index as usize];
+        if let Some((ball, capsule)) = self.capsule(index) {
+            let foot = capsule.foot(p);
+            let below = foot.length - ball.radius - capsule.flaw();
+            // Seldom does either decide when the other does not: the dearer question last.
+            if (below >= least || 2.0 * capsule.flaw() <= slack) && capsule.rules(ball, p, 0.0) {
+                let touch = (below < least).then(|| self.touch(piece, foot.t, p));
+                return touch.filter(|touch| touch.value < least);
+            }
+        }
         let mut best = None;
         let mut spans = Spans::whole();
         while let Some((from, to)) = spans.pop() {
@@ -414,6 +465,16 @@ impl<'a> Sweep<'a> {
         }
     }
 
+    /// The ball at the tip, over a piece by its index here.
+    pub(super) fn capsule(&self, index: u32) -> Option<(Ball, &Capsule)> {
+        Some((self.ball?, &self.capsules[index as usize]))
+    }
+
+    /// The ball at the tip.
+    pub(super) fn ball(&self) -> Option<Ball> {
+        self.ball
+    }
+
     /// A piece, by its index here.
     pub fn piece(&self, index: u32) -> &Piece {
         &self.pieces[index as usize]
@@ -461,6 +522,30 @@ impl Touch {
     /// Nothing near.
     pub const FAR: Self =
         Self { t: 0.0, value: f64::INFINITY, gradient: Vector3::new(0.0, 0.0, 0.0), rate: 0.0, rho: 0.0, s: 0.0 };
+
+    /// Distance of the point from the tip.
+    pub fn arm(&self) -> f64 {
+        (self.rho * self.rho + self.s * self.s).sqrt()
+    }
+}
+
+/// How a tangent plane of the cutter moves over a piece.
+///
+/// Let R(t) turn the axis at the touch into that at t, the shortest way at any time, and n be the gradient there. The
+/// cutter is a convex body about its axis, so that f(p, t) >= f* + (R n) . (p - tip) - n . (p* - tip*). The right side is
+/// n . (p - p*) + (t - t*) (rate + change . (p - p*)) up to half its second derivative, with change = w x n and
+/// w = a x a' for the axis a. With (R n)'' at most |w'| + |w|^2, where |w'|^2 = K (Q + 4 P) and |w|^2 = P + Q for the squares P
+/// of the turn in A, Q of that in C across the axis and K of that along it: at most (1 + sqrt 5) / 2 (P + Q + K).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Twist {
+    /// Change of the gradient over the share.
+    pub(super) change: Vector3<f64>,
+    /// Bound of the second derivative over the share, mm.
+    pub(super) bend: f64,
+    /// Error of the slope of the quick poses, mm over the share.
+    pub(super) slope_flaw: f64,
+    /// Error of the quick poses, mm.
+    pub(super) flaw: f64,
 }
 
 /// How far the way of a point, seen from the tool, may leave a straight line within a piece.
@@ -472,6 +557,8 @@ pub struct Drift {
     pub turn: f64,
     /// Error of the quick poses, mm.
     pub flaw: f64,
+    /// Error of their slopes, mm over the share.
+    pub slope_flaw: f64,
     /// Distance of the farthest point that is asked about from the touched one, mm.
     pub radius: f64,
 }
@@ -482,7 +569,7 @@ impl Drift {
         let (before, after) = (touch.t - from, to - touch.t);
         let down = (touch.rate * before).max(-touch.rate * after).max(0.0);
         let h = before.max(after);
-        down + 0.5 * self.bend * h * h + self.turn * h * self.radius + self.flaw
+        down + 0.5 * self.bend * h * h + (self.turn * self.radius + self.slope_flaw) * h + self.flaw
     }
 }
 

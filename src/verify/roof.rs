@@ -1,0 +1,239 @@
+//! Bounds from above, over a whole cell of a surface, of the distance to a cutter swept over two pieces of motion.
+//!
+//! The distance F(p, t) is convex up to the bend of the way (`bounds.rs`), so that F at a mean of corners and times is at
+//! most the mean of F at the corners, each at its own best time. No term with the radius of the cutter enters: the cutter
+//! follows the cell.
+
+use super::bounds::Hull;
+use super::capsule::Ball;
+use super::sweep::{Drift, Piece, Sweep, Touch};
+use crate::collide::{Cutter, tool::tool_coordinates};
+use nalgebra::{Point3, Vector3};
+
+/// How much farther the ball at the tip may be than the cutter where it still serves for bounds from above, mm.
+const ON_BALL: f64 = 1e-5;
+
+/// An upper bound of the distance over a cell: a biquadratic by its control values, x by x.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roof {
+    control: [f64; 9],
+}
+
+impl Roof {
+    /// Most over the cell.
+    pub(super) fn most(&self) -> f64 {
+        self.control.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Most of the mean of two.
+    pub(super) fn most_of_mean(&self, other: &Self) -> f64 {
+        self.control.iter().zip(&other.control).map(|(a, b)| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Over the quarters of the cell.
+    pub(super) fn quarters(&self) -> [Self; 4] {
+        let halves = |[a, b, c]: [f64; 3]| {
+            let (ab, bc) = (0.5 * (a + b), 0.5 * (b + c));
+            let m = 0.5 * (ab + bc);
+            [[a, ab, m], [m, bc, c]]
+        };
+        let c = &self.control;
+        let along_y = [0, 3, 6].map(|i| halves([c[i], c[i + 1], c[i + 2]]));
+        let quarter = |right: usize, upper: usize| {
+            let mut control = [0.0; 9];
+            for j in 0..3 {
+                let column = halves([along_y[0][upper][j], along_y[1][upper][j], along_y[2][upper][j]])[right];
+                for (i, value) in column.into_iter().enumerate() {
+                    control[3 * i + j] = value;
+                }
+            }
+            Self { control }
+        };
+        [quarter(0, 0), quarter(0, 1), quarter(1, 0), quarter(1, 1)]
+    }
+}
+
+impl Sweep<'_> {
+    /// Upper bound of the distance of a cell to the cutter swept over a piece and the one that follows it.
+    pub(super) fn above(&self, first: u32, second: u32, hull: &Hull) -> Roof {
+        let pair = Pair::new(self.piece(first), self.piece(second), self.solid().flute_length);
+        if let (Some((ball, a)), Some((_, b))) = (self.capsule(first), self.capsule(second)) {
+            let near = hull.corners.map(|corner| {
+                let (x, y) = (a.foot(&corner), b.foot(&corner));
+                if x.length <= y.length { (false, x) } else { (true, y) }
+            });
+            // Elsewhere on the cutter the ball lies deeper and says little.
+            let on_ball = near.iter().zip(&hull.corners).all(|((later, foot), corner)| {
+                let (tip, axis) = pair.piece(*later).quick_axis(foot.t);
+                let (rho, s) = tool_coordinates(corner, &tip, &axis);
+                s - ball.radius <= ball.upper * foot.length
+                    || foot.length - ball.radius <= self.solid().cutter_distance(rho, s) + ON_BALL
+            });
+            if on_ball {
+                return pair.roof_of_ball(ball, &near.map(|(later, foot)| (later, foot.t)), hull);
+            }
+        }
+        let near = hull.corners.map(|corner| {
+            let [x, y] = [pair.first, pair.second].map(|piece| {
+                let start = self.touch(piece, 0.5, &corner);
+                self.minimum(piece, start, &corner, (0.0, 1.0))
+            });
+            if x.value <= y.value { (false, x) } else { (true, y) }
+        });
+        let least = near.iter().map(|(_, t)| self.least_radius(t, 2.0 * hull.radius)).fold(f64::INFINITY, f64::min);
+        pair.roof_of_cutter(&near, hull, least)
+    }
+
+    /// Least radius of curvature of the level surfaces of the distance within a radius of a touched point; zero or less
+    /// where an edge may lie there.
+    fn least_radius(&self, t: &Touch, radius: f64) -> f64 {
+        let solid = self.solid();
+        if t.s + radius > solid.flute_length {
+            return 0.0;
+        }
+        let corner = solid.cutter.tip_radius();
+        match solid.cutter {
+            // Beside the cylinder the level surfaces are cylinders about the axis.
+            Cutter::Flat { .. } | Cutter::Bull { .. } if t.s - radius >= corner => t.rho - radius,
+            _ => corner + (t.value - radius).min(0.0),
+        }
+    }
+}
+
+/// Two pieces of a sweep, one after the other.
+struct Pair<'a> {
+    first: &'a Piece,
+    second: &'a Piece,
+    /// Share of the second piece in those of the first, so that poses pass the joint at one pace.
+    stretch: f64,
+}
+
+/// What lies between the times at which a pair of pieces is nearest to the corners of a cell.
+struct Run {
+    /// In shares of the first piece.
+    time: f64,
+    /// How far a mean of times may lie from the joint, where the run leads across it: a kink of the way there leads away
+    /// from means of the corners.
+    across: f64,
+    /// Pieces that it passes.
+    passes: [bool; 2],
+}
+
+impl<'a> Pair<'a> {
+    /// `arm` is about how far points of the cutter lie from the tip.
+    fn new(first: &'a Piece, second: &'a Piece, arm: f64) -> Self {
+        let pace = |piece: &Piece| {
+            let (tip, axis) = piece.speed();
+            tip.norm() + arm * axis.norm()
+        };
+        let (a, b) = (pace(first), pace(second));
+        Self { first, second, stretch: if a > 0.0 && b > 0.0 { b / a } else { 1.0 } }
+    }
+
+    fn piece(&self, later: bool) -> &'a Piece {
+        if later { self.second } else { self.first }
+    }
+
+    /// The run between shares, each of the first piece or of the later one.
+    fn run(&self, shares: &[(bool, f64); 4]) -> Run {
+        // Time from the joint, in shares of the first piece.
+        let times = shares.map(|(later, t)| if later { t * self.stretch } else { t - 1.0 });
+        let (early, late) = times.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(*t), h.max(*t)));
+        let time = late - early;
+        let kinks = early < 0.0 && late > 0.0;
+        let across = if kinks { -early * late / time } else { 0.0 };
+        Run { time, across, passes: [early < 0.0 || !kinks, late > 0.0 || !kinks] }
+    }
+
+    /// The worst over the pieces that a run passes; `of` gets a piece and how much faster its shares pass.
+    fn worst(&self, run: &Run, of: impl Fn(&Piece, f64) -> f64) -> f64 {
+        let pieces = [(self.first, 1.0), (self.second, 1.0 / self.stretch)];
+        pieces.iter().zip(run.passes).filter(|p| p.1).map(|((piece, scale), _)| of(piece, *scale)).fold(0.0, f64::max)
+    }
+
+    /// Change of the speed of points within a distance from the tip, at the joint. The paces there differ from those in
+    /// the middles by half of the bends.
+    fn jump(&self, reach: f64) -> f64 {
+        let ((tip_a, axis_a), (tip_b, axis_b)) = (self.first.speed(), self.second.speed());
+        (tip_a - tip_b / self.stretch).norm() + (axis_a - axis_b / self.stretch).norm() * reach
+    }
+
+    /// The roof by the ball, from the shares at which it is nearest to the corners.
+    fn roof_of_ball(&self, ball: Ball, shares: &[(bool, f64); 4], hull: &Hull) -> Roof {
+        let run = self.run(shares);
+        let bend = self.worst(&run, |p, scale| p.ball_drift(ball.radius).bend * scale * scale);
+        let flaw = self.worst(&run, |p, _| p.ball_drift(ball.radius).flaw);
+        let error = 0.125 * bend * run.time * run.time + flaw + run.across * (self.jump(ball.radius) + bend);
+        let centres = shares.map(|(later, t)| self.piece(later).ball_centre(t, ball.radius).0);
+        roof_of_ball(ball.radius, &centres, hull, error)
+    }
+
+    /// The roof by the whole cutter, from where it touches the corners; `least` is the least radius of curvature of level
+    /// surfaces of the distance over the cell.
+    fn roof_of_cutter(&self, near: &[(bool, Touch); 4], hull: &Hull, least: f64) -> Roof {
+        let run = self.run(&near.map(|(later, touch)| (later, touch.t)));
+        let most = |p: &Piece, of: &dyn Fn(&Drift) -> f64| {
+            near.iter().map(|(_, t)| of(&p.drift(t, hull.radius))).fold(0.0, f64::max)
+        };
+        let bend = self.worst(&run, |p, scale| most(p, &|d| d.bend) * scale * scale);
+        let turn = self.worst(&run, |p, scale| most(p, &|d| d.turn) * scale);
+        let flaw = self.worst(&run, |p, _| most(p, &|d| d.flaw));
+        let reach = near.iter().map(|(_, t)| t.arm()).fold(0.0, f64::max) + 2.0 * hull.radius;
+        // Means lie within half the span of time and half the diagonal of the cell.
+        let error = 0.5 * (0.25 * bend * run.time * run.time + turn * run.time * hull.radius)
+            + flaw
+            + run.across * (self.jump(reach) + bend);
+        // The gradient turns by no more than this over the cell.
+        let swing = if least > 0.0 { (2.0 * hull.radius / least).min(2.0) } else { 2.0 } + turn * run.time;
+        roof_of_cutter(&near.map(|(_, touch)| touch), hull, swing, error)
+    }
+}
+
+/// Control values of the bilinear through four corners.
+fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
+    [a, 0.5 * (a + b), b, 0.5 * (a + c), 0.25 * (a + b + c + d), 0.5 * (b + d), c, 0.5 * (c + d), d]
+}
+
+/// Places of [`Hull::bulge`] among nine control points.
+const BULGE: [usize; 5] = [1, 3, 5, 7, 4];
+
+/// F at the means of corners and their times is at most the mean of F; the bulge adds its part along the gradients.
+fn roof_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> Roof {
+    let mut control = bilinear(touches.map(|t| t.value));
+    for (b, place) in hull.bulge.iter().zip(BULGE) {
+        let along = touches.iter().map(|t| t.gradient.dot(b)).fold(f64::NEG_INFINITY, f64::max);
+        control[place] += (along + swing * b.norm()).min(b.norm());
+    }
+    Roof { control: control.map(|c| c + error + hull.thickness) }
+}
+
+/// For a ball: with w_i from its centres to the corners, |mean w|^2 = mean |w|^2 - variance of w, so that the bound
+/// falls between the corners by as much as the ball stands out across its way.
+fn roof_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64) -> Roof {
+    let w: [Vector3<f64>; 4] = std::array::from_fn(|k| hull.corners[k] - centres[k]);
+    let d = w.map(|v| v.norm());
+    let (least, most) = d.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
+    let mut control = bilinear(d.map(|d| d - radius));
+    let x = (w[2] + w[3] - w[0] - w[1]) * 0.25;
+    let y = (w[1] + w[3] - w[0] - w[2]) * 0.25;
+    let twist = ((w[0] + w[3] - w[1] - w[2]) * 0.25).norm();
+    // (1 - x^2) of this much at least; its control value in the middle is twice that.
+    let variance = |v: &Vector3<f64>| (v.norm_squared() - 2.0 * v.norm() * twist).max(0.0) / most;
+    let (across_x, across_y) = (variance(&x), variance(&y));
+    let falls = [across_y, across_x, across_x, across_y, across_x + across_y];
+    // |mean w|^2 = mean |w|^2 - variance, and corners stray from their mean by no more than this.
+    let stray = x.norm() + y.norm() + twist;
+    let shortest = (least * least - stray * stray).max(0.0).sqrt();
+    let mut extra = error + hull.thickness;
+    if shortest <= 0.0 {
+        return Roof { control: control.map(|c| c + extra + 2.0 * hull.radius) };
+    }
+    // mean d^2 exceeds (mean d)^2 by the variance of d.
+    extra += (most - least) * (most - least) / (8.0 * shortest);
+    for ((b, place), fall) in hull.bulge.iter().zip(BULGE).zip(falls) {
+        let along = w.iter().map(|v| v.dot(b)).fold(f64::NEG_INFINITY, f64::max);
+        let out = if along > 0.0 { along / shortest } else { along / most };
+        control[place] += out + b.norm_squared() / (2.0 * shortest) - fall;
+    }
+    Roof { control: control.map(|c| c + extra) }
+}
