@@ -73,11 +73,9 @@ impl Hull {
         Self { centre, corners, radius, control, bulge, sides, thickness }
     }
 
-    /// Most that a linear function with a gradient of at most length one falls from a point of the cell, given relative
-    /// to the middle.
-    fn fall(&self, from: &Vector3<f64>, gradient: &Vector3<f64>) -> f64 {
-        let least = self.control.iter().map(|c| c.dot(gradient)).fold(f64::INFINITY, f64::min);
-        from.dot(gradient) - least + self.thickness
+    /// Most that a linear function with a gradient of at most length one falls from the middle.
+    pub(super) fn fall(&self, gradient: &Vector3<f64>) -> f64 {
+        self.thickness - least_of(self.control.map(|c| c.dot(gradient)))
     }
 
     /// Area, mm2.
@@ -106,7 +104,7 @@ impl Hull {
             (self.control[n].dot(gradient) - along, square)
         });
         let strayed = 2.0 * widest * (stray + self.thickness);
-        let least = |k: f64| parts.iter().map(|p| p.0 + k * p.1).fold(f64::INFINITY, f64::min) - k * strayed;
+        let least = |k: f64| least_of(parts.map(|p| p.0 + k * p.1)) - k * strayed;
         let best = (0..=SHARES).map(|n| least(most * n as f64 / SHARES as f64)).fold(f64::NEG_INFINITY, f64::max);
         best - self.thickness
     }
@@ -114,6 +112,11 @@ impl Hull {
     fn at(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
         self.sides[0] * x + self.sides[1] * y
     }
+}
+
+/// The least of some numbers; `f64::min` would ask each whether it is one.
+fn least_of(values: [f64; 9]) -> f64 {
+    values.into_iter().fold(f64::INFINITY, |least, v| if v < least { v } else { least })
 }
 
 /// What is known about a cell and a piece.
@@ -176,7 +179,8 @@ impl Tangent {
 
     fn from(&self, way: &Vector3<f64>) -> f64 {
         let slope = self.change.0 + self.change.1.dot(way);
-        self.value + self.gradient.dot(way) + (slope * self.ends[0]).min(slope * self.ends[1])
+        let [before, after] = self.ends.map(|end| slope * end);
+        self.value + self.gradient.dot(way) + if before < after { before } else { after }
     }
 
     /// No more than anywhere within a radius of a place of the cell.
@@ -187,8 +191,7 @@ impl Tangent {
     /// Over a whole cell.
     pub(super) fn over(&self, hull: &Hull) -> f64 {
         let middle = hull.centre - self.place;
-        let least = hull.control.iter().map(|c| self.from(&(middle + c))).fold(f64::INFINITY, f64::min);
-        least - hull.thickness * self.steepness
+        least_of(hull.control.map(|c| self.from(&(middle + c)))) - hull.thickness * self.steepness
     }
 }
 

@@ -240,6 +240,39 @@ enum Lies {
     Outside,
 }
 
+/// What may come nearest in a hull, from all that is looked at in turn.
+struct Narrowing<'h> {
+    hull: &'h Hull,
+    found: Vec<Near>,
+    /// Nearest to the middle.
+    least: f64,
+    /// g is nowhere in the hull more than this: what comes nowhere nearer counts nowhere.
+    most: f64,
+}
+
+impl<'h> Narrowing<'h> {
+    fn new(hull: &'h Hull) -> Self {
+        Self { hull, found: Vec::new(), least: FAR, most: FAR + hull.radius }
+    }
+
+    fn take(&mut self, sweep: &Sweep<'_>, candidate: Candidate) {
+        let Some(look) = sweep.look(candidate.piece, self.hull, self.most) else { return };
+        if look.value < self.least {
+            self.least = look.value;
+            self.most = self.most.min(sweep.farthest(candidate.piece, self.hull, look.t));
+        }
+        self.found.push(Near { candidate, value: look.value, bound: look.bound, tangent: look.tangent });
+    }
+
+    /// What is left, nearest first.
+    fn kept(self) -> Vec<Near> {
+        let Self { mut found, most, .. } = self;
+        found.retain(|f| f.bound <= most);
+        found.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.candidate.cmp(&b.candidate)));
+        found
+    }
+}
+
 /// One patch with the program.
 pub(super) struct Task<'a> {
     /// Surface.
@@ -305,8 +338,7 @@ impl Task<'_> {
             inside: vec![true; count],
             range: [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let near = gather(self.sweeps, &hull.centre, hull.radius);
-        let near = self.narrow(near.into_iter().map(|c| (c, None)), &hull);
+        let near = self.gather(&hull);
         self.look_at(&self.whole(), near, &mut looked);
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
@@ -324,7 +356,7 @@ impl Task<'_> {
     fn look_at(&self, block: &Block, near: Vec<Near>, looked: &mut Looked) {
         if block.longest() > BLOCK {
             for part in block.parts() {
-                let near = self.narrow(near.iter().map(|n| (n.candidate, Some(&n.tangent))), &self.hull(&part));
+                let near = self.narrow(&near, &self.hull(&part));
                 self.look_at(&part, near, looked);
             }
             return;
@@ -363,28 +395,30 @@ impl Task<'_> {
         best
     }
 
-    /// Those of the candidates that may come nearest anywhere in a hull, nearest first. The others come nowhere nearer
-    /// than g is; what is known of them over a larger hull rules most of them out.
-    fn narrow<'c>(&self, from: impl Iterator<Item = (Candidate, Option<&'c Tangent>)>, hull: &Hull) -> Vec<Near> {
-        let mut found: Vec<Near> = Vec::with_capacity(from.size_hint().0);
-        // g is nowhere in the hull more than this.
-        let mut most = FAR + hull.radius;
-        let mut least = FAR;
-        for (c, known) in from {
-            if known.is_some_and(|tangent| tangent.about(&hull.centre, hull.radius) > most) {
-                continue;
-            }
-            let sweep = &self.sweeps[c.sweep as usize];
-            let Some(look) = sweep.look(c.piece, hull, most) else { continue };
-            if look.value < least {
-                least = look.value;
-                most = most.min(sweep.farthest(c.piece, hull, look.t));
-            }
-            found.push(Near { candidate: c, value: look.value, bound: look.bound, tangent: look.tangent });
+    /// Everything that may come nearest anywhere in a hull.
+    fn gather(&self, hull: &Hull) -> Vec<Near> {
+        let mut narrowing = Narrowing::new(hull);
+        // Finishing first: what comes near bounds the rest.
+        for (k, sweep) in self.sweeps.iter().enumerate().rev() {
+            let sweep_index = u32::try_from(k).unwrap_or(u32::MAX);
+            sweep.gather(hull, narrowing.most, &mut |piece, _| {
+                narrowing.take(sweep, Candidate { sweep: sweep_index, piece });
+                narrowing.most
+            });
         }
-        found.retain(|f| f.bound <= most);
-        found.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.candidate.cmp(&b.candidate)));
-        found
+        narrowing.kept()
+    }
+
+    /// Those of what may come nearest in a larger hull that may in a part of it; what is known of them over the larger one
+    /// rules most of them out.
+    fn narrow(&self, from: &[Near], hull: &Hull) -> Vec<Near> {
+        let mut narrowing = Narrowing::new(hull);
+        for near in from {
+            if near.tangent.about(&hull.centre, hull.radius) <= narrowing.most {
+                narrowing.take(&self.sweeps[near.candidate.sweep as usize], near.candidate);
+            }
+        }
+        narrowing.kept()
     }
 
     /// Proves bounds of g over the patch.
@@ -595,21 +629,9 @@ fn under(roofs: &[Roof], enough: f64, depth: u32) -> f64 {
     most
 }
 
-/// Everything that may come nearest to a point within a radius of another.
-fn gather(sweeps: &[Sweep<'_>], centre: &Point3<f64>, radius: f64) -> Vec<Candidate> {
-    let cutoff = (deviation(centre, sweeps).0 + radius).min(FAR);
-    let mut found = Vec::new();
-    // Finishing first: what comes near bounds the rest.
-    for (k, sweep) in sweeps.iter().enumerate().rev() {
-        let sweep_index = u32::try_from(k).unwrap_or(u32::MAX);
-        sweep.gather(centre, radius, cutoff, &mut |piece| found.push(Candidate { sweep: sweep_index, piece }));
-    }
-    found
-}
-
-/// g of a point, with the move that makes it.
-pub(super) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>]) -> (f64, Option<At>) {
-    let mut best = (FAR, None);
+/// g of a point, if less than `cutoff`, with the move that makes it.
+pub(super) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (f64, Option<At>) {
+    let mut best = (cutoff, None);
     // The last operations come nearest: with them first the others are soon out of the question.
     for sweep in sweeps.iter().rev() {
         if let Some(n) = sweep.nearest(p, best.0) {

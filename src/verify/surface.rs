@@ -177,7 +177,10 @@ fn goals([least, most]: [f64; 2], limits: &Limits) -> Goals {
         goal if found < limit => goal.min(limit).max(found + LEAST_SLACK),
         goal => goal,
     };
-    Goals { low: -beyond(-least, SLACK, limits.gouge), high: beyond(most, SLACK.max(SLACK_SHARE * most), limits.excess) }
+    Goals {
+        low: -beyond(-least, SLACK, limits.gouge),
+        high: beyond(most, SLACK.max(SLACK_SHARE * most), limits.excess),
+    }
 }
 
 /// The figures of one surface from those of its patches.
@@ -242,6 +245,7 @@ fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>])
     let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
     // Only a cut deeper than any tolerance can be deeper along the normal than in distance.
     let deep = sign < 0.0 && value < -DEEP;
+    let mut known = Known { sweeps, last: None };
     let measure = |xy: [f64; 2]| {
         let (p, normal, _) = place(surface, xy);
         if !surface.holds(&p) {
@@ -249,14 +253,29 @@ fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>])
         } else if deep {
             depth(&p, &normal, sweeps)
         } else {
-            sign * deviation(&p, sweeps).0
+            sign * known.deviation(&p)
         }
     };
     let (best, most) = if value < FAR { climb(surface, start, measure) } else { (start, FAR) };
     let (p, _, parameters) = place(surface, best);
-    let (value, at) = deviation(&p, sweeps);
+    let (value, at) = deviation(&p, sweeps, FAR);
     let depth = if deep { most } else { (-value).max(0.0) };
     Worst { value, point: [p.x, p.y, p.z], parameters, at, depth }
+}
+
+/// g of points near each other: it changes no faster than the point moves, so that the last one says how far to look.
+struct Known<'a> {
+    sweeps: &'a [Sweep<'a>],
+    last: Option<(Point3<f64>, f64)>,
+}
+
+impl Known<'_> {
+    fn deviation(&mut self, p: &Point3<f64>) -> f64 {
+        let cutoff = self.last.map_or(FAR, |(q, g)| g + (p - q).norm() + LEAST_SLACK);
+        let (g, _) = deviation(p, self.sweeps, cutoff.min(FAR));
+        self.last = Some((*p, g));
+        g
+    }
 }
 
 fn place(surface: &Surface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
@@ -274,7 +293,7 @@ const DEPTH_STEPS: usize = 400;
 fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     let mut depth = 0.0;
     for _ in 0..DEPTH_STEPS {
-        let (g, _) = deviation(&(p - normal * depth), sweeps);
+        let (g, _) = deviation(&(p - normal * depth), sweeps, FAR);
         if g > -1e-7 {
             break;
         }
@@ -290,7 +309,7 @@ const FINEST: f64 = 1e-4;
 const ROUNDS: usize = 100;
 
 /// Climbs a measure over a surface by a pattern search in its chart.
-fn climb(surface: &Surface<'_>, start: [f64; 2], measure: impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
+fn climb(surface: &Surface<'_>, start: [f64; 2], mut measure: impl FnMut([f64; 2]) -> f64) -> ([f64; 2], f64) {
     const PROBE: f64 = 0.02;
     // Shares of the chart that make a millimetre.
     let unit = [0, 1].map(|k| {

@@ -9,6 +9,7 @@
 //! their angular velocities add by Pythagoras, and their angular acceleration is at most their product. The first term
 //! vanishes at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
+use super::bounds::Hull;
 use super::capsule::{Ball, Capsule};
 use crate::collide::{Slope, ToolSolid, tool::tool_coordinates};
 use crate::ir::{Motion, MoveKind, Program};
@@ -442,27 +443,46 @@ impl<'a> Sweep<'a> {
         if low.value < high.value { low } else { high }
     }
 
-    /// Adds the pieces whose cutter may come below `cutoff` anywhere within `radius` of a point.
-    pub fn gather(&self, p: &Point3<f64>, radius: f64, cutoff: f64, into: &mut impl FnMut(u32)) {
-        let mut stack = vec![0_u32];
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if self.bound(node, p) - radius >= cutoff {
+    /// Visits the pieces whose cutter may come nearer than `most` anywhere in a cell, the nearest first as far as the
+    /// hierarchy knows; a visit returns what is to be `most` from there on.
+    pub(super) fn gather(&self, hull: &Hull, mut most: f64, visit: &mut impl FnMut(u32, f64) -> f64) {
+        let mut stack: [(u32, f64); 64] = [(0, f64::NEG_INFINITY); 64];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (index, bound) = stack[top];
+            if bound >= most {
                 continue;
             }
+            let node = &self.nodes[index as usize];
             if node.child == 0 {
                 for index in node.range.0..node.range.1 {
-                    let piece = &self.pieces[index as usize];
-                    let (rho, s) = tool_coordinates(p, &piece.middle.0, &piece.middle.1);
-                    let moved = piece.displacement((rho * rho + s * s).sqrt());
-                    if self.solid.cutter_distance(rho, s) - moved - radius < cutoff {
-                        into(index);
-                    }
+                    most = visit(index, most);
                 }
-            } else {
-                stack.extend([node.child + 1, node.child]);
+                continue;
+            }
+            let children =
+                [node.child, node.child + 1].map(|c| (c, self.bound_over(&self.nodes[c as usize], hull, most)));
+            let [a, b] = children;
+            for child in if a.1 <= b.1 { [b, a] } else { [a, b] } {
+                if child.1 < most && top < stack.len() {
+                    stack[top] = child;
+                    top += 1;
+                }
             }
         }
+    }
+
+    /// Lower bound over a cell of the distance to the cutter in all poses of a node, no better than `enough`.
+    fn bound_over(&self, node: &Node, hull: &Hull, enough: f64) -> f64 {
+        let d = hull.centre - node.tip;
+        let s = d.dot(&node.axis);
+        let radial = d - node.axis * s;
+        let rho = radial.norm();
+        let slope = self.solid.cutter_slope(rho, s);
+        let near = slope.value - node.spread.0 - node.spread.1 * (d.norm() + hull.radius);
+        let gradient = radial * (slope.rho / rho.max(1e-12)) + node.axis * slope.s;
+        if near - hull.radius >= enough { near - hull.radius } else { near - hull.fall(&gradient) }
     }
 
     /// The ball at the tip, over a piece by its index here.
