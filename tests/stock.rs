@@ -170,8 +170,18 @@ fn ends_lie_on_the_swept_cutter() {
         let tip = Point3::new(-6.0 + 12.0 * t, 2.0 * (2.0 * t).sin(), -3.0 - t);
         (tip, Vector3::new(0.3 * (3.0 * t).sin(), 0.25 * t, 1.0).normalize())
     };
-    // Half a degree of turn in a step.
-    let count = 120;
+    // Half a degree of turn in a step, and as much as a step may turn.
+    for count in [120_u32, 32] {
+        ends_lie_on(count, pose);
+    }
+    // Leaning against its way, and along itself while it turns: here turn and way add up.
+    ends_lie_on(32, |t| {
+        let a = 0.9 * t - 0.3;
+        (Point3::new(-6.0 + 10.0 * t, 1.0, -3.0 - 2.0 * t * t), Vector3::new(-a.sin(), 0.1, a.cos()).normalize())
+    });
+}
+
+fn ends_lie_on(count: u32, pose: impl Fn(f64) -> (Point3<f64>, Vector3<f64>)) {
     let steps: Vec<Step> = (0..count)
         .map(|k| {
             let at = |h: f64| pose((f64::from(k) + h) / f64::from(count));
@@ -204,9 +214,12 @@ fn ends_lie_on_the_swept_cutter() {
             };
             let coarse: Vec<f64> = steps.iter().map(|s| look(s, 0.5)).collect();
             let least = coarse.iter().copied().fold(f64::INFINITY, f64::min);
-            // A point of the cutter moves less than 0.3 mm in half a step.
-            let near = steps.iter().zip(&coarse).filter(|(_, c)| **c < least + 0.3);
-            near.flat_map(|(s, _)| (0..=100).map(move |k| look(s, f64::from(k) / 100.0))).fold(least, f64::min)
+            // A point of the cutter moves less than 0.3 mm in half a step of 120.
+            let near = steps.iter().zip(&coarse).filter(|(_, c)| **c < least + 36.0 / f64::from(count));
+            // Corners of the cutter come and go with its speed: poses lie 2 um of way apart.
+            let poses = 24_000 / count;
+            near.flat_map(|(s, _)| (0..=poses).map(move |k| look(s, f64::from(k) / f64::from(poses))))
+                .fold(least, f64::min)
         };
         let mut ends = 0;
         for axis in 0..3 {

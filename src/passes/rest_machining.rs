@@ -26,6 +26,9 @@ const MOST_CELL: f64 = 1.0;
 /// Longest way of the tip in a step, mm: stretches are cut out to this.
 const STEP_LENGTH: f64 = 1.0;
 
+/// Largest turn of a step, radians: the same at the top of a cutter.
+const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
 /// Thins out the passes of the operations that ask for rest machining.
 ///
 /// # Errors
@@ -122,7 +125,7 @@ fn stations(pass: &ClPass) -> Vec<Station> {
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
             let turn = (to.a - from.a).hypot(to.c - from.c);
-            let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;
                 let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);

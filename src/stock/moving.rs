@@ -10,10 +10,10 @@ use super::sweep::{GAP, Line, Look, Pose, Stretch, Sweep};
 use nalgebra::Vector3;
 
 /// Bow from which the time is divided, mm: below it two tangents that meet in between are off by a quarter of it.
-const FLAT: f64 = 2e-3;
+const FLAT: f64 = 1e-3;
 
 /// What may be left inside the sweep beyond the end of a chip, as a distance to its surface, mm.
-const LEFT: f64 = 8e-4;
+const LEFT: f64 = 6e-4;
 
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
 /// below.

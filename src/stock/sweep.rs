@@ -390,19 +390,19 @@ impl Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
 
     /// Against 20 000 poses of the same motion.
     #[test]
     fn least_over_time_equals_brute_force() {
         let axis = |a: f64, c: f64| Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos());
-        let step = Step {
-            block: 0,
-            kind: super::super::StepKind::Cut,
-            tips: [Point3::new(1.0, 2.0, -1.0), Point3::new(3.5, 2.4, -1.5)],
-            axes: [axis(0.5, 0.3), axis(0.505, 0.305), axis(0.51, 0.31)],
-        };
-        let sweep = Sweep::new(&step);
+        let tips = [Vector3::new(1.0, 2.0, -1.0), Vector3::new(3.5, 2.4, -1.5)];
+        for turn in [0.01, 0.035] {
+            let sweep = Sweep::through(tips, [0.0, 0.5, 1.0].map(|t| axis(0.5 + turn * t, 0.3 + turn * t)));
+            agrees(&sweep, &tips);
+        }
+    }
+
+    fn agrees(sweep: &Sweep, tips: &[Vector3<f64>; 2]) {
         for shape in [Shape::Flat { radius: 3.0, top: 20.0 }, Shape::Ball { radius: 3.0, top: 20.0 }] {
             for k in 0..400 {
                 let x = f64::from(k);
@@ -411,7 +411,7 @@ mod tests {
                 let brute = (0..=20_000)
                     .map(|i| sweep.look(&shape, &line, p.z, f64::from(i) / 20_000.0).f)
                     .fold(f64::MAX, f64::min);
-                let reach = (p - step.tips[0].coords).norm() + sweep.way.norm();
+                let reach = (p - tips[0]).norm() + sweep.way.norm();
                 let (bow, twist) = (sweep.bow(reach), sweep.twist(reach));
                 for guess in [0.0, 0.4, 1.0] {
                     let found = sweep.least(&shape, &line, p.z, [0.0, 1.0], guess, f64::INFINITY).f;
