@@ -178,7 +178,8 @@ impl NcText {
         let run = (0..self.runs.len().max(found.len())).find(|k| self.runs.get(*k) != found.get(*k))?;
         let lines = body.lines().count().max(1);
         let (first, last) = ((run * RUN).min(lines - 1), ((run + 1) * RUN).min(lines));
-        let here = self.body_starts + run * RUN;
+        // The number comes from a file.
+        let here = self.body_starts.saturating_add(run * RUN);
         let operation = self.operations.iter().find(|o| here <= o.last).map(|o| o.name.as_str());
         Some((starts + first, starts + last - 1, operation))
     }

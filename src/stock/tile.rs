@@ -48,7 +48,8 @@ impl Removal {
         for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
             let (tip, axis) = step.sweep.pose(t);
             let d = line.point(x) - tip;
-            let (s, across) = (d.dot(&axis), d.dot(&step.side));
+            let s = d.dot(&axis);
+            let across = (d - axis * s).dot(&step.side);
             self.height = [self.height[0].min(s), self.height[1].max(s)];
             self.side = [self.side[0].min(across), self.side[1].max(across)];
         }
