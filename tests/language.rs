@@ -287,6 +287,52 @@ fn printed_contracts_read_back() {
 }
 
 #[test]
+fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
+    let wrong = [
+        ("scallop 10 um", "scallop 10 um  rest over -0.05 mm", "-0.05 mm"),
+        ("scallop 10 um", "scallop 10 um  rest over - 50 um", "- 50 um"),
+        ("scallop 10 um", "scallop 10 um  rest over -(0.1 mm + 0.2 mm)", "-(0.1 mm + 0.2 mm)"),
+        ("scallop 10 um", "scallop 10 um  rest over 0.1 mm - 0.2 mm", "0.1 mm - 0.2 mm"),
+        ("scallop 10 um", "scallop 10 um  rest over 0.1 mm - (0.2 mm) // too thick", "0.1 mm - (0.2 mm)"),
+        ("scallop 10 um", "scallop 10 um  rest over -vane_allowance", "-vane_allowance"),
+        ("scallop 10 um", "scallop -10 um", "-10 um"),
+        ("lead-in 12 mm", "lead-in -12 mm", "-12 mm"),
+        ("lead-out 12 mm", "lead-out -12 mm", "-12 mm"),
+        ("residual 1 mm", "residual -1 mm", "-1 mm"),
+        ("depth 1.5 mm", "depth -1.5 mm", "-1.5 mm"),
+        ("allowance vane vane_allowance", "allowance vane -vane_allowance", "-vane_allowance"),
+        ("hub hub_allowance", "hub -0.1 mm", "-0.1 mm"),
+        ("fillet 3 mm", "fillet -3 mm", "-3 mm"),
+        ("over shroud 0 mm", "over shroud -1 mm", "-1 mm"),
+        ("bore 10 mm", "bore -10 mm", "-10 mm"),
+        ("diameter 8 mm", "diameter -8 mm", "-8 mm"),
+        ("flute 30 mm", "flute -30 mm", "-30 mm"),
+        ("reach 50 mm", "reach -50 mm", "-50 mm"),
+        ("reach 50 mm", "reach 50 mm  shank -8 mm", "-8 mm"),
+        ("chord 1 um", "chord -1 um", "-1 um"),
+        ("rough 50 um", "rough -50 um", "-50 um"),
+        ("require gouge     <= 7 um", "require gouge <= -7 um", "-7 um"),
+        ("require clearance >= 0.5 mm", "require clearance >= -0.5 mm", "-0.5 mm"),
+    ];
+    for (right, wrong, place) in wrong {
+        let text = changed(right, wrong);
+        let read = read(&text);
+        assert_eq!(read.codes(), [codes::job::OUT_OF_RANGE], "for {wrong}");
+        let diag = &read.sink.diags()[0];
+        assert_eq!(&text[diag.labels[0].span.range()], place, "for {wrong}");
+        assert!(diag.message.contains(" must be ") && diag.help.is_some(), "{} for {wrong}", diag.message);
+    }
+    // A name behind the label is its value; no value is a wrong form, with the label that is due.
+    let job = read(&changed("scallop 10 um", "scallop 10 um  rest over vane_allowance")).job.unwrap();
+    assert_eq!(job.operations[5].rest.map(|r| r.get()), Some(0.2));
+    for wrong in ["rest over", "rest 0.05 mm", "rest -0.05 mm"] {
+        let read = read(&changed("scallop 10 um", &format!("scallop 10 um  {wrong}")));
+        assert_eq!(read.codes(), [codes::job::WRONG_FORM], "for {wrong}");
+        assert!(read.sink.diags()[0].message.contains("(over)"), "{}", read.sink.diags()[0].message);
+    }
+}
+
+#[test]
 fn contracts_that_contradict_themselves_are_refused() {
     for (text, code) in [
         ("require gouge <= 5 um on hub\nrequire gouge <= 6 um on hub", codes::job::GIVEN_TWICE),

@@ -280,7 +280,8 @@ impl<'a, 'c> Properties<'a, 'c> {
                     self.damaged = true;
                 }
                 other => {
-                    self.wrong_form(other.span(), name, "labelled values", example);
+                    let due = format!("a value with a label before it ({})", known.join(", "));
+                    self.wrong_form(other.span(), name, &due, example);
                     self.damaged = true;
                 }
             }

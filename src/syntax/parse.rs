@@ -395,8 +395,14 @@ impl Builder<'_> {
 
     /// An `expr`, `term` or `factor`. The recursion is as deep as the brackets, which the scanner bounds.
     fn expr(&mut self, pair: Pair<'_, Rule>) -> Option<Expr> {
-        let span = self.span(pair.as_span());
         let rule = pair.as_rule();
+        let mut span = self.span(pair.as_span());
+        // A sum or product takes blanks and comments behind it along; its last factor does not.
+        let mut last = pair.clone();
+        while let Some(inner) = last.clone().into_inner().last().filter(|_| last.as_rule() != Rule::factor) {
+            last = inner;
+        }
+        span.end = self.span(last.as_span()).end;
         let mut parts = pair.into_inner();
         let first = parts.next()?;
         if rule == Rule::factor {
