@@ -1,6 +1,6 @@
 //! What can be required of a program, and where: the words that job, stage values and verifier share.
 
-use crate::units::{Mm, Mm3, Mm3PerMin, Sec, trim};
+use crate::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, trim};
 use std::fmt;
 
 /// Quantity of a contract.
@@ -18,6 +18,10 @@ pub enum ContractKind {
     Time,
     /// Largest axis speed as a share of the axis limit.
     AxisSpeed,
+    /// How far tip or flutes leave the verified motion between the ends of blocks.
+    ContourError,
+    /// How far the tool axis does, as an angle.
+    OrientationError,
     /// Largest removal rate.
     RemovalRate,
     /// Most material that roughing leaves for the finishing operations, as a thickness.
@@ -77,7 +81,7 @@ pub enum OfOperations {
 
 impl ContractKind {
     /// All quantities, in the order in which messages list them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Gouge,
         Self::Excess,
         Self::Clearance(Guarded::Body),
@@ -87,6 +91,8 @@ impl ContractKind {
         Self::Air,
         Self::Time,
         Self::AxisSpeed,
+        Self::ContourError,
+        Self::OrientationError,
         Self::RemovalRate,
         Self::Rest,
         Self::RestVolume,
@@ -104,6 +110,8 @@ impl ContractKind {
             Self::Air => "air",
             Self::Time => "time",
             Self::AxisSpeed => "axis-speed",
+            Self::ContourError => "contour-error",
+            Self::OrientationError => "orientation-error",
             Self::RemovalRate => "removal-rate",
             Self::Rest => "rest",
             Self::RestVolume => "rest-volume",
@@ -137,10 +145,13 @@ impl ContractKind {
         }
     }
 
-    /// The quantity in words with its unit: `bound` of a contract from a number in mm, s, mm3, mm3/min or a share.
+    /// The quantity in words with its unit: `bound` of a contract from a number in mm, deg, s, mm3, mm3/min or a share.
     pub fn bound(self, value: f64) -> Bound {
         match self {
-            Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest => Bound::Length(Mm(value)),
+            Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest | Self::ContourError => {
+                Bound::Length(Mm(value))
+            }
+            Self::OrientationError => Bound::Angle(Rad::from_deg(value)),
             Self::Air | Self::AxisSpeed => Bound::Share(value),
             Self::Time => Bound::Time(Sec(value)),
             Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),
@@ -154,6 +165,8 @@ impl ContractKind {
 pub enum Bound {
     /// A length.
     Length(Mm),
+    /// An angle.
+    Angle(Rad),
     /// A share of one.
     Share(f64),
     /// A time.
@@ -165,11 +178,12 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// The number, in mm, s, mm3, mm3/min or as a share of one.
+    /// The number, in mm, deg, s, mm3, mm3/min or as a share of one.
     pub fn value(self) -> f64 {
         match self {
             Self::Length(Mm(x)) | Self::Share(x) | Self::Time(Sec(x)) | Self::Volume(Mm3(x)) => x,
             Self::Rate(Mm3PerMin(x)) => x,
+            Self::Angle(x) => x.deg(),
         }
     }
 
@@ -177,6 +191,7 @@ impl Bound {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Length(_) => "mm",
+            Self::Angle(_) => "deg",
             Self::Share(_) => "1",
             Self::Time(_) => "s",
             Self::Volume(_) => "mm3",
@@ -188,6 +203,7 @@ impl Bound {
     pub fn figure(self) -> String {
         match self {
             Self::Length(Mm(x)) => format!("{x:.4} mm"),
+            Self::Angle(x) => format!("{:.4} deg", x.deg()),
             Self::Share(x) => format!("{:.2} %", x * 100.0),
             Self::Time(Sec(x)) => clock(x),
             Self::Volume(Mm3(x)) => format!("{x:.1} mm3"),
@@ -200,6 +216,7 @@ impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length(x) => write!(f, "{x}"),
+            Self::Angle(x) => write!(f, "{x}"),
             Self::Share(x) => write!(f, "{} %", trim(x * 100.0, 6)),
             Self::Time(x) => write!(f, "{x}"),
             Self::Volume(x) => write!(f, "{x}"),

@@ -38,7 +38,7 @@ static ALONE: LazyLock<[Certificate; 2]> = LazyLock::new(|| [0, 1].map(alone));
 
 /// The whole program with every contract that the tests look at, all with bounds that hold; and their figures.
 static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
-    use ContractKind::{Air, AxisSpeed, Excess, Gouge, RemovalRate, RestVolume, Time};
+    use ContractKind::{Air, AxisSpeed, ContourError, Excess, Gouge, OrientationError, RemovalRate, RestVolume, Time};
     use SurfaceClass::{Fillet, Hub, Pressure, Suction};
     let body = ContractKind::Clearance;
     let mut contracts = vec![
@@ -59,6 +59,12 @@ static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
         on(AxisSpeed, 1.0, &[], &[]),
         on(AxisSpeed, 1.0, &[0], &[]),
         on(AxisSpeed, 1.0, &[1], &[]),
+        on(ContourError, 1.0, &[], &[]),
+        on(ContourError, 1.0, &[0], &[]),
+        on(ContourError, 1.0, &[1], &[]),
+        on(OrientationError, 1.0, &[], &[]),
+        on(OrientationError, 1.0, &[0], &[]),
+        on(OrientationError, 1.0, &[1], &[]),
         on(body(Guarded::Body), 0.0, &[], &[]),
         on(body(Guarded::Tool), 0.0, &[], &[]),
         on(body(Guarded::Shank), 0.0, &[], &[]),
@@ -81,7 +87,9 @@ static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
 static FAILED: LazyLock<(Certificate, Sink)> = LazyLock::new(|| {
     let gouge = on(ContractKind::Gouge, 1e-4, &[], &[SurfaceClass::Hub]);
     let volume = on(ContractKind::RestVolume, 500.0, &[], &[]);
-    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[])], &[])
+    let between = [ContractKind::ContourError, ContractKind::OrientationError].map(|kind| on(kind, 0.0, &[1], &[]));
+    let [contour, orientation] = between;
+    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[]), contour, orientation], &[])
 });
 
 /// Figure of a contract of [`ASKED`].
@@ -213,6 +221,40 @@ fn times_and_speeds_are_told_apart() {
 }
 
 #[test]
+fn errors_between_blocks_are_told_apart() {
+    use ContractKind::{ContourError, OrientationError};
+    let runs = &ASKED.0.machine.runs;
+    let contour = [0, 1].map(|o| runs[o].contour.value);
+    let orientation = [0, 1].map(|o| runs[o].orientation.value);
+    assert!(contour.iter().chain(&orientation).all(|e| *e > 0.0), "{contour:?} {orientation:?}");
+    assert_eq!([0, 1].map(|o| asked(ContourError, &[o], &[])), contour);
+    assert_eq!(asked(ContourError, &[], &[]), contour[0].max(contour[1]));
+    assert_eq!([0, 1].map(|o| asked(OrientationError, &[o], &[])), orientation);
+    assert_eq!(asked(OrientationError, &[], &[]), orientation[0].max(orientation[1]));
+    let units = ASKED.0.contracts.iter().filter(|c| c.kind == "orientation-error").map(|c| c.unit);
+    assert_eq!(units.collect::<Vec<_>>(), ["deg"; 3]);
+}
+
+#[test]
+fn a_failed_error_between_blocks_tells_its_parts_its_place_and_the_way_out() {
+    let (certificate, sink) = &*FAILED;
+    for (kind, code, unit) in [
+        ("contour-error", verification::CONTOUR_ERROR, "um"),
+        ("orientation-error", verification::ORIENTATION_ERROR, "deg"),
+    ] {
+        let contract = certificate.contracts.iter().find(|c| c.kind == kind).expect("judged");
+        assert!(!contract.holds && contract.place.contains("channel"), "{contract:?}");
+        let diag = sink.diags().iter().find(|d| d.code == code).expect("an error");
+        assert!(diag.notes[0].starts_with(&format!("{kind} on operation channel: found ")), "{:?}", diag.notes);
+        assert!(diag.message.contains(unit) && diag.message.contains("rounding a corner"), "{}", diag.message);
+        assert!(diag.help.as_ref().is_some_and(|h| h.contains("tolerance chord")) && diag.labels.len() == 2);
+        let place = diag.place.as_ref().expect("a place");
+        assert_eq!([place.point.x, place.point.y, place.point.z], contract.point.unwrap());
+        assert!(place.what.starts_with("channel, ") && place.block.is_some(), "{}", place.what);
+    }
+}
+
+#[test]
 fn figures_of_the_stock_are_told_apart() {
     use ContractKind::{Air, RemovalRate, RestVolume};
     let (program, _) = &*PLANNED;
@@ -301,7 +343,7 @@ fn what_is_allowed_is_taken_out_and_listed() {
 fn what_cannot_be_measured_is_an_error() {
     // The third contract asks what roughing leaves; there is none.
     let (certificate, sink) = &*FAILED;
-    assert_eq!(certificate.contracts.len(), 2);
+    assert_eq!(certificate.contracts.len(), 4);
     let told: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NOT_MEASURED).collect();
     assert_eq!(told.len(), 1);
     assert!(told[0].severity == Severity::Error && told[0].message.contains("`require rest`"), "{}", told[0].message);

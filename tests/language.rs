@@ -217,6 +217,8 @@ fn contracts_of_each_kind_are_read() {
          require time         <= 10 h\n\
          require time         <= 90 min on flank, channel\n\
          require axis-speed   <= 80 %\n\
+         require contour-error     <= 5 um on flank\n\
+         require orientation-error <= 0.02 deg\n\
          require removal-rate <= 2.5 cm3/min on expand\n\
          require rest         <= 1000 um on operation expand2\n\
          require rest-volume  <= 1.5 cm3\n\
@@ -243,6 +245,8 @@ fn contracts_of_each_kind_are_read() {
         is(ContractKind::Time, 36000.0, &[], &[]),
         is(ContractKind::Time, 5400.0, &[4, 5], &[]),
         is(ContractKind::AxisSpeed, 0.8, &[], &[]),
+        is(ContractKind::ContourError, 0.005, &[4], &[]),
+        is(ContractKind::OrientationError, 0.02, &[], &[]),
         is(ContractKind::RemovalRate, 2500.0, &[1, 3], &[]),
         is(ContractKind::Rest, 1.0, &[3], &[]),
         is(ContractKind::RestVolume, 1500.0, &[], &[]),
@@ -261,6 +265,8 @@ fn contracts_of_each_kind_are_read() {
         "require gouge <= 0.006 mm on operation groove, operation groove2",
         "require air <= 30 %",
         "require time <= 5400 s on operation flank, operation channel",
+        "require contour-error <= 0.005 mm on operation flank",
+        "require orientation-error <= 0.02 deg",
         "require removal-rate <= 2500 mm3/min on operation expand, operation expand2",
         "require rest-volume <= 1500 mm3",
         "allow clearance holder on operation channel \"soft holder\"",
@@ -274,6 +280,7 @@ fn contracts_of_each_kind_are_read() {
 fn printed_contracts_read_back() {
     let text = with_contracts(
         "require clearance holder >= 2 mm on flank\nrequire rest-volume <= 0.1 cm3\nrequire time <= 3 h on channel\n\
+         require orientation-error <= 0.007 deg\nrequire contour-error <= 3 um on channel\n\
          allow gouge on hub, operation groove \"left for later\"",
     );
     let first = read(&text).job.unwrap();
@@ -340,6 +347,11 @@ fn contracts_that_contradict_themselves_are_refused() {
         ("require air <= 0.3 mm", codes::job::WRONG_DIMENSION),
         ("require time <= 3", codes::job::NO_UNIT),
         ("require axis-speed <= 120 %", codes::job::OUT_OF_RANGE),
+        ("require contour-error <= 1 deg", codes::job::WRONG_DIMENSION),
+        ("require contour-error <= 5 um on hub", codes::job::WRONG_FORM),
+        ("require orientation-error <= 0.01", codes::job::NO_UNIT),
+        ("require orientation-error <= 91 deg", codes::job::OUT_OF_RANGE),
+        ("require orientation-error >= 1 deg", codes::job::RELATION),
         ("require rest-volume >= 1 mm3", codes::job::RELATION),
         ("require gouge tool <= 1 um", codes::job::UNKNOWN_NAME),
         ("require rest <= 1 mm on flank", codes::job::WRONG_FORM),

@@ -205,6 +205,62 @@ fn the_control_cycle_leaves_the_arc_by_its_sag() {
     let run = ran(&program, MoveKind::Link, &stops);
     let due = radius * (1.0 - (omega * program.machine.cycle / 2.0).cos());
     near(run.cycle.value, due, 1e-3 * due);
+    // Without a corner it is all of the error, and the axis leans nowhere.
+    near(run.contour.value, run.cycle.value, 0.0);
+    assert_eq!((run.contour.corner, run.orientation.value), (0.0, 0.0));
+    near(run.contour.tip[0], radius, 1e-9);
+}
+
+#[test]
+fn a_turn_that_comes_back_is_rounded_as_its_arc() {
+    let program = program(support::machine());
+    let (chord, turning) = (program.tolerances.chord.get(), program.machine.turn.acceleration);
+    let height = program.tools[program.operations.iter().next().unwrap().1.tool].solid.flute_length;
+    // The tip on the axis of C: the table turns to and fro, and nothing else moves.
+    let to_and_fro = |radius: f64| {
+        let at = |c: f64, time: f64| ([radius, 0.0, 0.0], 0.0, c, time);
+        ran(&program, MoveKind::Cut, &[at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)])
+    };
+    let run = to_and_fro(0.0);
+    // A turn of the tool by the angle moves the end of the flutes by no more than the chord tolerance.
+    near(run.contour.value, chord, 1e-9);
+    near(run.contour.corner, run.contour.value, 1e-12);
+    near(run.orientation.value, (chord / height).to_degrees(), 1e-9);
+    assert_eq!(run.orientation.at.map(|at| at.index), Some(1));
+    // The rounded turn itself, step by step: from a speed to its opposite at the acceleration of the axis.
+    let speed = (2.0 * turning * chord / height).sqrt();
+    let duration = 2.0 * speed / turning;
+    let left = |t: f64| -speed * duration / 2.0 + speed * t - turning * t * t / 2.0;
+    let nearest = (0..=10_000).map(|k| left(duration * f64::from(k) / 10_000.0).abs()).fold(f64::INFINITY, f64::min);
+    near(nearest.to_degrees(), run.orientation.value, 1e-6 * run.orientation.value);
+    // Away from the axis of C the cycle comes on top of the corner, in the same block.
+    let run = to_and_fro(60.0);
+    assert!(run.corners.value > 0.0 && run.cycle.value > 0.0, "{run:?}");
+    near(run.contour.value, run.corners.value + run.cycle.value, 1e-12);
+    near(run.contour.corner, run.corners.value, 0.0);
+    // At rapid nobody asks.
+    let stops = [([0.0; 3], 0.0, 0.0, 0.0), ([0.0; 3], 0.0, 1.0, 1.0), ([0.0; 3], 0.0, 0.0, 1.0)];
+    let rapid = ran(&program, MoveKind::Rapid, &stops);
+    assert_eq!((rapid.contour.value, rapid.orientation.value, rapid.contour.at), (0.0, 0.0, None));
+}
+
+#[test]
+fn the_error_of_a_block_is_between_the_larger_and_the_sum_of_its_parts() {
+    let program = program(support::machine());
+    let place = |k: i32| {
+        let t = f64::from(k) * 0.05;
+        ([30.0 * t.cos(), 20.0 * t.sin(), 3.0 * (2.0 * t).sin()], 0.6 + 0.2 * t.sin(), 0.8 * t, 0.02)
+    };
+    let stops: Vec<Stop> = (0..200).map(place).collect();
+    let run = ran(&program, MoveKind::Cut, &stops);
+    let (corner, cycle) = (run.corners.value, run.cycle.value);
+    assert!(corner > 0.0 && cycle > 0.0 && run.orientation.value > 0.0, "{run:?}");
+    let all = run.contour.value;
+    assert!(all >= corner.max(cycle) && all <= corner + cycle, "{all} {corner} {cycle}");
+    assert!(run.contour.corner <= corner && all - run.contour.corner <= cycle + 1e-15);
+    // The tip that is named is that of the move.
+    let index = run.contour.at.unwrap().index as usize;
+    (0..3).for_each(|k| near(run.contour.tip[k], stops[index].0[k], 1e-9));
 }
 
 #[test]

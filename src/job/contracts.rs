@@ -16,6 +16,9 @@ const LONGEST: f64 = 100.0;
 /// Longest time of a bound, min: more than a year.
 const LONGEST_TIME: f64 = 6e5;
 
+/// Largest angle of a bound, rad.
+const LARGEST_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
+
 /// Largest volume in mm3 and removal rate in mm3/min: a cubic metre.
 const LARGEST_VOLUME: f64 = 1e9;
 
@@ -138,6 +141,16 @@ impl Reader<'_, '_> {
             ContractKind::RestVolume => {
                 (Dimension::VOLUME, 1.0, LARGEST_VOLUME, "from 0 to 1000000 cm3", "rest-volume <= 500 mm3")
             }
+            ContractKind::ContourError => {
+                (Dimension::LENGTH, 1.0, LONGEST, "from 0 to 100 mm", "contour-error <= 5 um")
+            }
+            ContractKind::OrientationError => (
+                Dimension::ANGLE,
+                1f64.to_degrees(),
+                LARGEST_ANGLE,
+                "from 0 to 90 deg",
+                "orientation-error <= 0.01 deg",
+            ),
             ContractKind::Gouge | ContractKind::Excess | ContractKind::Clearance(_) | ContractKind::Rest => {
                 (Dimension::LENGTH, 1.0, LONGEST, "from 0 to 100 mm", "gouge <= 7 um")
             }

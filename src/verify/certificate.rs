@@ -45,7 +45,7 @@ pub struct ContractReport {
     pub scope: String,
     /// `<=` or `>=`.
     pub relation: &'static str,
-    /// Unit of bound and found: `mm`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
+    /// Unit of bound and found: `mm`, `deg`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
     pub unit: &'static str,
     /// Bound.
     pub bound: f64,
@@ -315,22 +315,25 @@ impl Certificate {
         )?;
         writeln!(
             t,
-            "rounded corners, control cycle; and how far they would by great circles, and by linear joints without TCP"
+            "rounded corners, control cycle, both at one block, and the axis in deg; and how far they would by great circles,"
         )?;
+        writeln!(t, "and by linear joints without TCP")?;
         writeln!(
             t,
-            "  {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-            "operation", "slowest", "unbound", "corners", "cycle", "circles", "no TCP"
+            "  {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "operation", "slowest", "unbound", "corners", "cycle", "both", "axis", "circles", "no TCP"
         )?;
         for ((o, run), other) in self.operations.iter().zip(&self.machine.runs).zip(&self.machine.other_rules) {
             writeln!(
                 t,
-                "  {:<12} {:>7.1} % {:>9} {:>9.2} {:>9.2} {:>9.2} {:>9.2}",
+                "  {:<12} {:>7.1} % {:>9} {:>9.2} {:>9.2} {:>9.2} {:>9.4} {:>9.2} {:>9.2}",
                 o.name,
                 run.slowest.value * 100.0,
                 clock(run.programmed.iter().sum()),
                 run.corners.value * 1e3,
                 run.cycle.value * 1e3,
+                run.contour.value * 1e3,
+                run.orientation.value,
                 other.great_circle.value * 1e3,
                 other.joints_linear.value * 1e3
             )?;

@@ -217,6 +217,17 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             format!("{what} uses {is} of its speed; {wanted} are allowed"),
             "a lower `feed` or `link-feed` in this operation, or tool axes that keep away from the pole",
         ),
+        ContractKind::ContourError => (
+            verification::CONTOUR_ERROR,
+            format!("tip or flutes leave the verified motion by {is} ({what}); {wanted} are allowed"),
+            "a smaller `tolerance chord` (`rough` for roughing), to which the control rounds corners; a lower `feed` where \
+             the control cycle matters",
+        ),
+        ContractKind::OrientationError => (
+            verification::ORIENTATION_ERROR,
+            format!("the tool axis leaves the verified motion by {is} ({what}); {wanted} are allowed"),
+            "a smaller `tolerance chord` (`rough` for roughing), to which the control rounds corners, or a lower `feed`",
+        ),
         ContractKind::Air => (
             verification::AIR,
             format!("{is} of the time at feed cuts air ({what}); {wanted} are allowed"),

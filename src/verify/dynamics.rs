@@ -14,7 +14,7 @@
 //! The program of an operation begins and ends at rest.
 
 use super::sweep::At;
-use crate::ir::{Motion, MoveKind, Program};
+use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -64,6 +64,60 @@ pub struct Run {
     pub corners: Peak,
     /// How far the tool leaves the path between two positions that the control gives to its drives, mm.
     pub cycle: Peak,
+    /// How far tip or flutes leave the programmed motion in all: the larger corner of a block and its cycle, mm.
+    pub contour: Departure,
+    /// How far the tool axis leaves that of the programmed motion where corners are rounded, degrees. Inside of a block
+    /// A and C are even in the way of the tip, so that the cycle does not tilt the axis.
+    pub orientation: Departure,
+}
+
+/// A departure from the verified motion where it is largest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Departure {
+    /// How much.
+    pub value: f64,
+    /// The part of it that rounding a corner makes, in the same unit.
+    pub corner: f64,
+    /// Move.
+    pub at: Option<At>,
+    /// Tip at the end of that move, part frame, mm; the origin where nothing departs.
+    pub tip: [f64; 3],
+}
+
+impl Departure {
+    /// Nothing departs.
+    pub const NONE: Self = Self { value: 0.0, corner: 0.0, at: None, tip: [0.0; 3] };
+
+    /// The block that departs most, by what its corners and its cycle do.
+    fn largest(blocks: &[BlockError], parts: impl Fn(&BlockError) -> [f64; 2]) -> Self {
+        let mut most = Self::NONE;
+        for (i, block) in blocks.iter().enumerate() {
+            // The corner at its end is the one at the start of the next.
+            let end = blocks.get(i + 1).map_or(0.0, |next| parts(next)[0]);
+            let [start, cycle] = parts(block);
+            let corner = start.max(end);
+            if corner + cycle > most.value {
+                most = Self { value: corner + cycle, corner, at: Some(block.at), ..Self::NONE };
+            }
+        }
+        most
+    }
+
+    /// With the tip at the end of its move.
+    fn placed(self, machine: &Machine, moves: &[JointMove]) -> Self {
+        let end = self.at.and_then(|at| moves.get(at.index as usize));
+        let tip = end.map_or([0.0; 3], |m| machine.forward(&m.joints).tip.coords.into());
+        Self { tip, ..self }
+    }
+}
+
+/// How a block leaves the programmed motion.
+struct BlockError {
+    at: At,
+    /// Rounding of the corner at its start: tip or flutes, mm, and the tool axis, degrees.
+    corner: [f64; 2],
+    /// Between two cycles of the control, mm.
+    cycle: f64,
 }
 
 /// A piece of a block with even derivatives.
@@ -83,6 +137,8 @@ struct Cell {
     /// Largest y before its start that the corner there allows, and the distance by which it is rounded for y = 1.
     corner: f64,
     rounding: f64,
+    /// Turn of the tool axis away from the corner for y = 1, radians.
+    tilting: f64,
     /// |q''| of the linear joints as a vector.
     sag: f64,
 }
@@ -123,6 +179,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         asked: [Peak::NONE; 5],
         corners: Peak::NONE,
         cycle: Peak::NONE,
+        contour: Departure::NONE,
+        orientation: Departure::NONE,
     };
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
@@ -150,6 +208,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let nodes = passes(&limits, &cells);
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let (mut programmed, mut spent) = (0.0, 0.0);
+    let mut errors: Vec<BlockError> = Vec::new();
     for (i, (cell, [from, to])) in cells.iter().zip(nodes).enumerate() {
         let at = At { operation, index: cell.block };
         let (time, peak) = phases(&limits, cell, from, to);
@@ -166,11 +225,21 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         }
         // At rapid nothing is near that would mind.
         let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
+        let mut corner = [0.0; 2];
         if cell.ratio > 0.0 && !rapid(cell) && i.checked_sub(1).and_then(|b| cells.get(b)).is_some_and(|c| !rapid(c)) {
-            report.corners.raise(from / (cell.ratio * cell.ratio) * cell.rounding, at);
+            let rounded = from / (cell.ratio * cell.ratio);
+            report.corners.raise(rounded * cell.rounding, at);
+            corner = [rounded * cell.rounding, (rounded * cell.tilting).to_degrees()];
+        }
+        if errors.last().is_none_or(|e| e.at != at) {
+            errors.push(BlockError { at, corner, cycle: 0.0 });
         }
         if !rapid(cell) {
-            report.cycle.raise(cell.sag * peak * machine.cycle * machine.cycle / 8.0, at);
+            let cycle = cell.sag * peak * machine.cycle * machine.cycle / 8.0;
+            report.cycle.raise(cycle, at);
+            if let Some(error) = errors.last_mut() {
+                error.cycle = error.cycle.max(cycle);
+            }
         }
         (programmed, spent) = (programmed + cell.width, spent + time);
         if cells.get(i + 1).is_none_or(|next| next.block != cell.block) {
@@ -180,6 +249,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
             (programmed, spent) = (0.0, 0.0);
         }
     }
+    report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
+    report.orientation = Departure::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
     report
 }
 
@@ -222,6 +293,7 @@ fn block(
             ratio: 1.0,
             corner: f64::INFINITY,
             rounding: 0.0,
+            tilting: 0.0,
             sag: Vector3::new(bend[0], bend[1], bend[2]).norm(),
         });
         q0 = end;
@@ -252,6 +324,8 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
     let cell = &mut cells[at];
     cell.ratio = ratio;
     cell.rounding = rounded * flutes / 8.0;
+    // A and C turn about axes at right angles: the tool turns by no more.
+    cell.tilting = rounded * jump[3].hypot(jump[4]) / 8.0;
     if rounded > 0.0 {
         cell.corner = 0.5 * (before.time + block.time / ratio) / rounded;
         cell.corner = cell.corner.min(limits.chord / cell.rounding);

@@ -2,6 +2,7 @@
 
 use super::certificate::Certificate;
 use super::clearance::Clearance;
+use super::dynamics::{Departure, Run};
 use super::stock::{OperationStock, StockReport};
 use super::surface::{FAR, SurfaceReport};
 use super::sweep::At;
@@ -88,6 +89,8 @@ pub(super) fn measure(
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
         ContractKind::Time => Ok(time(certificate, region)),
         ContractKind::AxisSpeed => Ok(axis_speed(certificate, region)),
+        ContractKind::ContourError => Ok(departure(certificate, region, contour)),
+        ContractKind::OrientationError => Ok(departure(certificate, region, orientation)),
         ContractKind::Rest => rest(certificate, region, after),
         ContractKind::Air => air(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
         ContractKind::RemovalRate => removal_rate(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
@@ -256,6 +259,34 @@ fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
         },
         None => none(0.0, "no axis"),
     }
+}
+
+/// Largest departure from the verified motion over the operations of a region, and what makes it in words.
+fn departure(certificate: &Certificate, region: &Region, pick: fn(&Run) -> (Departure, String)) -> Figure {
+    let chosen = region.operations();
+    let runs = certificate.machine.runs.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let most = runs.map(|(o, run)| (o, pick(run))).reduce(|a, b| if b.1.0.value > a.1.0.value { b } else { a });
+    match most {
+        Some((o, (found, what))) => Figure {
+            value: found.value,
+            found: None,
+            what,
+            point: found.at.map(|_| found.tip),
+            at: found.at,
+            operation: Some(o),
+        },
+        None => none(0.0, "no operation"),
+    }
+}
+
+fn contour(run: &Run) -> (Departure, String) {
+    let d = run.contour;
+    let what = format!("rounding a corner {}, control cycle {}", length(d.corner), length(d.value - d.corner));
+    (d, what)
+}
+
+fn orientation(run: &Run) -> (Departure, String) {
+    (run.orientation, "rounding a corner".to_owned())
 }
 
 /// Surfaces of the region, and islands in the channels where the region is not narrowed to surfaces.

@@ -59,6 +59,18 @@ spindles.\n\nWay out: a lower `feed`, or smaller steps (`depth`, `residual`).";
 stock of the simulation less the part, whose volume is that of a closed mesh of its surfaces; what a gouge takes away \
 counts against it, so ask for `gouge` too. Cells of the simulation bound how well small volumes are known.\n\n\
 Way out: operations for all faces and sectors, smaller steps, or a tool that reaches what stays.";
+    CONTOUR_ERROR = "IMP0717", "the control leaves the verified motion by more than the job allows",
+        "What was verified is a tip on straight lines with A and C even in its way. A real control rounds the corners \
+between blocks as far as the tolerance allows it, and its drives run straight between two of its cycles. The sum of both \
+at one block, for points of the tool from the tip to the end of the flutes, is above `require contour-error`. It comes on \
+top of the gouge and excess that the certificate states. Rapids are left out.\n\n\
+Example: roughing with `tolerance rough 50 um` under `require contour-error <= 5 um`.\n\n\
+Way out: a smaller `tolerance chord` (or `rough`), a lower `feed` where the cycle decides, or a wider contract.";
+    ORIENTATION_ERROR = "IMP0718", "the control tilts the tool by more than the job allows",
+        "Where the control rounds the corner between two blocks, the rotary axes leave their programmed way as well, and \
+the tool axis leans by more than `require orientation-error`. The angle counts the turns of A and C together.\n\n\
+Example: a fast turn of C near the pole between two blocks that do not turn.\n\n\
+Way out: a smaller `tolerance chord` (or `rough`), a lower `feed`, or a wider contract.";
     RAPID_THROUGH_STOCK = "IMP0730", "a rapid move runs through stock that is still there",
         "Block by block the program removes stock; at this block the cutter moves at rapid through a place that nothing \
 has cleared. At the machine the tool breaks. IMP0705 asks for more: that rapids stay outside of the turned blank.\n\n\
