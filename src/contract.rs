@@ -1,6 +1,6 @@
 //! What can be required of a program, and where: the words that job, stage values and verifier share.
 
-use crate::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, trim};
+use crate::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, length, trim};
 use std::fmt;
 
 /// Quantity of a contract.
@@ -199,10 +199,10 @@ impl Bound {
         }
     }
 
-    /// The quantity in the decimals of a certificate.
+    /// The quantity in the decimals of a certificate; lengths as [`length`] tells them.
     pub fn figure(self) -> String {
         match self {
-            Self::Length(Mm(x)) => format!("{x:.4} mm"),
+            Self::Length(Mm(x)) => length(x),
             Self::Angle(x) => format!("{:.4} deg", x.deg()),
             Self::Share(x) => format!("{:.2} %", x * 100.0),
             Self::Time(Sec(x)) => clock(x),

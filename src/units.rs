@@ -92,3 +92,45 @@ pub fn trim(value: f64, decimals: usize) -> String {
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
+
+/// Lengths below this are told in micrometres, mm: from here on a machinist thinks in millimetres.
+const MICROMETRES_BELOW: f64 = 0.2;
+
+/// A length in mm as every text tells it: micrometres with two decimals below 0.2 mm, else millimetres with three. What
+/// two decimals of a micrometre would hide has four.
+pub fn length(mm: f64) -> String {
+    let size = mm.abs();
+    if size >= MICROMETRES_BELOW || size.is_nan() {
+        format!("{mm:.3} mm")
+    } else if size == 0.0 {
+        "0 mm".to_owned()
+    } else if size < 1e-5 {
+        format!("{:.4} um", mm * 1e3)
+    } else {
+        format!("{:.2} um", mm * 1e3)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_lengths_are_micrometres() {
+        let said = [0.0, -0.0, 5e-4, -0.0054, 0.012_34, 2e-6, 0.1999, 0.2, -1.0, 12.345_67].map(length);
+        let due = [
+            "0 mm",
+            "0 mm",
+            "0.50 um",
+            "-5.40 um",
+            "12.34 um",
+            "0.0020 um",
+            "199.90 um",
+            "0.200 mm",
+            "-1.000 mm",
+            "12.346 mm",
+        ];
+        assert_eq!(said, due);
+        assert_eq!(length(f64::NAN), "NaN mm");
+    }
+}

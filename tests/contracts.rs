@@ -295,7 +295,7 @@ fn a_failed_contract_tells_found_wanted_where_and_the_way_out() {
     assert!(!contract.holds);
     let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).expect("an error");
     assert_eq!(diag.severity, Severity::Error);
-    assert_eq!(diag.notes, [format!("gouge on hub: found {:.4} mm, wanted at most 0.0001 mm", contract.found)]);
+    assert_eq!(diag.notes, [format!("gouge on hub: found {:.2} um, wanted at most 0.10 um", contract.found * 1e3)]);
     assert!(diag.message.contains("hub of channel"), "{}", diag.message);
     assert!(diag.help.is_some() && diag.labels.len() == 2);
     let place = diag.place.as_ref().unwrap();

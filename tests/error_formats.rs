@@ -278,7 +278,7 @@ fn a_run_that_holds_and_one_that_fails() {
     let (_, junit) = report(&[job.to_str().unwrap()], "junit");
     let judged = cases(&junit);
     let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
-    assert_eq!(names, ["clearance >= 0.5000 mm", "gouge <= 0.0010 mm"]);
+    assert_eq!(names, ["clearance >= 0.500 mm", "gouge <= 1.00 um"]);
     assert!(held.iter().any(|c| c.name == names[0]));
     assert!(judged[0].failure.is_none() && judged[0].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
     assert!(judged[1].failure.as_ref().unwrap().contains("deep into"), "{junit}");

@@ -209,6 +209,64 @@ fn colours_are_what_a_search_over_the_whole_program_finds() {
 }
 
 #[test]
+fn worst_places_that_look_alike_are_listed_once_and_by_size() {
+    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
+    let program: Program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
+    let mut certificate = verify::certify(&program, &motion, &mut Sink::default()).unwrap();
+    // All alike to the digits that are shown, but one; the deepest of them is that of vane 5.
+    for s in &mut certificate.surfaces {
+        let face = s.surface.contains("pressure face");
+        let sector = f64::from(s.id.sector);
+        s.gouge.depth = if face { 0.004_12 + 1e-9 * (4.0 - (sector - 4.0).abs()) } else { 0.0 };
+        if face && s.id.sector == 2 {
+            s.gouge.depth = 0.007;
+        }
+        s.gouge_bound = (s.gouge.depth * 1e5).ceil() / 1e5;
+        (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (-1e-3, 0.0, [0.0; 3], 0.0);
+    }
+    let html = report::report(&Input {
+        program: &program,
+        motion: &motion,
+        certificate: &certificate,
+        samples: &[],
+        deviations: &[],
+        findings: &[],
+        hash: "",
+        post: "",
+        nc_lines: None,
+        lines: &[],
+        notes: &[],
+        stock: &[],
+    });
+    let data = between(&html, "id=\"data\">", "</script>");
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let mut cuts: Vec<&serde_json::Value> =
+        data["places"].as_array().unwrap().iter().filter(|p| p["group"] == "deepest cut into a surface").collect();
+    assert_eq!(cuts.len(), 8, "each surface keeps a place of its own for its row of the table");
+    cuts.retain(|p| p["listed"] != "");
+    cuts.sort_by(|a, b| b["rank"].as_f64().unwrap().total_cmp(&a["rank"].as_f64().unwrap()));
+    let listed: Vec<_> =
+        cuts.iter().map(|p| [&p["listed"], &p["value"], &p["name"]].map(|v| v.as_str().unwrap())).collect();
+    assert_eq!(
+        listed,
+        [
+            ["vane 3 pressure face", "7.00 \u{b5}m", "vane 3 pressure face"],
+            ["vanes 1-2, 4-8 pressure face", "4.12 \u{b5}m", "vane 5 pressure face"],
+        ]
+    );
+    // The text of the certificate: the same, with the places of the worst.
+    let text = certificate.text(&program, &motion);
+    let lines: Vec<&str> = text.lines().filter(|l| l.contains("pressure face") && l.contains('(')).collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[0].trim_start().starts_with("vane 3 pressure face "), "{lines:?}");
+    assert!(lines[1].trim_start().starts_with("vanes 1-2, 4-8 pressure face "), "{lines:?}");
+    let deepest = &certificate.surfaces.iter().find(|s| s.surface == "vane 5 pressure face").unwrap().gouge.point;
+    assert!(lines[1].contains(&format!("({:.3}, {:.3}, {:.3})", deepest[0], deepest[1], deepest[2])), "{lines:?}");
+    assert!(text.contains("no gouge over 7.00 um anywhere, deepest found 7.00 um on vane 3 pressure face"));
+}
+
+#[test]
 fn texts_of_the_job_stay_texts() {
     let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
     let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };

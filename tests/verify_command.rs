@@ -74,7 +74,7 @@ fn written_text_is_verified_with_the_figures_of_the_compiler() {
         let (ok, out, err) = verify(&path, dialect, &[]);
         assert!(ok, "{err}");
         assert!(!err.contains("error"), "{err}");
-        assert!(out.contains("moves read as") && out.contains("clearance >= 0.5000 mm"), "{out}");
+        assert!(out.contains("moves read as") && out.contains("clearance >= 0.500 mm"), "{out}");
         let moves = text(dialect).lines().filter(|l| l.contains(" X") || l.contains("G0 X")).count();
         assert!(out.contains(&format!("{moves} moves read as {dialect}")), "{moves} {out}");
     }

@@ -63,14 +63,26 @@ impl SurfaceId {
 
 impl std::fmt::Display for SurfaceId {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let sector = self.sector + 1;
-        match self.kind {
-            SurfaceKind::Face(side) => write!(f, "vane {sector} {} face", side.name()),
-            SurfaceKind::Fillet(side) => write!(f, "vane {sector} {} fillet", side.name()),
-            SurfaceKind::Hub => write!(f, "hub of channel {sector}"),
-            SurfaceKind::Tip => write!(f, "vane {sector} tip"),
-            SurfaceKind::InletEdge => write!(f, "vane {sector} inlet edge"),
-            SurfaceKind::OutletEdge => write!(f, "vane {sector} outlet edge"),
+        f.write_str(&self.kind.in_sectors(&[self.sector]))
+    }
+}
+
+impl SurfaceKind {
+    /// Name of these surfaces in some sectors, from 0 and ascending: `vanes 1-3, 5 pressure face`.
+    pub fn in_sectors(self, sectors: &[u32]) -> String {
+        let runs: Vec<String> = sectors
+            .chunk_by(|a, b| a + 1 == *b)
+            .filter_map(|run| Some((run.first()? + 1, run.last()? + 1)))
+            .map(|(first, last)| if first == last { first.to_string() } else { format!("{first}-{last}") })
+            .collect();
+        let (which, many) = (runs.join(", "), if sectors.len() > 1 { "s" } else { "" });
+        match self {
+            Self::Face(side) => format!("vane{many} {which} {} face", side.name()),
+            Self::Fillet(side) => format!("vane{many} {which} {} fillet", side.name()),
+            Self::Hub => format!("hub of channel{many} {which}"),
+            Self::Tip => format!("vane{many} {which} tip"),
+            Self::InletEdge => format!("vane{many} {which} inlet edge"),
+            Self::OutletEdge => format!("vane{many} {which} outlet edge"),
         }
     }
 }

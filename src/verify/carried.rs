@@ -10,6 +10,7 @@ use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::Carried;
 use crate::progress::Progress;
+use crate::units::length;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
@@ -94,10 +95,10 @@ pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink:
             Some(MoveKind::Link) => "in a link",
             _ => "while cutting",
         };
-        let (part, solid, depth) = (f.part, f.solid, -c.distance);
+        let (part, solid, depth) = (f.part, f.solid, length(-c.distance));
         let span = program.operations[operation.operation].span;
         sink.push(
-            Diag::error(verification::CARRIED, format!("{kind} the {part} goes {depth:.3} mm into the {solid}"))
+            Diag::error(verification::CARRIED, format!("{kind} the {part} goes {depth} into the {solid}"))
                 .label(span, "in this operation")
                 .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
                 .block(c.at.operation, c.at.index)

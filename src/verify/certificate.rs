@@ -1,5 +1,6 @@
 //! What was proved, as figures: for people as text, for tools as JSON.
 
+use super::alike::{Alike, alike};
 use super::carried::{CarriedReport, SEARCH};
 use super::clearance::Clearance;
 use super::machine::MachineReport;
@@ -10,6 +11,7 @@ use super::sweep::At;
 use crate::contract::clock;
 use crate::ir::{Motion, Program};
 use crate::source::Span;
+use crate::units::length;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -147,8 +149,17 @@ pub fn describe(program: &Program, motion: &Motion, at: Option<At>) -> String {
 /// In place of a figure where no cutter comes near.
 const NOT_REACHED: &str = "not reached";
 
+/// Of the columns in um.
 fn um(mm: f64) -> String {
     if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { format!("{:.2}", mm * 1e3) }
+}
+
+/// Figures of a surface as its line shows them: area, gouge and its bound, excess and its bound, percentiles.
+fn figures(s: &SurfaceReport) -> [String; 8] {
+    let [p5, p50, p95] = s.percentiles.map(um);
+    let [gouge, gouge_bound] = [s.gouge.depth, s.gouge_bound].map(um);
+    let [excess, excess_bound] = [s.excess.value, s.excess_bound].map(um);
+    [format!("{:.1}", s.area), gouge, gouge_bound, excess, excess_bound, p5, p50, p95]
 }
 
 impl Certificate {
@@ -163,53 +174,66 @@ impl Certificate {
     fn write_surfaces(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
-            "surfaces: cutters of the whole program swept against the design, um; proved over cells of {} mm and less",
+            "surfaces: cutters of the whole program swept against the design, um; proved over cells of {} mm and less; worst first",
             self.spacing
         )?;
         writeln!(
             t,
-            "  {:<24} {:>7} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
+            "  {:<27} {:>7} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
             "surface", "mm2", "gouge", "at most", "at (mm)", "excess", "at most", "at (mm)", "5 %", "50 %", "95 %"
         )?;
-        for s in &self.surfaces {
+        // Of each group the deepest cut and the most left, wherever among its vanes they are.
+        let mut groups = alike(&self.surfaces, |s| Some(figures(s).concat()));
+        let size = |g: &Alike| {
+            let largest = |pick: fn(&SurfaceReport) -> f64| g.worst(&self.surfaces, pick).map_or(0.0, |(_, s)| pick(s));
+            largest(|s| s.gouge_bound).max(largest(|s| s.excess_bound))
+        };
+        groups.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        for group in &groups {
+            let [Some((_, deepest)), Some((_, most))] =
+                [group.worst(&self.surfaces, |s| s.gouge.depth), group.worst(&self.surfaces, |s| s.excess.value)]
+            else {
+                continue;
+            };
             let at = |p: [f64; 3]| format!("({:.3}, {:.3}, {:.3})", p[0], p[1], p[2]);
+            let [area, gouge, gouge_bound, excess, excess_bound, p5, p50, p95] = figures(deepest);
             writeln!(
                 t,
-                "  {:<24} {:>7.1} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
-                s.surface,
-                s.area,
-                um(s.gouge.depth),
-                um(s.gouge_bound),
-                at(s.gouge.point),
-                um(s.excess.value),
-                um(s.excess_bound),
-                at(s.excess.point),
-                um(s.percentiles[0]),
-                um(s.percentiles[1]),
-                um(s.percentiles[2]),
+                "  {:<27} {area:>7} {gouge:>8} {gouge_bound:>8}  {:<28} {excess:>11} {excess_bound:>11}  {:<28} {p5:>7} {p50:>7} {p95:>7}",
+                group.name,
+                at(deepest.gouge.point),
+                at(most.excess.point),
             )?;
         }
         let most = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
+        let told = |mm: f64| if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { length(mm) };
         let bound = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().map(f).fold(0.0, f64::max);
         if let Some(s) = most(&|s| s.gouge.depth) {
-            let (found, place) = (um(s.gouge.depth), describe(program, motion, s.gouge.at));
-            let bound = um(bound(&|s| s.gouge_bound));
-            writeln!(t, "  no gouge over {bound} um anywhere, deepest found {found} um on {}: {place}", s.surface)?;
+            let (found, place) = (told(s.gouge.depth), describe(program, motion, s.gouge.at));
+            let bound = told(bound(&|s| s.gouge_bound));
+            writeln!(t, "  no gouge over {bound} anywhere, deepest found {found} on {}: {place}", s.surface)?;
         }
         if let Some(s) = most(&|s| s.excess.value) {
-            let (found, place) = (um(s.excess.value), describe(program, motion, s.excess.at));
-            match um(bound(&|s| s.excess_bound)) {
+            let (found, place) = (told(s.excess.value), describe(program, motion, s.excess.at));
+            match told(bound(&|s| s.excess_bound)) {
                 bound if found == NOT_REACHED => writeln!(t, "  {bound}: {}", s.surface)?,
-                bound => {
-                    writeln!(t, "  nowhere more than {bound} um left, most found {found} um on {}: {place}", s.surface)?
-                }
+                bound => writeln!(t, "  nowhere more than {bound} left, most found {found} on {}: {place}", s.surface)?,
             }
         }
-        for s in self.surfaces.iter().filter(|s| s.not_reached > 0.0) {
+        let limit = length(super::surface::NOT_REACHED);
+        let missed = |s: &SurfaceReport| {
             let causes: Vec<String> =
                 s.nearest_there.iter().map(|(operation, area)| self.cause(*operation, *area)).collect();
-            let limit = um(super::surface::NOT_REACHED);
-            writeln!(t, "  over {limit} um left on {:.2} mm2 of {}: {}", s.not_reached, s.surface, causes.join(", "))?;
+            (s.not_reached > 0.0).then(|| causes.join(", "))
+        };
+        let mut missing = alike(&self.surfaces, missed);
+        let area = |g: &Alike| g.worst(&self.surfaces, |s| s.not_reached).map_or(0.0, |(_, s)| s.not_reached);
+        missing.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        for group in &missing {
+            let Some((_, s)) = group.worst(&self.surfaces, |s| s.not_reached) else { continue };
+            let each = if group.members.len() > 1 { ", each" } else { "" };
+            let causes = missed(s).unwrap_or_default();
+            writeln!(t, "  over {limit} left on {:.2} mm2 of {}{each}: {causes}", s.not_reached, group.name)?;
         }
         Ok(())
     }
@@ -270,14 +294,15 @@ impl Certificate {
         }
         writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
         match &self.rapid {
-            Some(c) => writeln!(t, "  at rapid the tool stays {:.3} mm outside of the stock", c.distance)?,
+            Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
         }
         for c in &self.carried {
             match &c.clearance {
                 Some(found) => {
                     let place = describe(program, motion, Some(found.at));
-                    writeln!(t, "  the {} comes within {:.3} mm of the {}: {place}", c.part, found.distance, c.solid)?;
+                    let distance = length(found.distance);
+                    writeln!(t, "  the {} comes within {distance} of the {}: {place}", c.part, c.solid)?;
                 }
                 None => writeln!(t, "  no tool comes within {SEARCH} mm of the {}", c.solid)?,
             }

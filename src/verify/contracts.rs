@@ -1,8 +1,9 @@
 //! Contracts of the job against what was measured.
 
 use super::certificate::{AllowedReport, Certificate, ContractReport, describe};
-use super::measure::{Figure, Narrow, Unmeasured, length, measure};
-use crate::contract::{Bound, ContractKind, Guarded, OfOperations, Region, Relation, Scope};
+use super::measure::{Figure, Narrow, Unmeasured, measure};
+use super::surface::FAR;
+use crate::contract::{ContractKind, Guarded, OfOperations, Region, Relation, Scope};
 use crate::diag::{Code, Diag, Sink, codes::verification};
 use crate::entity::EntityId;
 use crate::ir::{Allowed, Contract, Motion, OperationId, Program};
@@ -83,7 +84,7 @@ impl Judge<'_> {
             place: self.place(&figure),
             point: figure.point,
             holds,
-            figures: [contract.bound.figure(), contract.kind.bound(figure.value).figure()],
+            figures: [contract.bound.figure(), amount(contract.kind, figure.value)],
             span: contract.span,
         })
     }
@@ -103,9 +104,8 @@ impl Judge<'_> {
         let name = allowed.kind.name();
         let scope = self.scope_text(&allowed.scope);
         if !excuses {
-            let found = figure
-                .as_ref()
-                .map_or_else(String::new, |f| format!("; it finds {}", amount(allowed.kind.bound(f.value))));
+            let found =
+                figure.as_ref().map_or_else(String::new, |f| format!("; it finds {}", amount(allowed.kind, f.value)));
             sink.push(
                 Diag::remark(
                     verification::NEEDLESS_ALLOW,
@@ -124,7 +124,7 @@ impl Judge<'_> {
             point: figure.as_ref().and_then(|f| f.point),
             reason: allowed.reason.clone(),
             excuses,
-            figure: figure.map_or_else(|| "no figure".to_owned(), |f| allowed.kind.bound(f.value).figure()),
+            figure: figure.map_or_else(|| "no figure".to_owned(), |f| amount(allowed.kind, f.value)),
         }
     }
 
@@ -148,7 +148,7 @@ impl Judge<'_> {
             .note(format!(
                 "{}{scope}: found {}, wanted {side} {}",
                 contract.kind.name(),
-                contract.kind.bound(found.value).figure(),
+                amount(contract.kind, found.value),
                 bound.figure()
             ))
             .help(help);
@@ -171,16 +171,20 @@ impl Judge<'_> {
     }
 }
 
-/// A quantity in the words of a message.
-fn amount(x: Bound) -> String {
-    if let Bound::Length(x) = x { length(x.get()) } else { x.figure() }
+/// What was found in words; beyond [`FAR`] nobody looked for what is left.
+fn amount(kind: ContractKind, found: f64) -> String {
+    if matches!(kind, ContractKind::Excess | ContractKind::Rest) && found >= FAR {
+        "all of it".to_owned()
+    } else {
+        kind.bound(found).figure()
+    }
 }
 
 /// Code, message and way out of a contract that fails.
 fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
     let what = &found.what;
-    let is = amount(contract.kind.bound(found.value));
-    let wanted = amount(contract.bound);
+    let is = amount(contract.kind, found.value);
+    let wanted = contract.bound.figure();
     let (code, text, help) = match contract.kind {
         ContractKind::Gouge => (
             verification::GOUGE,

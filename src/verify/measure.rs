@@ -4,11 +4,12 @@ use super::certificate::Certificate;
 use super::clearance::Clearance;
 use super::dynamics::{Departure, Run};
 use super::stock::{OperationStock, StockReport};
-use super::surface::{FAR, SurfaceReport};
+use super::surface::SurfaceReport;
 use super::sweep::At;
 use crate::contract::{ContractKind, Guarded, Region, SurfaceClass};
 use crate::ir::Side;
 use crate::ir::design::SurfaceKind;
+use crate::units::length;
 
 /// A measured value with its place.
 #[derive(Clone, Debug)]
@@ -313,15 +314,4 @@ fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Res
         at: Some(super::rest::place(report)),
         operation: Some(operation),
     })
-}
-
-/// A length in words; what was not reached at all has none.
-pub(super) fn length(x: f64) -> String {
-    if x >= FAR {
-        "all of it".to_owned()
-    } else if x.abs() < 0.2 {
-        format!("{:.2} um", x * 1e3)
-    } else {
-        format!("{x:.3} mm")
-    }
 }

@@ -16,6 +16,7 @@
 //!
 //! Not checked yet: jerk.
 
+pub mod alike;
 mod bounds;
 mod capsule;
 pub mod carried;
@@ -42,6 +43,7 @@ use crate::ir::design::{self, Sample};
 use crate::ir::solid;
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
 use crate::progress::{Progress, Work};
+use crate::units::length;
 use certificate::{OperationReport, describe};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -336,7 +338,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
         sink.push(
             Diag::error(
                 verification::RAPID_IN_STOCK,
-                format!("at rapid the tool is {:.3} mm inside the stock", -c.distance),
+                format!("at rapid the tool is {} inside the stock", length(-c.distance)),
             )
             .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
             .block(c.at.operation, c.at.index)

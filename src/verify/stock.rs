@@ -9,6 +9,7 @@ use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::transform::axis_at;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Step, StepKind, Touched};
+use crate::units::length;
 use nalgebra::Point3;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -451,24 +452,25 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
             let all = o.collisions.iter().filter(|c| c.part == part);
             let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
             let count = all.count();
+            let depth = length(worst.depth);
             let first = solid.shank.first().map_or(f64::INFINITY, |s| s.to);
             let (code, text, help) = match part {
                 "cutter at rapid" => (
                     verification::RAPID_THROUGH_STOCK,
-                    format!("at rapid the cutter is {:.3} mm deep in stock that is still there", worst.depth),
+                    format!("at rapid the cutter is {depth} deep in stock that is still there"),
                     "a longer lead-in or lead-out, or an operation before that clears the way",
                 ),
                 "shank" if worst.height < first => (
                     verification::ABOVE_FLUTES,
                     format!(
-                        "the shank above the {} mm of flutes is {:.3} mm deep in stock that is still there",
-                        solid.flute_length, worst.depth
+                        "the shank above the {} mm of flutes is {depth} deep in stock that is still there",
+                        solid.flute_length
                     ),
                     "longer flutes, a relieved shank, a smaller `depth`, or an operation before that opens the way",
                 ),
                 _ => (
                     verification::BODY_IN_STOCK,
-                    format!("the {part} is {:.3} mm deep in stock that is still there", worst.depth),
+                    format!("the {part} is {depth} deep in stock that is still there"),
                     "a longer reach, a slimmer holder, or an operation before that opens the way",
                 ),
             };

@@ -160,12 +160,12 @@ $('play').addEventListener('click', () => play(!playing));
 const placeButtons = [];
 let group = null;
 const groups = [...new Set(data.places.map(p => p.group))].sort((a, b) => (b === 'contracts') - (a === 'contracts'));
-const listed = groups.flatMap(g => data.places.map((p, i) => [p, i]).filter(([p]) => p.group === g).sort((a, b) => b[0].rank - a[0].rank));
+const listed = groups.flatMap(g => data.places.map((p, i) => [p, i]).filter(([p]) => p.listed && p.group === g).sort((a, b) => b[0].rank - a[0].rank));
 listed.forEach(([p, i]) => {
   if (p.group !== group) { $('places').append(make('h3', p.group)); group = p.group; }
   const button = make('button', undefined, p.fails ? 'fails' : '');
   button.type = 'button';
-  button.append(make('span', p.name), make('b', p.value));
+  button.append(make('span', p.listed), make('b', p.value));
   button.title = p.program;
   button.addEventListener('click', () => showPlace(i));
   $('places').append(button);

@@ -3,10 +3,12 @@
 use super::Input;
 use crate::diag::Severity;
 use crate::ir::design::Sample;
+use crate::units::length;
+use crate::verify::alike::alike;
 use crate::verify::certificate::describe;
 use crate::verify::clearance::Clearance;
 use crate::verify::stock::Peak;
-use crate::verify::surface::{FAR, Worst};
+use crate::verify::surface::{FAR, SurfaceReport, Worst};
 use crate::verify::sweep::At;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -18,6 +20,8 @@ pub(super) struct PlaceData {
     group: &'static str,
     /// What it is.
     name: String,
+    /// What it is in the list, where it stands for surfaces that show the same; empty when another stands for it.
+    listed: String,
     /// Its figure with the unit.
     value: String,
     /// Where in the program.
@@ -32,6 +36,9 @@ pub(super) struct PlaceData {
     /// The greater, the sooner the reader should look at it.
     rank: f64,
 }
+
+/// Apart in rank, so that no figure of one quantity stands among those of another.
+const QUANTITY: f64 = 1e12;
 
 /// Group of the places that decide contracts; the page lists it first.
 const ASKED: &str = "contracts";
@@ -56,15 +63,9 @@ pub(super) struct Places {
     pub(super) findings: Vec<Option<usize>>,
 }
 
-/// A length of a surface: micrometres, or mm when large.
+/// A length in the signs of the page.
 pub(super) fn amount(mm: f64) -> String {
-    if mm >= FAR {
-        "not reached".to_owned()
-    } else if mm.abs() < 0.2 {
-        format!("{:.2} \u{b5}m", mm * 1e3)
-    } else {
-        format!("{mm:.3} mm")
-    }
+    if mm >= FAR { "not reached".to_owned() } else { figure(&length(mm)) }
 }
 
 fn rounded(p: [f64; 3]) -> [f64; 3] {
@@ -85,9 +86,9 @@ fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
     rounded([n.x, n.y, n.z])
 }
 
-/// A figure of a contract: small lengths in um, all others as the certificate has them.
-pub(super) fn figure(value: f64, unit: &str, text: &str) -> String {
-    if unit == "mm" { amount(value) } else { text.replace("mm3", "mm\u{b3}") }
+/// A figure of the certificate in the signs of the page.
+pub(super) fn figure(text: &str) -> String {
+    text.replace("um", "\u{b5}m").replace("mm3", "mm\u{b3}")
 }
 
 /// What is said to be found for a contract: of gouge and excess it is the bound that holds everywhere.
@@ -113,6 +114,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
                    fails: bool| {
         places.list.push(PlaceData {
             group,
+            listed: name.clone(),
             name,
             value,
             program: describe_at(at),
@@ -143,7 +145,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
         let mut near = |what: &str, c: &Option<Clearance>| {
             c.as_ref().map(|c| {
                 let fails = bound(input, "clearance").is_some_and(|b| c.distance < b);
-                let value = (-c.distance, format!("{:.3} mm", c.distance));
+                let value = (-c.distance, figure(&length(c.distance)));
                 add("nearest to the part", format!("{what} in {}", o.name), value, c.point, Some(c.at), fails)
             })
         };
@@ -166,13 +168,13 @@ pub(super) fn places(input: &Input<'_>) -> Places {
         })
         .collect();
     if let Some(c) = &certificate.rapid {
-        let value = (-c.distance, format!("{:.3} mm", c.distance));
+        let value = (-c.distance, figure(&length(c.distance)));
         add("nearest to the stock at rapid", "whole tool".to_owned(), value, c.point, Some(c.at), c.distance <= 0.0);
     }
     let mut engagement = Vec::new();
     for o in certificate.stock.iter().flat_map(|s| &s.operations) {
         for c in &o.collisions {
-            let value = (c.depth, amount(c.depth));
+            let value = (c.depth, figure(&length(c.depth)));
             add(
                 "stock that the tool must not meet",
                 format!("{} in {}", c.part, o.name),
@@ -182,17 +184,18 @@ pub(super) fn places(input: &Input<'_>) -> Places {
                 true,
             );
         }
-        let mut peak = |what: &str, p: &Option<Peak>, scale: f64, unit: &str| {
+        // Quantities one after another, each with its largest first.
+        let mut peak = |what: &str, p: &Option<Peak>, (scale, before): (f64, f64), unit: &str| {
             p.as_ref().map(|p| {
-                let value = (0.0, format!("{:.1} {unit}", p.value * scale));
+                let value = (p.value * scale - before, format!("{:.1} {unit}", p.value * scale));
                 add("largest engagement", format!("{what} in {}", o.name), value, p.tip, Some(p.at), false)
             })
         };
         engagement.push([
-            peak("depth", &o.depth, 1.0, "mm"),
-            peak("width", &o.width, 1.0, "mm"),
-            peak("arc", &o.arc, 1.0, "deg"),
-            peak("removal", &o.rate, 60.0, "mm\u{b3}/min"),
+            peak("depth", &o.depth, (1.0, 0.0), "mm"),
+            peak("width", &o.width, (1.0, QUANTITY), "mm"),
+            peak("arc", &o.arc, (1.0, 2.0 * QUANTITY), "deg"),
+            peak("removal", &o.rate, (60.0, 3.0 * QUANTITY), "mm\u{b3}/min"),
         ]);
     }
     let findings: Vec<Option<usize>> = input
@@ -206,6 +209,7 @@ pub(super) fn places(input: &Input<'_>) -> Places {
             Some(add("findings", d.message.clone(), value, [p.x, p.y, p.z], None, fails))
         })
         .collect();
+    list_once(&mut places.list, &certificate.surfaces, &surfaces);
     places.surfaces = surfaces;
     places.operations = operations;
     places.stock = engagement;
@@ -213,20 +217,35 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     places.findings = findings;
     for c in &certificate.contracts {
         let place = c.point.map(|p| {
-            let value = proved(c.kind, &figure(c.found, c.unit, &c.figures[1]));
+            let value = proved(c.kind, &figure(&c.figures[1]));
             places.asked(input, c.name(), value, (&c.place, p), !c.holds)
         });
         places.contracts.push(place);
     }
     for a in &certificate.allowed {
         let name = format!("allowed: {} {}", a.kind, a.scope);
-        let place = a.point.map(|p| {
-            let value = a.found.map_or_else(|| a.figure.clone(), |f| figure(f, a.unit, &a.figure));
-            places.asked(input, name, value, (&a.place, p), false)
-        });
+        let place = a.point.map(|p| places.asked(input, name, figure(&a.figure), (&a.place, p), false));
         places.allowed.push(place);
     }
     places
+}
+
+/// Lists surfaces of a kind that show the same figure once, by their worst place and with all their vanes.
+fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<usize>; 2]]) {
+    let picks: [fn(&SurfaceReport) -> f64; 2] = [|s| s.gouge.depth, |s| s.excess.value];
+    for (k, pick) in picks.into_iter().enumerate() {
+        let place = |i: usize| own.get(i).and_then(|places| places[k]);
+        let shown = |s: &SurfaceReport| Some(amount(pick(s))).filter(|_| pick(s) > 0.0 && pick(s) < FAR);
+        for group in alike(surfaces, shown).iter().filter(|g| g.members.len() > 1) {
+            let worst = group.worst(surfaces, pick).map(|(i, _)| i);
+            for i in &group.members {
+                let name = if Some(*i) == worst { group.name.as_str() } else { "" };
+                if let Some(entry) = place(*i).and_then(|p| list.get_mut(p)) {
+                    name.clone_into(&mut entry.listed);
+                }
+            }
+        }
+    }
 }
 
 impl Places {
@@ -243,6 +262,7 @@ impl Places {
         let at = self.list.iter().filter(|p| p.point == point).find_map(|p| p.at);
         self.list.push(PlaceData {
             group: ASKED,
+            listed: name.clone(),
             name,
             value,
             program: program.to_owned(),

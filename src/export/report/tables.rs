@@ -57,8 +57,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
         .enumerate()
         .map(|(i, c)| {
             let (class, word) = if c.holds { ("good", "holds") } else { ("bad", "FAILS") };
-            let [bound, found] =
-                [(c.bound, &c.figures[0]), (c.found, &c.figures[1])].map(|(v, t)| figure(v, c.unit, t));
+            let [bound, found] = [0, 1].map(|k| figure(&c.figures[k]));
             let relation = if c.relation == ">=" { "at least" } else { "at most" };
             vec![
                 Cell::words(c.name()),
@@ -80,7 +79,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
         .map(|(i, a)| {
             vec![
                 Cell::words(format!("{} {}", a.kind, a.scope)),
-                Cell::figure(a.figure.as_str()).place(places.allowed.get(i).copied().flatten()),
+                Cell::figure(figure(&a.figure)).place(places.allowed.get(i).copied().flatten()),
                 Cell::words(if a.excuses { a.reason.clone() } else { format!("{} (needless)", a.reason) }),
             ]
         })
