@@ -95,6 +95,26 @@ impl Work {
         value
     }
 
+    /// Hands a stream on in pieces of at most `size` items (at least one), and counts a piece when the work on it has ended:
+    /// what takes a stream as a whole cannot tell how far it is. `done` is the number of steps that are done before an
+    /// item; in the end all are.
+    pub fn in_pieces<T>(
+        &self,
+        items: impl IntoIterator<Item = T>,
+        size: usize,
+        done: impl Fn(&T) -> usize,
+        mut work: impl FnMut(Vec<T>),
+    ) {
+        let mut items = items.into_iter();
+        loop {
+            let piece: Vec<T> = items.by_ref().take(size.max(1)).collect();
+            let Some(reached) = piece.last().map(&done) else { break };
+            work(piece);
+            self.counter.done.fetch_max(u64::try_from(reached).unwrap_or(u64::MAX), Ordering::Relaxed);
+        }
+        self.rest_is_needless();
+    }
+
     /// The steps that remain are not needed: the work ended early.
     pub fn rest_is_needless(&self) {
         self.counter.done.fetch_max(self.counter.total, Ordering::Relaxed);
@@ -129,6 +149,13 @@ mod tests {
         outer.advance(9);
         drop(outer);
         assert_eq!(progress.current(), None);
+        let pieces = progress.begin("pieces", 10);
+        let mut seen = Vec::new();
+        // Twenty items, two for a step.
+        pieces.in_pieces(0..20, 6, |i| i / 2, |piece| seen.push((piece, progress.current().unwrap().done)));
+        assert_eq!(seen.iter().map(|(_, done)| *done).collect::<Vec<_>>(), [0, 2, 5, 8]);
+        assert_eq!(seen.into_iter().flat_map(|(piece, _)| piece).collect::<Vec<_>>(), (0..20).collect::<Vec<_>>());
+        drop(pieces);
         assert!(progress.all().iter().all(|s| s.share() == 1.0 && !s.open));
     }
 }

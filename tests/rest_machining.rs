@@ -124,7 +124,18 @@ fn a_half_cut_floor_is_cut_on_from_where_it_ends() {
     let cl = half_cut(&program, 40.0);
     let program = with_rest(program, "channel2", Some(THICKNESS));
     let mut less = cl.clone();
-    rest_machining::run(&program, &mut less, &mut Sink::default()).unwrap();
+    let progress = Progress::default();
+    rest_machining::run(&program, &mut less, &progress, &mut Sink::default()).unwrap();
+    // Both ways through the stock tell their shares, by passes.
+    let told: Vec<_> = progress.all().into_iter().map(|s| (s.name.to_string(), s.done, s.total, s.open)).collect();
+    let passes = [0, 1].map(|o| cl.operations[o].passes.len() as u64);
+    assert_eq!(
+        told,
+        [
+            ("channel, rest stock".to_owned(), passes[0], passes[0], false),
+            ("channel2, look for rest".to_owned(), passes[1], passes[1], false)
+        ]
+    );
     let [first, second] = [&cl.operations[0].passes, &less.operations[1].passes];
     assert_eq!(second.len(), cl.operations[1].passes.len(), "each line has its other half to do");
     for ((done, left), whole) in first.iter().zip(second).zip(&cl.operations[1].passes) {
@@ -181,7 +192,7 @@ fn a_tool_thinner_above_its_cutter_keeps_whole_passes() {
     let cl = half_cut(&program, 40.0);
     let program = with_rest(program, "channel2", Some(THICKNESS));
     let mut less = cl.clone();
-    rest_machining::run(&program, &mut less, &mut Sink::default()).unwrap();
+    rest_machining::run(&program, &mut less, &Progress::default(), &mut Sink::default()).unwrap();
     let ends =
         |passes: &[ClPass]| passes.iter().map(|p| (p.points.first().copied(), p.points.last().copied())).collect();
     let [before, after]: [Vec<_>; 2] = [&cl, &less].map(|c| ends(&c.operations[1].passes));

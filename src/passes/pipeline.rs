@@ -90,7 +90,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
     sample_to_tolerance::run(&cx, &mut cl);
-    rest_machining::run(program, &mut cl, cx.sink)?;
+    rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;

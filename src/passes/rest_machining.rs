@@ -15,7 +15,8 @@ use crate::collide::{Cutter, ToolSolid};
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, Operation, Program};
 use crate::kin::{inverse, transform::axis_at};
-use crate::stock::{self, Field, FieldError, Step, StepKind, Touched};
+use crate::progress::{Progress, Work};
+use crate::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
 use crate::units::trim;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -29,11 +30,14 @@ const STEP_LENGTH: f64 = 1.0;
 /// Largest turn of a step, radians: the same at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
+/// Steps that go through the stock between two looks at the share done.
+const PIECE: usize = 1 << 11;
+
 /// Thins out the passes of the operations that ask for rest machining.
 ///
 /// # Errors
 /// An operation with nothing left to cut; a thickness that would need too fine a stock. The reasons are in the sink.
-pub fn run(program: &Program, cl: &mut ClPlan, sink: &mut Sink) -> Result<(), Aborted> {
+pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
     let asks = |o: &ClOperation| program.operations[o.operation].rest.is_some();
     let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
     let mut field = field(program, sink)?;
@@ -41,10 +45,12 @@ pub fn run(program: &Program, cl: &mut ClPlan, sink: &mut Sink) -> Result<(), Ab
     for (i, planned) in cl.operations.iter_mut().enumerate().take(last + 1) {
         let operation = &program.operations[planned.operation];
         if let Some(thickness) = operation.rest {
-            failed |= reduce(program, operation, thickness.get(), planned, &mut field, sink).is_err();
+            let work = progress.begin(format!("{}, look for rest", operation.name), planned.passes.len());
+            failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
         }
         if i < last {
-            cut(program, operation, planned, &mut field);
+            let work = progress.begin(format!("{}, rest stock", operation.name), planned.passes.len());
+            cut(program, operation, planned, &mut field, &work);
         }
     }
     if failed { Err(Aborted) } else { Ok(()) }
@@ -84,9 +90,26 @@ fn rounding(solid: &ToolSolid) -> f64 {
 }
 
 /// Takes the cuts of an operation off the stock.
-fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field) {
+fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
     let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
-    stock::simulate(field, &solid, steps(&planned.passes, StepKind::Cut, 0.0));
+    send(field, &solid, steps(&planned.passes, StepKind::Cut, 0.0), work);
+}
+
+/// Sends a tool through the stock; what it must not touch and does. `work` counts passes.
+fn send(
+    field: &mut Field,
+    solid: &ToolSolid,
+    steps: impl Iterator<Item = (usize, Step)>,
+    work: &Work,
+) -> Vec<Collision> {
+    let mut met = Vec::new();
+    work.in_pieces(
+        steps,
+        PIECE,
+        |(pass, _)| *pass,
+        |piece| met.extend(stock::simulate(field, solid, piece.into_iter().map(|(_, step)| step)).collisions),
+    );
+    met
 }
 
 /// The cutter without shank and holder, grown on all sides.
@@ -138,20 +161,22 @@ fn stations(pass: &ClPass) -> Vec<Station> {
     found
 }
 
-/// The steps of passes, numbered through, of a cutter whose tip lies lower on its axis by `lowered`.
-fn steps(passes: &[ClPass], kind: StepKind, lowered: f64) -> impl Iterator<Item = Step> {
+/// The steps of passes, numbered through, each with the index of its pass, of a cutter whose tip lies lower on its axis by
+/// `lowered`.
+fn steps(passes: &[ClPass], kind: StepKind, lowered: f64) -> impl Iterator<Item = (usize, Step)> {
     passes
         .iter()
-        .flat_map(move |pass| {
+        .enumerate()
+        .flat_map(move |(i, pass)| {
             let stations = stations(pass);
-            let pairs: Vec<[Station; 2]> = stations.windows(2).map(|w| [w[0], w[1]]).collect();
+            let pairs: Vec<(usize, [Station; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
             pairs
         })
         .enumerate()
-        .map(move |(n, [from, to])| {
+        .map(move |(n, (pass, [from, to]))| {
             let axes = [0.0, 0.5, 1.0].map(|t| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t));
             let tips = [from.point.tip - axes[0] * lowered, to.point.tip - axes[2] * lowered];
-            Step { block: u32::try_from(n).unwrap_or(u32::MAX), kind, tips, axes }
+            (pass, Step { block: u32::try_from(n).unwrap_or(u32::MAX), kind, tips, axes })
         })
 }
 
@@ -161,7 +186,7 @@ fn reduce(
     operation: &Operation,
     thickness: f64,
     planned: &mut ClOperation,
-    field: &mut Field,
+    (field, work): (&mut Field, &Work),
     sink: &mut Sink,
 ) -> Result<(), Aborted> {
     let solid = &program.tools[operation.tool].solid;
@@ -169,7 +194,7 @@ fn reduce(
     let grown = cutter_alone(solid, grown_by);
     // At rapid the engine tells what the cutter meets, and removes nothing.
     let looks = steps(&planned.passes, StepKind::Rapid, grown_by);
-    let met = stock::simulate(field, &grown, looks).collisions;
+    let met = send(field, &grown, looks, work);
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
     let ways = Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program), program };

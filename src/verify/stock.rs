@@ -8,7 +8,7 @@ use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::transform::axis_at;
 use crate::progress::{Progress, Work};
-use crate::stock::{self, BlockCut, Field, FieldError, Step, StepKind, Touched};
+use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Step, StepKind, Touched};
 use crate::units::length;
 use nalgebra::Point3;
 use serde::Serialize;
@@ -22,6 +22,9 @@ const MOST_USUAL: f64 = 200.0;
 
 /// Longest way of the tip in a step, mm; air and engagement are known to this.
 const STEP_LENGTH: f64 = 2.0;
+
+/// Steps that go through the stock between two looks at the share done.
+const PIECE: usize = 1 << 11;
 
 /// Cells of way over which removal is averaged, since the rays meet the chips of single steps by chance.
 const WINDOW_CELLS: f64 = 4.0;
@@ -233,16 +236,21 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let mut places: Vec<StepPlace> = Vec::new();
-    let stream =
-        operation.moves.windows(2).enumerate().flat_map(|(i, pair)| work.step(steps(program, pair, i + 1))).map(
-            |(place, step)| {
-                // Each step is a block of its own to the engine: moves may be long.
-                let block = u32::try_from(places.len()).unwrap_or(u32::MAX);
-                places.push(place);
-                Step { block, ..step }
-            },
-        );
-    let outcome = stock::simulate(field, solid, stream);
+    let mut outcome = Outcome::default();
+    let stream = operation.moves.windows(2).enumerate().flat_map(|(i, pair)| steps(program, pair, i + 1));
+    let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
+    work.in_pieces(stream, PIECE, before, |piece| {
+        let first = places.len();
+        let mut steps = Vec::with_capacity(piece.len());
+        for (n, (place, step)) in piece.into_iter().enumerate() {
+            // Each step is a block of its own to the engine: moves may be long.
+            steps.push(Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step });
+            places.push(place);
+        }
+        let made = stock::simulate(field, solid, steps);
+        outcome.cuts.extend(made.cuts);
+        outcome.collisions.extend(made.collisions);
+    });
     let at = |step: u32| At {
         operation: u32::try_from(o).unwrap_or(u32::MAX),
         index: places.get(step as usize).map_or(0, |p| p.index),
