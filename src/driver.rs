@@ -2,6 +2,7 @@
 
 mod library;
 mod nc_check;
+mod reading;
 mod report;
 mod rest_stock;
 mod stages;
@@ -329,20 +330,26 @@ fn header(program: &Program, certificate: &Certificate, hashes: [&str; 3]) -> Ve
     lines
 }
 
+/// Largest job file, bytes; far less is refused with its reason when it is parsed.
+const MAX_JOB: u64 = 64 << 20;
+
 /// Text of the job file.
 fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
-    match std::fs::read(path).map(String::from_utf8) {
-        Ok(Ok(text)) => return Ok(text),
-        Ok(Err(error)) => sink.push(
-            Diag::error(syntax::NOT_TEXT, format!("{shown} is not a text file"))
-                .note(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()))
-                .help("give the job file itself, a text like jobs/wei2021/wei2021.imp"),
-        ),
-        Err(error) => sink.push(
-            Diag::error(files::CANNOT_READ, format!("{shown} cannot be read: {error}"))
-                .help("check the path; `impellerc JOB -o part.nc` takes the job file first"),
-        ),
-    }
+    let due = "a job is a text like jobs/wei2021/wei2021.imp";
+    let diag = match reading::read(path, MAX_JOB).map(|bytes| bytes.map(String::from_utf8)) {
+        Ok(Some(Ok(text))) => match post::recognise(&text).filter(|_| !text.contains("edition")) {
+            None => return Ok(text),
+            Some(post) => Diag::error(syntax::NOT_TEXT, format!("{shown} is NC text of {}, not a job", post.name()))
+                .help("give the job file: `impellerc job.imp`, or `impellerc verify part.nc --job job.imp`"),
+        },
+        Ok(Some(Err(error))) => Diag::error(syntax::NOT_TEXT, format!("{shown} is not a text file"))
+            .note(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()))
+            .help("give the job file itself, a text like jobs/wei2021/wei2021.imp"),
+        Ok(None) => Diag::error(syntax::TOO_LARGE, format!("{shown} has more than {} MB", MAX_JOB >> 20))
+            .help(format!("give the job file itself: {due}")),
+        Err(error) => reading::unreadable(path, &error, due),
+    };
+    sink.push(diag);
     Err(Aborted)
 }

@@ -1,5 +1,6 @@
 //! Machine, tool and curve files on the disk, with the shipped library behind them.
 
+use super::reading;
 use crate::job::files::shipped;
 use crate::job::{Files, Found, Missing};
 use std::path::{Path, PathBuf};
@@ -60,11 +61,10 @@ impl DiskFiles {
 }
 
 fn read(path: &Path, name: &str) -> Result<Found, String> {
-    let size = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-    if size > MAX_BYTES {
-        return Err(format!("it has {} MB; at most {} are read", size >> 20, MAX_BYTES >> 20));
-    }
-    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let bytes = reading::read(path, MAX_BYTES).map_err(|e| reading::reason(&e))?;
+    let bytes = bytes.ok_or_else(|| format!("it has more than the {} MB that are read", MAX_BYTES >> 20))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|e| format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))?;
     Ok(Found { name: name.to_owned(), text, path: None })
 }
 

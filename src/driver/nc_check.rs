@@ -1,7 +1,7 @@
 //! `impellerc verify`: NC text against its job.
 
-use super::{Options, Outcome, RunOptions, Stages, find_post, front, report, rest_stock};
-use crate::diag::codes::{files, post as codes};
+use super::{Options, Outcome, RunOptions, Stages, find_post, front, reading, report, rest_stock};
+use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
 use crate::ir::Program;
@@ -158,26 +158,46 @@ impl Belonging<'_> {
         if let Some((first, last, operation)) = file.nc.first_difference(&text.text) {
             let place = operation.map_or(String::new(), |o| format!(", `{o}` in the text of the certificate"));
             let body = certificate_file::body(&text.text).1;
+            let lines = if first == last {
+                format!("line {first} is the first that differs")
+            } else {
+                format!("lines {first} to {last} are the first that differ")
+            };
             differs(
-                Diag::error(
-                    codes::CERTIFICATE_OTHER,
-                    format!(
-                        "{shown} was written for another text: lines {first} to {last} are the first that differ{place}"
-                    ),
-                )
-                .label(line(first), "the first difference is here or below")
-                .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
-                .note(format!("body sha256 {} of the text", certificate_file::sha256(body.as_bytes())))
-                .note(format!(
-                    "{} lines in the certificate, {} in the text",
-                    file.nc.body_lines,
-                    body.lines().count()
-                )),
+                Diag::error(codes::CERTIFICATE_OTHER, format!("{shown} was written for another text: {lines}{place}"))
+                    .label(line(first), "the first difference is here or below")
+                    .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
+                    .note(format!("body sha256 {} of the text", certificate_file::sha256(body.as_bytes())))
+                    .note(format!(
+                        "{} lines in the certificate, {} in the text",
+                        file.nc.body_lines,
+                        body.lines().count()
+                    )),
             );
         }
         let named = |word| certificate_file::named(&text.text, word);
-        let [of_inputs, _, of_certificate] = HEAD;
+        let [of_inputs, of_body, of_certificate] = HEAD;
         let own = certificate_file::sha256(bytes.as_bytes());
+        let missing: Vec<&str> = HEAD.into_iter().filter(|word| named(word).is_none()).map(str::trim).collect();
+        if !missing.is_empty() {
+            differs(
+                Diag::error(
+                    codes::CERTIFICATE_OTHER,
+                    format!("the head of the text does not name its {}", missing.join(", ")),
+                )
+                .label(line(1), "in the comments from here on")
+                .note("without them nobody can tell whether the certificate was edited"),
+            );
+        }
+        let body = certificate_file::sha256(certificate_file::body(&text.text).1.as_bytes());
+        if let Some(other) = named(of_body).filter(|n| **n != *body) {
+            differs(
+                Diag::error(codes::CERTIFICATE_OTHER, "the text is not the one that its own head names: it was edited")
+                    .label(line(1), "in the comments from here on")
+                    .note(format!("body sha256 {other} in the head"))
+                    .note(format!("body sha256 {body} of the text")),
+            );
+        }
         if let Some(other) = named(of_certificate).filter(|n| **n != *own) {
             differs(
                 Diag::error(
@@ -228,6 +248,15 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
     let says = file.contracts();
     let all = serde_json::to_value(measured).map(|measured| CertificateFile { measured, ..file.clone() }.contracts());
     let found = all.unwrap_or_default();
+    for (kind, bound, value, _) in says.iter().skip(found.len()) {
+        sink.push(
+            Diag::error(
+                codes::CERTIFICATE_FIGURES,
+                format!("{shown} says {kind} of {value} for {bound}; the job asks for no such contract"),
+            )
+            .help("compile the job anew, and trust no certificate that was edited"),
+        );
+    }
     for (k, (kind, bound, value, holds)) in found.iter().enumerate() {
         let same = says.get(k).is_some_and(|(kind_said, bound_said, value_said, holds_said)| {
             kind_said == kind
@@ -251,31 +280,23 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
 /// A certificate with its path and its bytes.
 fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, CertificateFile), Aborted> {
     let shown = path.display().to_string();
-    let help = "give the JSON file that `--certificate` wrote beside the NC text";
-    let size = std::fs::metadata(path).map(|m| m.len());
-    let text =
-        match size.and_then(|n| if n > MAX_CERTIFICATE { Ok(None) } else { std::fs::read_to_string(path).map(Some) }) {
-            Ok(Some(text)) => text,
-            Ok(None) => {
-                let reason = format!("{shown} is larger than {} MB", MAX_CERTIFICATE >> 20);
-                sink.push(Diag::error(codes::CERTIFICATE_FORM, reason).help(help));
-                return Err(Aborted);
-            }
-            Err(error) => {
-                sink.push(
-                    Diag::error(files::CANNOT_READ, format!("{shown} cannot be read: {error}")).help("check the path"),
-                );
-                return Err(Aborted);
-            }
-        };
-    match CertificateFile::read(&text) {
-        Ok(file) => Ok((shown, text, file)),
-        Err(reason) => {
-            let message = format!("{shown} is not a certificate that this compiler knows: {reason}");
-            sink.push(Diag::error(codes::CERTIFICATE_FORM, message).help(help));
-            Err(Aborted)
+    let due = "give the JSON file that `--certificate` wrote beside the NC text";
+    let broken = |reason: &str| {
+        Diag::error(codes::CERTIFICATE_FORM, format!("{shown} is no certificate that is known: {reason}"))
+    };
+    let diag = match reading::read(path, MAX_CERTIFICATE).map(|bytes| bytes.map(String::from_utf8)) {
+        Ok(Some(Ok(text))) => match CertificateFile::read(&text) {
+            Ok(file) => return Ok((shown, text, file)),
+            Err(reason) => broken(&reason).help(due),
+        },
+        Ok(Some(Err(error))) => {
+            broken(&format!("it is not text: byte {} is not UTF-8", error.utf8_error().valid_up_to())).help(due)
         }
-    }
+        Ok(None) => broken(&format!("it is larger than {} MB", MAX_CERTIFICATE >> 20)).help(due),
+        Err(error) => reading::unreadable(path, &error, due),
+    };
+    sink.push(diag);
+    Err(Aborted)
 }
 
 /// The motion that a text says.
@@ -289,11 +310,23 @@ fn read_motion(
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
     let moves = post.read(text, &program.machine).map_err(|faults| {
-        for fault in faults {
+        let meant = post::recognise(text);
+        let help = match meant {
+            Some(meant) if meant.name() == post.name() => {
+                format!("correct the block; the text was read as {}", post.name())
+            }
+            Some(meant) => {
+                format!("its words are those of {}: it was read as {}, see `--post`", meant.name(), post.name())
+            }
+            None => format!("give NC text: no line has a word of {} alone, as which it was read", post.name()),
+        };
+        // Of a text that may be anything the first fault says it.
+        let told = if meant.is_some() { faults.len() } else { 1 };
+        for fault in faults.into_iter().take(told) {
             sink.push(
                 Diag::error(codes::NC_BLOCK, format!("line {} is not understood: {}", fault.line, fault.reason))
                     .label(span(fault.line), "this block")
-                    .help(format!("correct the block, or name the dialect: `--post`; it was read as {}", post.name())),
+                    .help(help.clone()),
             );
         }
         Aborted
@@ -331,22 +364,20 @@ fn with_line(
 /// The NC text.
 fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
-    let help = "give the NC text that the control would run";
-    let size = std::fs::metadata(path).map(|m| m.len());
-    let diag = match size.and_then(|size| if size > MAX_BYTES { Ok(None) } else { std::fs::read(path).map(Some) }) {
-        Ok(Some(bytes)) => match String::from_utf8(bytes) {
-            Ok(text) => return Ok(text),
-            Err(error) => {
-                let valid = error.utf8_error().valid_up_to();
-                let line = error.as_bytes().iter().take(valid).filter(|b| **b == b'\n').count() + 1;
-                Diag::error(codes::NC_FILE, format!("{shown} is not a text file: line {line} is not UTF-8")).help(help)
-            }
-        },
+    let due = "give the NC text that the control would run";
+    let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
+        Ok(Some(Ok(text))) if certificate_file::body(&text).1.trim().is_empty() => {
+            Diag::error(codes::NC_FILE, format!("{shown} has no block: it is empty, or holds comments only")).help(due)
+        }
+        Ok(Some(Ok(text))) => return Ok(text),
+        Ok(Some(Err(error))) => {
+            let valid = error.utf8_error().valid_up_to();
+            let line = error.as_bytes().iter().take(valid).filter(|b| **b == b'\n').count() + 1;
+            Diag::error(codes::NC_FILE, format!("{shown} is not a text file: line {line} is not UTF-8")).help(due)
+        }
         Ok(None) => Diag::error(codes::NC_FILE, format!("{shown} is larger than {} MB", MAX_BYTES >> 20))
             .help("split the program by operations, or write it with fewer digits or comments"),
-        Err(error) => {
-            Diag::error(files::CANNOT_READ, format!("{shown} cannot be read: {error}")).help("check the path")
-        }
+        Err(error) => reading::unreadable(path, &error, due),
     };
     sink.push(diag);
     Err(Aborted)

@@ -90,8 +90,10 @@ fn single<'f, T>(
     if found.is_none() && !file.damaged {
         let mut diag = Diag::error(codes::MISSING_ITEM, format!("the job has no {what}"));
         if let Some(last) = file.items.last() {
-            let at = last.span.end;
-            diag = diag.label(Span { start: at, ..last.span }, "the job ends without it");
+            // Without the line end behind the last item, so that the mark stands on its line.
+            let text = cx.sources.get(last.span.source).map_or("", |f| f.text.as_str());
+            let before = text.get(..last.span.range().end).map_or(last.span.range().end, |t| t.trim_end().len());
+            diag = diag.label(Span::new(last.span.source, before..before), "the job ends without it");
         }
         cx.sink.push(diag.help(format!("add `{example}`")));
     }

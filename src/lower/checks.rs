@@ -5,6 +5,7 @@ use crate::diag::{Aborted, Diag, Sink};
 use crate::geom::RuledSurface;
 use crate::ir::{Guides, Part, Side};
 use crate::job::model::{CurveSpec, FaceSpec, Job, PartSpec};
+use crate::units::length;
 use nalgebra::{Point3, Vector2};
 
 /// Stations along a curve that the checks look at.
@@ -73,10 +74,13 @@ pub(super) fn meridians(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -
         let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
         if let Some(p) = nearest.filter(|p| meridian(p).x < MIN_RADIUS) {
             sink.push(
-                Diag::error(codes::AXIS, format!("the {name} curve comes within {:.3} mm of the axis", meridian(&p).x))
-                    .label(text.span, "this curve")
-                    .place(format!("{name} curve"), p)
-                    .help("Z is the axis of rotation; check the coordinates, and that the axis is Z"),
+                Diag::error(
+                    codes::AXIS,
+                    format!("the {name} curve comes within {} of the axis", length(meridian(&p).x)),
+                )
+                .label(text.span, "this curve")
+                .place(format!("{name} curve"), p)
+                .help("Z is the axis of rotation; check the coordinates, and that the axis is Z"),
             );
         }
     }

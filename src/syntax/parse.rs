@@ -43,7 +43,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
     let Some(pieces) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(
-            Diag::error(codes::EMPTY, "the job is empty").help(
+            Diag::error(codes::EMPTY, "the job is empty").label(Span::new(source, 0..0), "no item from here on").help(
                 "a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post",
             ),
         );

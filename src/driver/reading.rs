@@ -1,0 +1,38 @@
+//! Files of any kind and size, read with bounded memory, and the words for those that cannot be read.
+
+use crate::diag::Diag;
+use crate::diag::codes::files;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
+use std::path::Path;
+
+/// The bytes of a file; `None` when it has more than `most`. What has no size, as a device, is read no farther either.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(super) fn read(path: &Path, most: u64) -> Result<Option<Vec<u8>>, Error> {
+    let file = File::open(path)?;
+    if file.metadata()?.len() > most {
+        return Ok(None);
+    }
+    let mut bytes = Vec::new();
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    let fits = u64::try_from(bytes.len()).is_ok_and(|n| n <= most);
+    Ok(fits.then_some(bytes))
+}
+
+/// Why a file cannot be read, in words.
+pub(super) fn reason(error: &Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        ErrorKind::PermissionDenied => "you may not read it".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// The diagnostic for a file that cannot be read; `due` says what should be given.
+pub(super) fn unreadable(path: &Path, error: &Error, due: &str) -> Diag {
+    Diag::error(files::CANNOT_READ, format!("{} cannot be read: {}", path.display(), reason(error)))
+        .help(format!("check the path: {due}"))
+}
