@@ -81,6 +81,9 @@ pub struct OperationStock {
     pub removed: f64,
     /// Part of it removed by link moves, mm3.
     pub by_links: f64,
+    /// The link that removes most for its time, where it removes more than a cell: its own rate, mm3/s.
+    #[serde(skip)]
+    pub link: Option<Peak>,
     /// Stock left after it, mm3.
     pub rest: f64,
     /// Time of all moves, s.
@@ -282,6 +285,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
             None => collisions.push(found),
         }
     }
+    let link = fastest_link(operation, &places, &outcome.cuts, field.cell().powi(3));
     let time = |choose: &dyn Fn(usize, &StepPlace) -> bool| {
         places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum::<f64>()
     };
@@ -297,6 +301,10 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
             .map(|c| c.volume)
             // The sum of nothing is -0.
             .fold(0.0, |sum, v| sum + v),
+        link: link.map(|(value, step)| {
+            let tip = places[step as usize].tip;
+            Peak { value, at: at(step), tip: [tip.x, tip.y, tip.z] }
+        }),
         rest: 0.0,
         time: time(&|_, _| true),
         air: time(&|i, _| !removal.cuts[i]),
@@ -311,6 +319,29 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         collisions,
         moves,
     }
+}
+
+/// Largest rate, mm3/s, with which a link removes stock by itself, and a step of it; of links that remove more than
+/// `least`, mm3.
+fn fastest_link(
+    operation: &MotionOperation,
+    places: &[StepPlace],
+    cuts: &[BlockCut],
+    least: f64,
+) -> Option<(f64, u32)> {
+    let mut links: Vec<(u32, f64, u32)> = Vec::new();
+    for c in cuts {
+        let Some(place) = places.get(c.block as usize).filter(|p| p.kind == MoveKind::Link) else { continue };
+        match links.last_mut() {
+            Some(link) if link.0 == place.index => link.1 += c.volume,
+            _ => links.push((place.index, c.volume, c.block)),
+        }
+    }
+    let rates = links.into_iter().filter(|l| l.1 > least).filter_map(|(index, volume, step)| {
+        let time = operation.moves.get(index as usize)?.time;
+        (time > 0.0).then_some((volume / time, step))
+    });
+    rates.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Engagement by move, from that of its steps.
@@ -456,6 +487,26 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
         let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
         let declared = &program.operations[operation.operation];
         let solid = &program.tools[declared.tool].solid;
+        if let Some(link) = o.link {
+            let cuts = operation.moves.iter().zip(&o.moves).filter(|(m, _)| m.kind == MoveKind::Cut);
+            let most = cuts.map(|(_, e)| e.rate).fold(0.0, f64::max);
+            if link.value > most {
+                let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);
+                let text = format!(
+                    "at link feed the cutter removes {}; no cut of it removes over {}",
+                    rate(link.value),
+                    rate(most)
+                );
+                sink.push(
+                    Diag::error(verification::LINK_CUTS, text)
+                        .label(declared.span, "in this operation")
+                        .place(describe(program, motion, Some(link.at)), Point3::from(link.tip))
+                        .block(link.at.operation, link.at.index)
+                        .note("a move at feed above `feed` of the operation is a link")
+                        .help("the process feed in this block, or leads that begin and end outside of the stock"),
+                );
+            }
+        }
         for part in ["cutter at rapid", "shank", "holder"] {
             let all = o.collisions.iter().filter(|c| c.part == part);
             let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };

@@ -88,6 +88,11 @@ Way out: a longer reach, a slimmer holder, or an operation before that opens the
         "The simulation of the stock sends rays through it, one for each cell of its three faces. Cells must be above \
 zero, and not so fine that the rays outgrow memory.\n\nExample: `--stock-cell 0.001` on a part of 120 mm.\n\n\
 Way out: a larger `--stock-cell`.";
+    LINK_CUTS = "IMP0735", "a link cuts harder than any cut",
+        "A move at more than the process feed of its operation is a link: it is there to go through air. Here one removes \
+more stock a minute than any cut of the operation, for which its feed was never chosen. At the machine the tool breaks.\n\n\
+Example: `F1000` in a block of a slot that is cut with 150 mm/min.\n\n\
+Way out: the process feed in this block, or leads that begin and end outside of the stock.";
     CARRIED = "IMP0734", "the tool runs into table or fixture",
         "The machine file has a table or a fixture; at this block the cutter, the shank or the holder is inside of it. All \
 moves are looked at: cuts, links and rapids, over continuous time. The solids are sampled, and the spacing of the samples \
