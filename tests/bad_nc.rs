@@ -101,7 +101,7 @@ fn numbers_that_are_none() {
         ("INF", "not"),
         ("1e5", "not"),
         ("1E5", "not"),
-        ("", "not a number"),
+        ("", "a number is missing"),
         ("-", "not a number"),
         (".", "not a number"),
         ("1.2.3", "not a number"),
@@ -199,6 +199,66 @@ fn what_a_move_needs_is_said_before_it() {
     refused_at("linuxcnc", "G54 ", "", 12, "G54");
     refused_at("linuxcnc", " F1000", "", 13, "without a feed");
     refused("linuxcnc", "X50 Y-40 Z10", "X50 Z10", "needs X Y Z");
+}
+
+/// Hand edits that a control would run, otherwise than it looks: each was read as if nothing had changed.
+#[test]
+fn edits_with_which_the_control_does_something_else() {
+    let siemens = |from: &str, to: &str, line, words: &str| refused_at("siemens-840d", from, to, line, words);
+    // Without a tolerance, or with smoothing off, the control takes its own; a wide one for the axis tilts the flutes.
+    siemens("N60 CYCLE832(0.0010,_ORI_FINISH,0.1)\n", "", 11, "how far the control may leave the path");
+    siemens("0.0010,_ORI_FINISH,0.1", "0,_OFF,1", 12, "how far the control may leave the path");
+    siemens("_ORI_FINISH,0.1", "_ORI_FINISH,0.11", 7, "lean by 0.11 deg");
+    siemens("_ORI_FINISH,0.1", "_ORI_ROUGH,5", 7, "lean by 5 deg");
+    // Whose vectors, and what lies between them.
+    siemens(" ORIWKS", "", 12, "without ORIWKS");
+    siemens(" ORIAXES", "", 12, "without ORIAXES");
+    let rotary =
+        SIEMENS.replacen(" ORIAXES", "", 1).replacen("A3=0.17101007 B3=-0.46984631 C3=0.86602540", "A=31 C=20", 1);
+    let faults = read("siemens-840d", &rotary).unwrap_err();
+    assert!(faults[0].line == 12 && faults[0].reason.contains("without ORIAXES"), "{faults:?}");
+    // Z0 of the machine with the length of a tool is another height; before the first tool there is none.
+    siemens("SUPA G0 Z0 D0 M9", "SUPA G0 Z0 M9", 17, "without D0");
+    siemens("SUPA G0 Z0 D0 M9", "SUPA G0 Z0 D1 M9", 17, "without D0");
+    assert!(read("siemens-840d", &SIEMENS.replacen("SUPA G0 Z0 D0\n", "SUPA G0 Z0\n", 1)).is_ok());
+    // A vector word that lost its sign is no angle.
+    siemens("N70 G0 A=30 C=20", "N70 G0 A3 C=20", 8, "`=` is missing");
+    siemens("Z10 A=30 C=20", "Z10 A=30 C3", 11, "`=` is missing");
+    // States that end too early.
+    siemens("N120 G1", "N120 M5 G1", 13, "spindle at rest");
+    siemens("N120 G1", "N120 G500 G1", 13, "work offset");
+    siemens("N120 G1", "N120 M6 G1", 13, "tool change before");
+    siemens("N120 G1", "N120 D0 G1", 13, "tool length changes");
+    siemens("N120 G1", "N120 SUPA D0 G0", 13, "transformation on");
+    siemens(" M6 ;", " ;", 11, "without a tool");
+    siemens("N140 TRAFOOF", "N140 M30", 16, "after the end");
+    // Signs that look like others, and one that is not seen at all.
+    siemens("Y-18", "Y\u{2212}18", 13, "<U+2212>18");
+    siemens("X29", "\u{0425}29", 13, "<U+0425>");
+    siemens("; %_N", "\u{feff}; %_N", 1, "<U+FEFF>");
+    siemens("X29", "X 29", 13, "a number is missing");
+
+    let linuxcnc = |from: &str, to: &str, line, words: &str| refused_at("linuxcnc", from, to, line, words);
+    linuxcnc(" G64 P0.001 Q0", "", 13, "how far the control may leave the path");
+    linuxcnc("Q0", "Q10.5", 2, "Q of G64");
+    linuxcnc("Q0", "Q-1", 2, "Q of G64");
+    linuxcnc("T2 M6", "T M6", 6, "`T`: a number is missing");
+    linuxcnc("T2 M6", "T2", 7, "another tool");
+    linuxcnc("G43 H2", "G43 H", 7, "`H`: a number is missing");
+    linuxcnc("G1 X29", "G49 G1 X29", 14, "tool length changes");
+    linuxcnc("G1 X29", "M2 G1 X29", 15, "after the end");
+    linuxcnc("G53 G0 Z0\nM9", "G0 Z0\nM9", 17, "transformation off");
+    linuxcnc("Y-18", "Y\u{2212}18", 14, "`Y`: a number is missing");
+    linuxcnc("Y-18", "\u{0423}-18", 14, "`<U+0423>` where a word begins");
+}
+
+/// What LinuxCNC may leave of the path: it blends corners within P and joins moves within Q, which is P unless said.
+#[test]
+fn both_tolerances_of_blending_count() {
+    for (words, due) in [("P0.001 Q0", 0.001), ("P0.001", 0.002), ("P0.001 Q0.004", 0.005), ("Q0.25 P0", 0.25)] {
+        let moves = read("linuxcnc", &LINUXCNC.replacen("P0.001 Q0", words, 1)).unwrap();
+        assert!(moves.iter().all(|m| (m.smoothing - due).abs() < 1e-12), "{words}: {}", moves[0].smoothing);
+    }
 }
 
 #[test]
@@ -323,7 +383,9 @@ fn files_that_are_no_text_or_too_large_or_missing() {
     std::fs::File::create(&path).unwrap().set_len((256 << 20) + 1).unwrap();
     fails("IMP0820", "larger than 256 MB");
     std::fs::write(&path, "").unwrap();
-    fails("IMP0821", "without M30");
+    fails("IMP0820", "has no block");
+    std::fs::write(&path, "; a comment\n\n(another)\n").unwrap();
+    fails("IMP0820", "has no block");
     std::fs::write(&path, "\0".repeat(1 << 20)).unwrap();
     fails("IMP0821", "control character");
     std::fs::write(&path, "N".repeat(1 << 20)).unwrap();
@@ -335,6 +397,17 @@ fn files_that_are_no_text_or_too_large_or_missing() {
     fails("IMP0821", "line 1 is not understood");
     std::fs::write(&path, SIEMENS).unwrap();
     fails("IMP0822", "operation 1 of the text uses tool t2");
+    // What is no NC text at all is told once.
+    std::fs::copy("jobs/reduced/reduced.imp", &path).unwrap();
+    fails("IMP0821", "give NC text");
+    assert_eq!(verify(&path).1.matches("is not understood:").count(), 1);
+    // A device without an end.
+    if cfg!(unix) {
+        let (status, text) = verify(std::path::Path::new("/dev/zero"));
+        assert!(status == Some(1) && text.contains("larger than 256 MB"), "{text}");
+    }
+    let (status, text) = verify(folder.path());
+    assert!(status == Some(1) && text.contains("it is a folder") && text.contains("give the NC text"), "{text}");
 }
 
 /// Text of a dialect with small changes of every kind.

@@ -373,6 +373,22 @@ fn text_and_certificate_belong_together_or_not() {
         lines.remove(at);
         refused(&lines.concat(), &certificate(dialect), "another text");
         refused(&original.replace('\n', "\r\n"), &certificate(dialect), "another text");
+        // What the head does not name, or names otherwise, and a certificate that was edited to fit.
+        let dropped = |word: &str| -> String {
+            original.lines().filter(|l| !l.contains(word)).map(|l| format!("{l}\n")).collect()
+        };
+        for word in ["inputs sha256", "body sha256", "certificate sha256"] {
+            refused(&dropped(word), &certificate(dialect), &format!("does not name its {word}"));
+        }
+        let at = original.find("body sha256 ").unwrap() + "body sha256 ".len();
+        let other = if original[at..].starts_with('0') { "1" } else { "0" };
+        let mut head = original.clone();
+        head.replace_range(at..=at, other);
+        refused(&head, &certificate(dialect), "its own head names");
+        let nameless = dropped("certificate sha256");
+        let mut forged = json(&certificate(dialect));
+        forged["nc"]["body_sha256"] = Value::from("0".repeat(64));
+        refused(&nameless, &edited(&forged.to_string()).path, "another text");
         // A comment at the head is no part of the body; what it names is looked at.
         let head = original.replacen("mm", "millimetres", 1);
         let nc = edited(&head);
@@ -422,10 +438,64 @@ fn a_certificate_is_compared_with_job_and_measurement() {
     let file = edited(&forged.to_string());
     let (ok, out, err) = belongs(&nc, &file.path, &["--job", job.to_str().unwrap(), "--error-format", "json"]);
     assert!(!ok && out.contains("moves read as linuxcnc"), "{out}{err}");
+    // Contracts that are not asked for.
+    let mut more = json(&certificate(dialect));
+    let mut first = more["measured"]["contracts"][0].clone();
+    first["kind"] = Value::from("gouge");
+    more["measured"]["contracts"].as_array_mut().unwrap().push(first);
+    let (ok, _, said) = belongs(&nc, &edited(&more.to_string()).path, &["--job", JOB, "--error-format", "json"]);
+    assert!(!ok && said.contains("asks for no such contract"), "{said}");
     let all = diagnostics(&err);
     let changed = all.iter().find(|d| d["message"].as_str().unwrap().contains("another job")).unwrap();
     assert_eq!(changed["notes"][0], "`reduced.imp` was changed", "{changed}");
     assert!(all.iter().any(|d| d["code"] == "IMP0829"), "{err}");
+}
+
+/// The job in the place of the NC text and the other way round, folders, and files that are not there.
+#[test]
+fn wrong_files_are_told_apart() {
+    let nc = WRITTEN.path().join(DIALECTS[0]);
+    let (nc, folder) = (nc.to_str().unwrap(), WRITTEN.path().to_str().unwrap());
+    let missing = WRITTEN.path().join("missing");
+    let missing = missing.to_str().unwrap();
+    for (arguments, code, words) in [
+        (vec!["verify", nc, "--job", nc], "IMP0101", "is NC text of siemens-840d, not a job"),
+        (vec![nc], "IMP0101", "is NC text of siemens-840d, not a job"),
+        (vec!["verify", JOB, "--job", JOB], "IMP0821", "give NC text"),
+        (vec!["verify", nc, "--job", folder], "IMP0901", "it is a folder"),
+        (vec!["verify", folder, "--job", JOB], "IMP0901", "give the NC text that the control would run"),
+        (vec!["verify", nc, "--certificate", folder], "IMP0901", "it is a folder"),
+        (vec!["verify", nc, "--certificate", nc], "IMP0826", "not JSON"),
+        (vec!["verify", missing, "--job", JOB], "IMP0901", "there is no such file"),
+        (vec!["verify", nc, "--job", missing], "IMP0901", "there is no such file"),
+        (vec!["verify", nc, "--job", JOB, "--post", "linuxcnc"], "IMP0821", "its words are those of siemens-840d"),
+        (vec!["verify", nc, "--job", JOB, "--post", "heidenhain"], "IMP0807", "siemens-840d, linuxcnc"),
+        (vec!["verify", nc, "--job", "jobs/small/small.imp"], "IMP0822", "bring tools, speeds and order"),
+    ] {
+        let run = impellerc(&arguments);
+        let text = String::from_utf8_lossy(&run.stderr).into_owned();
+        let flat = text.split_whitespace().filter(|w| *w != "│").collect::<Vec<_>>().join(" ");
+        assert_eq!(run.status.code(), Some(1), "{arguments:?}: {text}");
+        assert!(flat.contains(code) && flat.contains(words) && flat.contains("help:"), "{arguments:?}: {text}");
+    }
+}
+
+/// A block of a slot with the feed of the links: the tool would break there.
+#[test]
+fn a_cut_at_link_feed_is_found() {
+    let text = text("linuxcnc");
+    let slot = line_of(&text, "(groove)");
+    let mut lines: Vec<String> = text.lines().map(|l| format!("{l}\n")).collect();
+    let at = (slot..lines.len()).find(|i| lines[*i].contains("F150")).unwrap() + 2;
+    let feed = lines[at].trim_end().to_owned();
+    lines[at] = format!("{feed} F700\n");
+    lines[at + 1] = lines[at + 1].trim_end().to_owned() + " F150\n";
+    let edited = edited(&lines.concat());
+    let (ok, _, err) = verify(&edited.path, "linuxcnc", &["--error-format", "json"]);
+    let found = diagnostics(&err);
+    let found = found.iter().find(|d| d["code"] == "IMP0735").unwrap_or_else(|| panic!("{err}"));
+    assert!(!ok && found["help"].as_str().unwrap().contains("process feed"), "{found}");
+    assert_eq!(found["labels"][0]["line"].as_u64().unwrap() as usize, at + 1, "{found}");
 }
 
 /// Volume of a binary STL, and whether each of its edges belongs to an even number of triangles.

@@ -175,8 +175,11 @@ impl NcText {
             return None;
         }
         let found = runs(body);
-        let run = (0..self.runs.len().max(found.len())).find(|k| self.runs.get(*k) != found.get(*k))?;
         let lines = body.lines().count().max(1);
+        let Some(run) = (0..self.runs.len().max(found.len())).find(|k| self.runs.get(*k) != found.get(*k)) else {
+            // One of both is forged: the hash of the body decides, and says no place.
+            return Some((starts, starts + lines - 1, None));
+        };
         let (first, last) = ((run * RUN).min(lines - 1), ((run + 1) * RUN).min(lines));
         // The number comes from a file.
         let here = self.body_starts.saturating_add(run * RUN);
@@ -301,5 +304,10 @@ mod tests {
         let cut = format!("; head\n{}", lines[..200].concat());
         assert_eq!(nc.first_difference(&cut), Some((201, 201, Some("two"))));
         assert_eq!(nc.first_difference(&format!("{text}M2\n")), Some((202, 252, Some("two"))));
+        // Hashes of the runs that were forged to fit an edited text, or a hash of the body that fits none.
+        let forged = NcText { runs: NcText::new("any", &changed, Vec::new()).runs, ..nc.clone() };
+        assert_eq!(forged.first_difference(&changed), Some((2, 251, None)));
+        let forged = NcText { body_sha256: "0".repeat(64), ..nc };
+        assert_eq!(forged.first_difference(&text), Some((2, 251, None)));
     }
 }

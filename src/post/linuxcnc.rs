@@ -56,7 +56,8 @@ impl Post for LinuxCnc {
         let mut words = code.split_whitespace();
         let first = words.next().unwrap_or_default().to_ascii_uppercase();
         // On the other control rotary words have an equals sign.
-        let rotary = |w: &str| w.starts_with(['A', 'C']) && w.len() > 1 && !w.contains('=');
+        let number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
+        let rotary = |w: &str| w.strip_prefix(['A', 'C']).is_some_and(|n| !n.is_empty() && n.chars().all(number));
         OWN.contains(&first.as_str()) || words.any(rotary)
     }
 }

@@ -48,7 +48,7 @@ fn without_comments(line: &str) -> Result<String, String> {
 fn first_word(code: &str) -> Result<(char, &str, &str), String> {
     let letter = code.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
-        return Err(format!("`{letter}` where a word begins"));
+        return Err(format!("`{}` where a word begins", read_state::shown(&letter.to_string(), 1)));
     }
     let tail = &code[letter.len_utf8()..];
     let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
@@ -85,8 +85,13 @@ fn block(code: &str, state: &State) -> Result<Option<Block>, Fault> {
         return Ok(None);
     }
     let words = |reason: &str| Fault::Words(reason.to_owned());
+    let good = |tolerance: f64| (0.0..=WIDEST).contains(&tolerance);
     match (parameters.blends, parameters.p) {
-        (true, Some(p)) if (0.0..=WIDEST).contains(&p) => block.smoothing = Some(p),
+        // Corners are blended within P, and before that moves in line are joined within Q, which is P unless said.
+        (true, Some(p)) if good(p) && parameters.q.is_none_or(good) => {
+            block.smoothing = Some(Some(p + parameters.q.unwrap_or(p)));
+        }
+        (true, Some(p)) if good(p) => return Err(words("the tolerance Q of G64 is out of range")),
         (true, Some(_)) => return Err(words("the tolerance P of G64 is out of range")),
         (true, None) => return Err(words("G64 without P: how far the path is left is not known")),
         (false, None) if parameters.q.is_none() => {}
@@ -104,11 +109,15 @@ fn block(code: &str, state: &State) -> Result<Option<Block>, Fault> {
 }
 
 fn count(text: &str) -> Result<u32, String> {
-    text.parse().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit())).ok_or(format!("`{text}` is not a count"))
+    text.parse().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit())).ok_or_else(|| match text {
+        "" => "a number is missing".to_owned(),
+        _ => format!("`{text}` is not a count"),
+    })
 }
 
 fn word(letter: char, text: &str, block: &mut Block, parameters: &mut Parameters) -> Result<(), String> {
     let value = || number(text).map_err(|reason| format!("`{letter}{text}`: {reason}"));
+    let number_of = || count(text).map_err(|reason| format!("`{letter}{text}`: {reason}"));
     match letter {
         'X' => block.coordinate(0, value()?),
         'Y' => block.coordinate(1, value()?),
@@ -118,8 +127,8 @@ fn word(letter: char, text: &str, block: &mut Block, parameters: &mut Parameters
         'C' => block.angle(1, value()?, -1.0),
         'F' => block.set_feed(value()?),
         'S' => block.set_speed(value()?),
-        'T' => once(&mut block.tool, "T", count(text)?.to_string().into()),
-        'H' => once(&mut parameters.length_of, "H", count(text)?),
+        'T' => once(&mut block.tool, "T", number_of()?.to_string().into()),
+        'H' => once(&mut parameters.length_of, "H", number_of()?),
         'P' => once(&mut parameters.p, "P", value()?),
         'Q' => once(&mut parameters.q, "Q", value()?),
         'G' => match text {

@@ -13,9 +13,12 @@ const LONGEST_BLOCK: usize = 512;
 /// Largest tolerance of CYCLE832, mm and degrees.
 const WIDEST: f64 = 10.0;
 
+/// Widest tolerance of the direction, degrees: that of the writer.
+const WIDEST_TURN: f64 = 0.1;
+
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
-    read_state::read(text, "M30", |line, _: &State| {
+    read_state::read(text, "M30", |line, state: &State| {
         let code = line.split(';').next().unwrap_or_default().trim();
         if code.is_empty() {
             return Ok(None);
@@ -31,6 +34,13 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<Rea
                 continue;
             }
             self::word(word, machine, &mut block).map_err(Fault::Words)?;
+        }
+        // SUPA takes frames away, not the tool: with its length Z0 is another height.
+        if block.machine_frame && block.length.unwrap_or(state.length()) {
+            return Err(Fault::State("SUPA without D0: the tool length still acts".to_owned()));
+        }
+        if state.turns_unsaid(&block) {
+            return Err(Fault::State("a turn of A or C without ORIAXES: how the axis turns is not known".to_owned()));
         }
         let empty = numbered && code.split_whitespace().count() == 1;
         Ok((!empty).then_some(block))
@@ -59,7 +69,8 @@ fn word(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String> 
         "M5" => return once(&mut block.spindle, "M5", false),
         "M6" => block.change = true,
         "ORIAXES" => block.axes_linear = true,
-        "G17" | "G40" | "ORIWKS" | "M8" | "M9" => {}
+        "ORIWKS" => block.part_vectors = true,
+        "G17" | "G40" | "M8" | "M9" => {}
         "M30" => block.end = true,
         _ => return valued(word, machine, block),
     }
@@ -75,6 +86,10 @@ fn valued(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String
     }
     let (address, value) = match word.split_once('=') {
         Some(pair) => pair,
+        // The control takes a digit behind these letters for a part of the name.
+        None if ["A3", "B3", "C3"].iter().any(|v| word.starts_with(v)) => {
+            return Err(format!("`{}`: `=` is missing behind the address", shown(word)));
+        }
         None => word.split_at(word.char_indices().nth(1).map_or(word.len(), |c| c.0)),
     };
     let value = || number(value).map_err(|reason| format!("`{}`: {reason}", shown(word)));
@@ -95,11 +110,11 @@ fn valued(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String
 
 /// A word as a message shows it.
 fn shown(word: &str) -> String {
-    word.chars().take(40).collect()
+    read_state::shown(word, 40)
 }
 
-/// Tolerance of CYCLE832(tolerance, mode, orientation tolerance).
-fn smoothing(arguments: &str) -> Result<f64, String> {
+/// Tolerance of CYCLE832(tolerance, mode, orientation tolerance); off, the control goes back to settings of its own.
+fn smoothing(arguments: &str) -> Result<Option<f64>, String> {
     let parts: Vec<&str> = arguments.split(',').collect();
     let &[tolerance, mode, turn] = parts.as_slice() else {
         return Err("CYCLE832 needs a tolerance, a mode and a tolerance of the direction".to_owned());
@@ -109,8 +124,11 @@ fn smoothing(arguments: &str) -> Result<f64, String> {
         return Err(format!("a tolerance of CYCLE832 beyond 0..{WIDEST}"));
     }
     match mode {
-        "_OFF" => Ok(0.0),
-        "_ORI_FINISH" | "_ORI_ROUGH" => Ok(tolerance),
+        "_OFF" => Ok(None),
+        "_ORI_FINISH" | "_ORI_ROUGH" if turn > WIDEST_TURN => {
+            Err(format!("CYCLE832 lets the tool lean by {turn} deg; at most {WIDEST_TURN} deg is accepted"))
+        }
+        "_ORI_FINISH" | "_ORI_ROUGH" => Ok(Some(tolerance)),
         _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode))),
     }
 }

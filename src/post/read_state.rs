@@ -42,10 +42,16 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
         && digits.bytes().filter(|b| *b == b'.').count() <= 1
         && text.len() <= LONGEST_NUMBER;
     let value = if plain { text.parse().ok() } else { None };
-    value.filter(|x: &f64| x.is_finite()).ok_or_else(|| {
-        let shown: String = text.chars().take(LONGEST_NUMBER).collect();
-        format!("`{shown}` is not a number")
+    value.filter(|x: &f64| x.is_finite()).ok_or_else(|| match text {
+        "" => "a number is missing".to_owned(),
+        _ => format!("`{}` is not a number", shown(text, LONGEST_NUMBER)),
     })
+}
+
+/// The first characters of a text as a message shows them; what looks like another sign, or like none, by its number.
+pub(super) fn shown(text: &str, most: usize) -> String {
+    let plain = |c: char| if c.is_ascii() { c.to_string() } else { format!("<U+{:04X}>", u32::from(c)) };
+    text.chars().take(most).map(plain).collect()
 }
 
 /// What the words of one block say. Angles in radians, ISO sense.
@@ -77,10 +83,12 @@ pub(super) struct Block {
     pub(super) length: Option<bool>,
     /// Work offset on or off.
     pub(super) offset: Option<bool>,
-    /// Tolerance of path smoothing, mm.
-    pub(super) smoothing: Option<f64>,
+    /// Tolerance of path smoothing, mm; `Some(None)` when it is left to the control from here on.
+    pub(super) smoothing: Option<Option<f64>>,
     /// Rotary axes run linearly between direction vectors.
     pub(super) axes_linear: bool,
+    /// Direction vectors are those of the part.
+    pub(super) part_vectors: bool,
     /// Lengths in mm, coordinates absolute, feed a minute.
     pub(super) modes: [bool; 3],
     /// The program ends.
@@ -150,6 +158,7 @@ pub(super) struct State {
     /// The same, for the first move with the transformation on.
     start: Option<(f64, f64)>,
     axes_linear: bool,
+    part_vectors: bool,
     tip: [Option<f64>; 3],
     direction: Option<Direction>,
     rapid: Option<bool>,
@@ -160,7 +169,7 @@ pub(super) struct State {
     offset: bool,
     speed: f64,
     spindle: bool,
-    smoothing: f64,
+    smoothing: Option<f64>,
     ended: bool,
     moves: Vec<NcMove>,
 }
@@ -169,6 +178,21 @@ impl State {
     /// The name of the tool in the spindle.
     pub(super) fn tool(&self) -> Option<&str> {
         self.tool.as_deref()
+    }
+
+    /// Whether a tool length acts.
+    pub(super) fn length(&self) -> bool {
+        self.length
+    }
+
+    /// Whether rotary words turn the tool under the transformation while nobody said how it turns between them.
+    pub(super) fn turns_unsaid(&self, block: &Block) -> bool {
+        let before = match self.direction {
+            Some(Direction::Rotary(a, c)) => [Some(a), Some(c)],
+            _ => [None; 2],
+        };
+        let same = |(word, before): (&Option<f64>, Option<f64>)| word.is_none_or(|w| Some(w) == before);
+        self.transformation && !(self.axes_linear || block.axes_linear) && !block.rotary.iter().zip(before).all(same)
     }
 
     /// Runs one block.
@@ -223,7 +247,7 @@ impl State {
                 }
                 let [a, c] = self.parked.ok_or("the transformation is switched on before A and C have a position")?;
                 self.transformation = true;
-                self.axes_linear = false;
+                (self.axes_linear, self.part_vectors) = (false, false);
                 self.start = Some((a, c));
                 self.tip = [None; 3];
                 self.direction = Some(Direction::Rotary(a, c));
@@ -242,6 +266,7 @@ impl State {
             }
             self.axes_linear = true;
         }
+        self.part_vectors |= block.part_vectors;
         Ok(())
     }
 
@@ -276,6 +301,15 @@ impl State {
         if !(rapid || self.spindle && self.speed > 0.0) {
             return Err("a move at feed with the spindle at rest".to_owned());
         }
+        let smoothing = match self.smoothing {
+            Some(smoothing) => smoothing,
+            None if rapid => 0.0,
+            None => {
+                return Err(
+                    "a move at feed before CYCLE832 or G64 P says how far the control may leave the path".into()
+                );
+            }
+        };
         if self.moves.len() >= MOST_MOVES {
             return Err(format!("more than {MOST_MOVES} moves; split the program by operations"));
         }
@@ -290,7 +324,7 @@ impl State {
             feed,
             tool,
             speed: self.speed,
-            smoothing: self.smoothing,
+            smoothing,
         });
         Ok(())
     }
@@ -322,6 +356,9 @@ impl State {
             ([Some(x), Some(y), Some(z)], [None, None]) => {
                 if !self.axes_linear {
                     return Err("a direction vector without ORIAXES: how the axis turns is not known".to_owned());
+                }
+                if !self.part_vectors {
+                    return Err("a direction vector without ORIWKS: in which frame it lies is not known".to_owned());
                 }
                 let axis = Vector3::new(x, y, z);
                 Ok(Direction::Axis(axis.try_normalize(1e-6).ok_or("a direction vector of length 0")?))
