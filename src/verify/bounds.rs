@@ -10,6 +10,7 @@
 //!   (`roof.rs`). No term with the radius of the cutter enters: the cutter follows the cell.
 
 use super::capsule::{Ball, Capsule, Foot};
+use super::ceiling::Ceiling;
 use super::sweep::{Piece, Spans, Sweep, Touch};
 use crate::collide::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
@@ -73,15 +74,15 @@ impl Hull {
         Self { centre, corners, radius, control, bulge, sides, thickness }
     }
 
-    /// Most that a linear function with a gradient of at most length one falls from the middle.
-    pub(super) fn fall(&self, gradient: &Vector3<f64>) -> f64 {
-        self.thickness - least_of(self.control.map(|c| c.dot(gradient)))
-    }
-
     /// Area, mm2.
     pub(super) fn area(&self) -> f64 {
         let [a, b, c, d] = self.corners;
         0.5 * (d - a).cross(&(c - b)).norm()
+    }
+
+    /// How far the cell may leave the hull of its corners.
+    pub(super) fn bulges(&self) -> f64 {
+        self.bulge.iter().map(Vector3::norm).fold(0.0, f64::max) + self.thickness
     }
 
     /// Least over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it, with the
@@ -188,6 +189,13 @@ impl Tangent {
         self.at(p) - radius * self.steepness
     }
 
+    /// True if it lies nowhere under a ceiling over the patch in whose middle it touches.
+    fn hides_from(&self, ceiling: &Ceiling<'_>) -> bool {
+        self.ends.iter().all(|end| {
+            ceiling.hides(self.value + self.change.0 * end, &(self.gradient + self.change.1 * *end), self.steepness)
+        })
+    }
+
     /// Over a whole cell.
     pub(super) fn over(&self, hull: &Hull) -> f64 {
         let middle = hull.centre - self.place;
@@ -209,10 +217,36 @@ pub(super) struct Look {
 }
 
 impl Sweep<'_> {
+    /// A lower bound over a patch; none where the cutter comes nowhere under the ceiling.
+    pub(super) fn glance(&self, index: u32, ceiling: &Ceiling<'_>) -> Option<Tangent> {
+        let hull = ceiling.hull();
+        if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
+            let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
+            return (!ceiling.hides(tangent.value, &tangent.gradient, 1.0)).then_some(tangent);
+        }
+        let piece = self.piece(index);
+        let whole = (0.0, 1.0);
+        let start = self.touch(piece, 0.5, &hull.centre);
+        let tangent = Tangent::to_cutter(hull.centre, piece, &start, whole, hull.radius);
+        if tangent.hides_from(ceiling) {
+            return None;
+        }
+        let nearest = self.minimum(piece, start, &hull.centre, whole);
+        let tangent = Tangent::to_cutter(hull.centre, piece, &nearest, whole, hull.radius);
+        (!tangent.hides_from(ceiling)).then_some(tangent)
+    }
+
+    /// The ball over a piece where it is what comes nearest to a point, and its place that does.
+    pub(super) fn bearing_ball(&self, index: u32, p: &Point3<f64>) -> Option<(Ball, &Capsule, Foot)> {
+        let (ball, capsule) = self.capsule(index)?;
+        let foot = capsule.foot(p);
+        // In the centre there is no direction, and the ball says nothing.
+        (foot.length > 0.0 && capsule.bears(ball, &foot.direction())).then_some((ball, capsule, foot))
+    }
+
     /// A first look at a cell; none where the cutter comes nowhere in it nearer than `enough`.
     pub(super) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
-        if let Some((ball, capsule)) = self.ruling_ball(index, hull) {
-            let foot = capsule.foot(&hull.centre);
+        if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
             if tangent.value - hull.radius >= enough {
                 return None;

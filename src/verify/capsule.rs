@@ -69,15 +69,15 @@ impl Foot {
 }
 
 impl Capsule {
-    /// The capsule of a ball over a piece.
-    pub(super) fn new(piece: &Piece, ball: Ball) -> Self {
-        let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, ball.radius).0);
+    /// The capsule of a ball of a radius at the tip over a piece.
+    pub(super) fn new(piece: &Piece, radius: f64) -> Self {
+        let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, radius).0);
         let way = end - start;
         let square = way.norm_squared();
         let (_, axis) = piece.middle();
         let (half_way, turn) = piece.reach();
         // A curve leaves its chord by an eighth of its second derivative.
-        let flaw = 0.125 * piece.ball_drift(ball.radius).bend;
+        let flaw = 0.125 * piece.ball_drift(radius).bend;
         Self {
             start,
             way,
@@ -96,6 +96,17 @@ impl Capsule {
         let t = (from.dot(&self.way) * self.per_way).clamp(0.0, 1.0);
         let out = from - self.way * t;
         Foot { t, out, length: out.norm() }
+    }
+
+    /// Centres at both ends.
+    pub(super) fn ends(&self) -> [Point3<f64>; 2] {
+        [self.start, self.start + self.way]
+    }
+
+    /// True if the cutter reaches no farther in a direction than its ball, at any time of the piece: then a half-space
+    /// along it that holds the balls holds the cutters, and the ball is what is nearest to a point that lies that way.
+    pub(super) fn bears(&self, ball: Ball, direction: &Vector3<f64>) -> bool {
+        direction.dot(&self.axis) + self.turn <= ball.upper
     }
 
     /// From the centre at the start to that at the end.

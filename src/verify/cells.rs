@@ -1,12 +1,12 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
 
 use super::bounds::{Hull, Tangent};
+use super::ceiling::Ceiling;
+use super::grid::{Block, Cell, Grid, Lies, Surface, mix};
 use super::roof::Roof;
 use super::surface::{FAR, LEAST_SLACK, PatchCorners, SLACK};
 use super::sweep::{At, Sweep};
-use crate::ir::chart::{Patch, Shape};
-use crate::ir::design::SurfaceId;
-use nalgebra::{Point3, Rotation3};
+use nalgebra::{Point3, Vector3};
 
 /// Times a cell is halved at most: from 0.25 mm to 1 um.
 const DEEPEST: i32 = 8;
@@ -14,78 +14,11 @@ const DEEPEST: i32 = 8;
 /// The same for cells across the border of the part: the strip that stays out is narrower than a twentieth of a cell.
 const BORDER_DEPTH: i32 = 4;
 
-/// Share of the third difference over half a cell by which a surface may leave the biquadratic through nine points: a
-/// cubic leaves the parabola by 1/15.6, in two directions, with the mixed terms, and half as much again.
-const THICKNESS: f64 = 0.2;
-
 /// What g at a corner may miss, mm; a bound from above needs no more, the bound from below does not rest on it.
 pub const CORNER_SLACK: f64 = 1e-3;
 
-/// Cells along a side of the blocks whose corners share their candidates.
-const BLOCK: usize = 2;
-
-/// A surface of one sector.
-pub(super) struct Surface<'a> {
-    /// Its shape in sector 0.
-    pub(super) shape: &'a dyn Shape,
-    /// Turn into the sector.
-    pub(super) turn: Rotation3<f64>,
-    /// Which one.
-    pub(super) id: SurfaceId,
-}
-
-impl Surface<'_> {
-    /// The point of a place of the chart.
-    pub(super) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
-        self.turn * self.shape.place(x, y).position
-    }
-
-    pub(super) fn holds(&self, p: &Point3<f64>) -> bool {
-        self.shape.is_milled(&(self.turn.inverse() * p))
-    }
-}
-
-/// Points of a patch in sector 0: corners, middles of sides and middles of its cells, x by x.
-pub(super) struct Grid {
-    /// The patch.
-    pub(super) patch: Patch,
-    points: Vec<Point3<f64>>,
-    /// Largest third difference along its lines, mm.
-    third: f64,
-}
-
-impl Grid {
-    /// The grid of a patch.
-    pub(super) fn new(shape: &dyn Shape, patch: Patch) -> Self {
-        let (nx, ny) = (2 * patch.columns, 2 * patch.rows);
-        let points: Vec<Point3<f64>> = (0..=nx)
-            .flat_map(|i| (0..=ny).map(move |j| (i, j)))
-            .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
-            .collect();
-        let at = |i: usize, j: usize| points[i * (ny + 1) + j].coords;
-        let mut third = 0.0_f64;
-        for i in 0..=nx {
-            for j in 0..=ny {
-                if i + 3 <= nx {
-                    third = third.max((at(i + 3, j) - (at(i + 2, j) - at(i + 1, j)) * 3.0 - at(i, j)).norm());
-                }
-                if j + 3 <= ny {
-                    third = third.max((at(i, j + 3) - (at(i, j + 2) - at(i, j + 1)) * 3.0 - at(i, j)).norm());
-                }
-            }
-        }
-        Self { patch, points, third }
-    }
-
-    fn point(&self, i: usize, j: usize) -> Point3<f64> {
-        self.points[i * (2 * self.patch.rows + 1) + j]
-    }
-}
-
-/// The i-th of n + 1 even places over a range.
-fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
-    range[0] + (range[1] - range[0]) * i as f64 / n as f64
-}
+/// What g is at most over a block that makes a search for less not worth while, mm.
+const NEAR: f64 = 0.06;
 
 /// A piece of a sweep that may come near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -112,35 +45,6 @@ struct Corner {
     by: Option<Candidate>,
 }
 
-/// A run of cells of a patch: columns and rows from..to.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    x: [usize; 2],
-    y: [usize; 2],
-}
-
-impl Block {
-    fn longest(&self) -> usize {
-        (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
-    }
-
-    /// Its cells.
-    fn cells(&self) -> impl Iterator<Item = Self> {
-        let [from, to] = self.y;
-        (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
-    }
-
-    /// Both halves along x by both along y; a single column or row stays whole.
-    fn parts(&self) -> impl Iterator<Item = Self> {
-        let cut = |[from, to]: [usize; 2]| {
-            let middle = from + (to - from).div_ceil(2);
-            [[from, middle], [middle, to]]
-        };
-        let (x, y) = (cut(self.x), cut(self.y));
-        x.into_iter().flat_map(move |x| y.map(|y| Self { x, y })).filter(|b| b.x[0] < b.x[1] && b.y[0] < b.y[1])
-    }
-}
-
 /// What the first look at a patch found.
 pub(super) struct Looked {
     /// Blocks of cells, each with what may come nearest in it.
@@ -148,6 +52,8 @@ pub(super) struct Looked {
     corners: Vec<Corner>,
     /// True for corners on the part.
     inside: Vec<bool>,
+    /// How the cells lie to the part.
+    lies: Vec<Lies>,
     /// Least and most g at corners on the part.
     pub(super) range: [f64; 2],
 }
@@ -209,35 +115,11 @@ impl Proved {
     }
 }
 
-/// A cell of the chart: middle and half sides.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    middle: [f64; 2],
-    half: [f64; 2],
-    depth: i32,
-}
-
-impl Cell {
-    fn quarters(self) -> [Self; 4] {
-        let half = self.half.map(|h| 0.5 * h);
-        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| Self {
-            middle: [self.middle[0] + i * half[0], self.middle[1] + j * half[1]],
-            half,
-            depth: self.depth + 1,
-        })
-    }
-
-    fn at(&self, i: f64, j: f64) -> [f64; 2] {
-        [self.middle[0] + i * self.half[0], self.middle[1] + j * self.half[1]]
-    }
-}
-
-/// How a cell lies to the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lies {
-    Inside,
-    Across,
-    Outside,
+/// A candidate over a patch.
+struct Far {
+    candidate: Candidate,
+    /// It comes nowhere nearer.
+    tangent: Tangent,
 }
 
 /// What may come nearest in a hull, from all that is looked at in turn.
@@ -251,8 +133,8 @@ struct Narrowing<'h> {
 }
 
 impl<'h> Narrowing<'h> {
-    fn new(hull: &'h Hull) -> Self {
-        Self { hull, found: Vec::new(), least: FAR, most: FAR + hull.radius }
+    fn new(hull: &'h Hull, most: f64) -> Self {
+        Self { hull, found: Vec::new(), least: FAR, most }
     }
 
     fn take(&mut self, sweep: &Sweep<'_>, candidate: Candidate) {
@@ -289,36 +171,20 @@ impl Task<'_> {
     }
 
     fn hull(&self, block: &Block) -> Hull {
-        let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
-        let (x, y) = (along(block.x), along(block.y));
-        let size = block.longest() as f64;
-        let at = |k: usize| self.surface.turn * self.grid.point(x[k / 3], y[k % 3]);
-        Hull::new(&std::array::from_fn(at), THICKNESS * self.grid.third * size * size * size)
+        self.grid.hull(block, &self.surface.turn)
     }
 
     fn cell(&self, block: &Block) -> Cell {
-        let patch = &self.grid.patch;
-        let half = [
-            0.5 * (patch.x[1] - patch.x[0]) / patch.columns as f64,
-            0.5 * (patch.y[1] - patch.y[0]) / patch.rows as f64,
-        ];
-        let middle =
-            [patch.x[0] + half[0] * (2 * block.x[0] + 1) as f64, patch.y[0] + half[1] * (2 * block.y[0] + 1) as f64];
-        Cell { middle, half, depth: 0 }
+        self.grid.cell(block)
     }
 
     fn hull_of(&self, cell: &Cell) -> Hull {
         let at = |k: usize| self.surface.point(cell.at((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0));
-        Hull::new(&std::array::from_fn(at), THICKNESS * self.grid.third * 0.125_f64.powi(cell.depth))
+        Hull::new(&std::array::from_fn(at), self.grid.thickness() * 0.125_f64.powi(cell.depth))
     }
 
     fn lies(&self, hull: &Hull) -> Lies {
-        let count = hull.corners.iter().chain([&hull.centre]).filter(|p| self.surface.holds(p)).count();
-        match count {
-            0 => Lies::Outside,
-            5 => Lies::Inside,
-            _ => Lies::Across,
-        }
+        Lies::by(hull.corners.iter().chain([&hull.centre]).filter(|p| self.surface.holds(p)).count())
     }
 
     /// True for a cell that is divided further where its bounds fall short.
@@ -331,47 +197,103 @@ impl Task<'_> {
     pub(super) fn look(&self) -> Looked {
         let patch = &self.grid.patch;
         let count = (patch.columns + 1) * (patch.rows + 1);
-        let hull = self.hull(&self.whole());
         let mut looked = Looked {
             blocks: Vec::new(),
             corners: vec![Corner { value: f64::NAN, by: None }; count],
             inside: vec![true; count],
+            lies: Vec::with_capacity(patch.columns * patch.rows),
             range: [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let near = self.gather(&hull);
-        self.look_at(&self.whole(), near, &mut looked);
+        let milled = |i: usize, j: usize| self.surface.shape.is_milled(&self.grid.point(i, j));
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
-                let k = i * (patch.rows + 1) + j;
-                looked.inside[k] = self.surface.shape.is_milled(&self.grid.point(2 * i, 2 * j));
-                if looked.inside[k] {
-                    let value = looked.corners[k].value;
-                    looked.range = [looked.range[0].min(value), looked.range[1].max(value)];
-                }
+                looked.inside[i * (patch.rows + 1) + j] = milled(2 * i, 2 * j);
             }
+        }
+        for i in 0..patch.columns {
+            for j in 0..patch.rows {
+                let k = i * (patch.rows + 1) + j;
+                let corners = [k, k + 1, k + patch.rows + 1, k + patch.rows + 2].map(|k| looked.inside[k]);
+                let on = corners.into_iter().chain([milled(2 * i + 1, 2 * j + 1)]).filter(|on| *on).count();
+                looked.lies.push(Lies::by(on));
+            }
+        }
+        self.look_at(&mut looked);
+        for (corner, _) in looked.corners.iter().zip(&looked.inside).filter(|(_, on)| **on) {
+            looked.range = [looked.range[0].min(corner.value), looked.range[1].max(corner.value)];
         }
         looked
     }
 
-    fn look_at(&self, block: &Block, near: Vec<Near>, looked: &mut Looked) {
-        if block.longest() > BLOCK {
-            for part in block.parts() {
-                let near = self.narrow(&near, &self.hull(&part));
-                self.look_at(&part, near, looked);
-            }
+    /// Divides the patch into blocks, and finds g at the corners of those on the part.
+    fn look_at(&self, looked: &mut Looked) {
+        let (columns, rows) = (Block::runs([0, self.grid.patch.columns]), Block::runs([0, self.grid.patch.rows]));
+        let on_part = |b: &Block| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
+        let places = (0..columns.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
+        let blocks = places.map(|(i, j)| ((i, j), Block { x: columns[i], y: rows[j] })).filter(|(_, b)| on_part(b));
+        let (places, blocks): (Vec<_>, Vec<_>) = blocks.map(|(place, b)| (place, (b, self.hull(&b)))).unzip();
+        if blocks.is_empty() {
             return;
         }
-        let rows = self.grid.patch.rows + 1;
-        for i in block.x[0]..=block.x[1] {
-            for j in block.y[0]..=block.y[1] {
-                let k = i * rows + j;
-                if looked.corners[k].value.is_nan() {
-                    let p = self.surface.turn * self.grid.point(2 * i, 2 * j);
-                    looked.corners[k] = self.corner(&p, &near);
-                }
+        let mosts = self.mosts(&blocks);
+        let whole = self.hull(&self.whole());
+        // Corner n of block (i, j) is corner (i + n / 2, j + n % 2) of all.
+        let mut corners = vec![(Vector3::zeros(), f64::NEG_INFINITY); (columns.len() + 1) * (rows.len() + 1)];
+        let mut bulge = 0.0_f64;
+        for (((_, hull), most), (i, j)) in blocks.iter().zip(&mosts).zip(places) {
+            let own = hull.bulges();
+            bulge = bulge.max(own);
+            for (n, p) in hull.corners.iter().enumerate() {
+                let corner = &mut corners[(i + n / 2) * (rows.len() + 1) + j + n % 2];
+                *corner = (p - whole.centre, corner.1.max(most + own));
             }
         }
-        looked.blocks.push((*block, near));
+        // Corners of none of them keep no room at all.
+        let far = self.gather(&Ceiling::new(&whole, &corners, bulge));
+        let stride = self.grid.patch.rows + 1;
+        for ((block, hull), most) in blocks.iter().zip(mosts) {
+            let near = self.narrow(&far, hull, most);
+            for i in block.x[0]..=block.x[1] {
+                for j in block.y[0]..=block.y[1] {
+                    let k = i * stride + j;
+                    if looked.corners[k].value.is_nan() {
+                        let p = self.surface.turn * self.grid.point(2 * i, 2 * j);
+                        looked.corners[k] = self.corner(&p, &near);
+                    }
+                }
+            }
+            looked.blocks.push((*block, near));
+        }
+    }
+
+    /// What g is at most over each of some blocks.
+    fn mosts(&self, blocks: &[(Block, Hull)]) -> Vec<f64> {
+        let mut last: Option<(usize, u32)> = None;
+        let most = |(_, hull): &(Block, Hull)| {
+            let (mut most, mut near) = (FAR + hull.radius, FAR);
+            if let Some((k, piece)) = last {
+                let (t, value) = self.sweeps[k].quick_distance(piece, &hull.centre);
+                most = most.min(self.sweeps[k].farthest(piece, hull, t));
+                near = near.min(value);
+            }
+            // What came near to the block before, then finishing first: what comes near puts the rest aside.
+            let first = last.map(|l| l.0);
+            let others = (0..self.sweeps.len()).rev().filter(|k| Some(*k) != first);
+            for k in first.into_iter().chain(others) {
+                if most <= NEAR {
+                    break;
+                }
+                let sweep = &self.sweeps[k];
+                if let Some((piece, t, value)) = sweep.near(&hull.centre, near) {
+                    most = most.min(sweep.farthest(piece, hull, t));
+                    near = value;
+                    last = Some((k, piece));
+                }
+            }
+            // Room for rounding: what comes as near as this is kept.
+            most + 1e-9
+        };
+        blocks.iter().map(most).collect()
     }
 
     /// g at a point of a run of cells.
@@ -395,27 +317,27 @@ impl Task<'_> {
         best
     }
 
-    /// Everything that may come nearest anywhere in a hull.
-    fn gather(&self, hull: &Hull) -> Vec<Near> {
-        let mut narrowing = Narrowing::new(hull);
-        // Finishing first: what comes near bounds the rest.
-        for (k, sweep) in self.sweeps.iter().enumerate().rev() {
-            let sweep_index = u32::try_from(k).unwrap_or(u32::MAX);
-            sweep.gather(hull, narrowing.most, &mut |piece, _| {
-                narrowing.take(sweep, Candidate { sweep: sweep_index, piece });
-                narrowing.most
+    /// Everything that may come nearest anywhere under a ceiling.
+    fn gather(&self, ceiling: &Ceiling<'_>) -> Vec<Far> {
+        let mut found = Vec::new();
+        for (k, sweep) in self.sweeps.iter().enumerate() {
+            let own = u32::try_from(k).unwrap_or(u32::MAX);
+            sweep.gather(ceiling, &mut |piece| {
+                if let Some(tangent) = sweep.glance(piece, ceiling) {
+                    found.push(Far { candidate: Candidate { sweep: own, piece }, tangent });
+                }
             });
         }
-        narrowing.kept()
+        found
     }
 
-    /// Those of what may come nearest in a larger hull that may in a part of it; what is known of them over the larger one
-    /// rules most of them out.
-    fn narrow(&self, from: &[Near], hull: &Hull) -> Vec<Near> {
-        let mut narrowing = Narrowing::new(hull);
-        for near in from {
-            if near.tangent.about(&hull.centre, hull.radius) <= narrowing.most {
-                narrowing.take(&self.sweeps[near.candidate.sweep as usize], near.candidate);
+    /// Those of what may come nearest in a patch that may in a block of it, in which g is at most `most`; what is known of
+    /// them over the patch rules most of them out.
+    fn narrow(&self, from: &[Far], hull: &Hull, most: f64) -> Vec<Near> {
+        let mut narrowing = Narrowing::new(hull, most);
+        for far in from {
+            if far.tangent.about(&hull.centre, hull.radius) <= narrowing.most {
+                narrowing.take(&self.sweeps[far.candidate.sweep as usize], far.candidate);
             }
         }
         narrowing.kept()
@@ -436,13 +358,13 @@ impl Task<'_> {
         }
         proved.points += looked.corners.len();
         for (block, near) in &looked.blocks {
-            self.below(block, near, goals.low, &mut proved);
+            self.below(block, near, looked, goals.low, &mut proved);
         }
         for (block, near) in &looked.blocks {
             for cell in block.cells() {
-                let hull = self.hull(&cell);
-                let lies = self.lies(&hull);
+                let lies = looked.lies_of(&cell, patch.rows);
                 if lies != Lies::Outside {
+                    let hull = self.hull(&cell);
                     let at = |i: usize, j: usize| looked.corners[i * (patch.rows + 1) + j];
                     let ([i, i1], [j, j1]) = (cell.x, cell.y);
                     let corners = [at(i, j), at(i, j1), at(i1, j), at(i1, j1)];
@@ -455,7 +377,7 @@ impl Task<'_> {
 
     /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
     /// something above the goal is known everywhere.
-    fn below(&self, block: &Block, near: &[Near], goal: f64, proved: &mut Proved) {
+    fn below(&self, block: &Block, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
         let mut left: Vec<Candidate> = Vec::new();
         for Near { bound, candidate: c, .. } in near {
@@ -473,12 +395,12 @@ impl Task<'_> {
             return;
         }
         for cell in block.cells() {
-            self.below_cell(&self.cell(&cell), &self.hull(&cell), &left, goal, proved);
+            let lies = looked.lies_of(&cell, self.grid.patch.rows);
+            self.below_cell(&self.cell(&cell), &self.hull(&cell), lies, &left, goal, proved);
         }
     }
 
-    fn below_cell(&self, cell: &Cell, hull: &Hull, near: &[Candidate], goal: f64, proved: &mut Proved) {
-        let lies = self.lies(hull);
+    fn below_cell(&self, cell: &Cell, hull: &Hull, lies: Lies, near: &[Candidate], goal: f64, proved: &mut Proved) {
         if lies == Lies::Outside {
             return;
         }
@@ -506,7 +428,8 @@ impl Task<'_> {
             proved.low = proved.low.min(low);
         } else if self.divides(cell, hull, lies) {
             for quarter in cell.quarters() {
-                self.below_cell(&quarter, &self.hull_of(&quarter), &left, goal, proved);
+                let hull = self.hull_of(&quarter);
+                self.below_cell(&quarter, &hull, self.lies(&hull), &left, goal, proved);
             }
         }
     }
@@ -642,6 +565,11 @@ pub(super) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (
 }
 
 impl Looked {
+    /// How a cell of a patch of some rows lies to the part.
+    fn lies_of(&self, cell: &Block, rows: usize) -> Lies {
+        self.lies[cell.x[0] * rows + cell.y[0]]
+    }
+
     /// g at the corners on the part.
     pub(super) fn values(&self, task: &Task<'_>) -> PatchCorners {
         let values = self.corners.iter().zip(&self.inside).map(|(c, on)| if *on { c.value as f32 } else { f32::NAN });

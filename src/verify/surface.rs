@@ -11,7 +11,8 @@
 //! of a cell; it is taken from third differences, with a margin.
 
 pub use super::cells::CORNER_SLACK;
-use super::cells::{Found, Goals, Grid, Looked, Proved, Surface, Task, deviation};
+use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
+use super::grid::{Grid, Surface};
 use super::sweep::{At, Sweep};
 use crate::ir::Part;
 use crate::ir::chart::{Patch, Shape, charts};

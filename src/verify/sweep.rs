@@ -9,12 +9,13 @@
 //! their angular velocities add by Pythagoras, and their angular acceleration is at most their product. The first term
 //! vanishes at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
-use super::bounds::Hull;
 use super::capsule::{Ball, Capsule};
-use crate::collide::{Slope, ToolSolid, tool::tool_coordinates};
+use super::hierarchy::Hierarchy;
+use crate::collide::{Slope, ToolSolid};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine, transform::axis_at};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 /// Largest turn of a piece.
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
@@ -23,7 +24,7 @@ const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 const PIECE_LENGTH: f64 = 3.0;
 
 /// What the search for the nearest time may miss through the turn of a piece, mm; pieces are halved down to it.
-const TURN_SLACK: f64 = 2e-5;
+pub(super) const TURN_SLACK: f64 = 2e-5;
 
 /// Slope over time, in mm over a piece, that counts as none.
 const FLAT: f64 = 1e-6;
@@ -31,14 +32,8 @@ const FLAT: f64 = 1e-6;
 /// Steps of the search for a minimum: bisection alone would need 30.
 const STEPS: usize = 60;
 
-/// Pieces in a leaf of the hierarchy.
-const LEAF: usize = 4;
-
 /// Bound of a second derivative under [`Piece::twist`], (1 + sqrt 5) / 2 and a little.
 const GOLDEN: f64 = 1.6181;
-
-/// Length by which directions weigh against positions when pieces are grouped: about half an engaged cutter, mm.
-const ARM: f64 = 15.0;
 
 /// Where in the program something happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -234,18 +229,6 @@ fn divide(at: At, kind: MoveKind, [from, to]: [RotaryPose; 2], pieces: &mut Vec<
     }
 }
 
-/// Node of the hierarchy: the tools of all pieces below lie near one pose.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    tip: Point3<f64>,
-    axis: Vector3<f64>,
-    /// Farthest tip, and largest turn (as a chord of unit axes), of any pose below.
-    spread: (f64, f64),
-    /// Pieces from..to; an inner node has its children at `child` and `child + 1`.
-    range: (u32, u32),
-    child: u32,
-}
-
 /// The cutter of one tool over all pieces of one operation.
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
@@ -253,7 +236,8 @@ pub struct Sweep<'a> {
     pieces: Vec<Piece>,
     /// Index of each piece in the order of time.
     in_order: Vec<u32>,
-    nodes: Vec<Node>,
+    /// What lies where.
+    pub(super) hierarchy: Hierarchy,
     ball: Option<Ball>,
     /// The ball over each piece; none without a ball.
     capsules: Vec<Capsule>,
@@ -291,60 +275,20 @@ impl<'a> Sweep<'a> {
         if pieces.is_empty() {
             return None;
         }
-        let mut nodes = Vec::with_capacity(pieces.len());
-        let count = pieces.len();
         for (order, piece) in pieces.iter_mut().enumerate() {
             piece.order = u32::try_from(order).unwrap_or(u32::MAX);
         }
-        nodes.push(node(&pieces, 0));
-        build(&mut pieces, 0, count, 0, &mut nodes);
-        let mut in_order = vec![0; count];
-        for (index, piece) in pieces.iter().enumerate() {
-            in_order[piece.order as usize] = u32::try_from(index).unwrap_or(u32::MAX);
+        let height = solid.cutter.tip_radius();
+        let centres: Vec<Capsule> = pieces.par_iter().map(|p| Capsule::new(p, height)).collect();
+        let (hierarchy, sorted) = Hierarchy::over(solid, &pieces, &centres);
+        let mut in_order = vec![0; pieces.len()];
+        for (index, order) in sorted.iter().enumerate() {
+            in_order[*order as usize] = u32::try_from(index).unwrap_or(u32::MAX);
         }
         let ball = Ball::of(solid);
-        let capsules = ball.iter().flat_map(|ball| pieces.iter().map(|p| Capsule::new(p, *ball))).collect();
-        Some(Self { solid, pieces, in_order, nodes, ball, capsules })
-    }
-
-    /// Least distance below `cutoff` of a point to the swept cutter.
-    pub fn nearest(&self, p: &Point3<f64>, cutoff: f64) -> Option<Nearest> {
-        let mut best: Option<Nearest> = None;
-        let mut least = cutoff;
-        // Depth of a halving tree over at most 2^32 pieces.
-        let mut stack: [(u32, f64); 64] = [(0, 0.0); 64];
-        stack[0] = (0, self.bound(&self.nodes[0], p));
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let (index, bound) = stack[top];
-            if bound >= least {
-                continue;
-            }
-            let node = &self.nodes[index as usize];
-            if node.child == 0 {
-                for index in node.range.0..node.range.1 {
-                    self.visit(index, p, &mut least, &mut best);
-                }
-                continue;
-            }
-            let (a, b) = (node.child, node.child + 1);
-            let (da, db) = (self.bound(&self.nodes[a as usize], p), self.bound(&self.nodes[b as usize], p));
-            // The nearer child last, so that it is visited first.
-            let (far, near) = if da <= db { ((b, db), (a, da)) } else { ((a, da), (b, db)) };
-            for child in [far, near] {
-                if child.1 < least && top < stack.len() {
-                    stack[top] = child;
-                    top += 1;
-                }
-            }
-        }
-        best
-    }
-
-    fn bound(&self, node: &Node, p: &Point3<f64>) -> f64 {
-        let (rho, s) = tool_coordinates(p, &node.tip, &node.axis);
-        self.solid.cutter_distance(rho, s) - node.spread.0 - node.spread.1 * (rho * rho + s * s).sqrt()
+        let capsules = sorted.iter().filter(|_| ball.is_some()).map(|k| centres[*k as usize]).collect();
+        let pieces = sorted.iter().map(|k| pieces[*k as usize]).collect();
+        Some(Self { solid, pieces, in_order, hierarchy, ball, capsules })
     }
 
     /// The cutter against a point at a share of a piece.
@@ -361,14 +305,6 @@ impl<'a> Sweep<'a> {
         let ds = d.dot(&turning) - travel.dot(&axis);
         let drho = if rho > 1e-12 { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
         Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
-    }
-
-    /// Improves `least` and `best` by a piece.
-    fn visit(&self, index: u32, p: &Point3<f64>, least: &mut f64, best: &mut Option<Nearest>) {
-        if let Some(touch) = self.least(index, p, *least, TURN_SLACK) {
-            *least = touch.value;
-            *best = Some(Nearest { distance: touch.value, at: self.pieces[index as usize].at });
-        }
     }
 
     /// Where a point is nearest to the cutter over a piece, if nearer than `least`; nowhere is it nearer by `slack`.
@@ -441,48 +377,6 @@ impl<'a> Sweep<'a> {
             }
         }
         if low.value < high.value { low } else { high }
-    }
-
-    /// Visits the pieces whose cutter may come nearer than `most` anywhere in a cell, the nearest first as far as the
-    /// hierarchy knows; a visit returns what is to be `most` from there on.
-    pub(super) fn gather(&self, hull: &Hull, mut most: f64, visit: &mut impl FnMut(u32, f64) -> f64) {
-        let mut stack: [(u32, f64); 64] = [(0, f64::NEG_INFINITY); 64];
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let (index, bound) = stack[top];
-            if bound >= most {
-                continue;
-            }
-            let node = &self.nodes[index as usize];
-            if node.child == 0 {
-                for index in node.range.0..node.range.1 {
-                    most = visit(index, most);
-                }
-                continue;
-            }
-            let children =
-                [node.child, node.child + 1].map(|c| (c, self.bound_over(&self.nodes[c as usize], hull, most)));
-            let [a, b] = children;
-            for child in if a.1 <= b.1 { [b, a] } else { [a, b] } {
-                if child.1 < most && top < stack.len() {
-                    stack[top] = child;
-                    top += 1;
-                }
-            }
-        }
-    }
-
-    /// Lower bound over a cell of the distance to the cutter in all poses of a node, no better than `enough`.
-    fn bound_over(&self, node: &Node, hull: &Hull, enough: f64) -> f64 {
-        let d = hull.centre - node.tip;
-        let s = d.dot(&node.axis);
-        let radial = d - node.axis * s;
-        let rho = radial.norm();
-        let slope = self.solid.cutter_slope(rho, s);
-        let near = slope.value - node.spread.0 - node.spread.1 * (d.norm() + hull.radius);
-        let gradient = radial * (slope.rho / rho.max(1e-12)) + node.axis * slope.s;
-        if near - hull.radius >= enough { near - hull.radius } else { near - hull.fall(&gradient) }
     }
 
     /// The ball at the tip, over a piece by its index here.
@@ -624,46 +518,4 @@ impl Spans {
         self.count += 2;
         true
     }
-}
-
-/// Bounds of a run of pieces that starts at `start` of all pieces.
-fn node(pieces: &[Piece], start: usize) -> Node {
-    let count = pieces.len().max(1) as f64;
-    let tip = Point3::from(pieces.iter().map(|p| p.middle.0.coords).sum::<Vector3<f64>>() / count);
-    let axis = pieces.iter().map(|p| p.middle.1).sum::<Vector3<f64>>().try_normalize(1e-9).unwrap_or_else(Vector3::z);
-    let mut spread = (0.0_f64, 0.0_f64);
-    for p in pieces {
-        spread.0 = spread.0.max((p.middle.0 - tip).norm() + p.reach.0);
-        // The chord of unit vectors bounds from below; the displacement of a point at distance l under a turn by an
-        // angle is at most the chord of that angle times l.
-        spread.1 = spread.1.max((p.middle.1 - axis).norm() + p.reach.1);
-    }
-    let index = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    Node { tip, axis, spread, range: (index(start), index(start + pieces.len())), child: 0 }
-}
-
-/// Splits the pieces from..to of node `own` by the widest of tip and axis coordinates.
-fn build(pieces: &mut [Piece], from: usize, to: usize, own: usize, nodes: &mut Vec<Node>) {
-    if to - from <= LEAF {
-        return;
-    }
-    let key = |p: &Piece, k: usize| if k < 3 { p.middle.0[k] } else { p.middle.1[k - 3] * ARM };
-    let run = &mut pieces[from..to];
-    let mut widest = (0, -1.0);
-    for k in 0..6 {
-        let (low, high) =
-            run.iter().map(|p| key(p, k)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        if high - low > widest.1 {
-            widest = (k, high - low);
-        }
-    }
-    let middle = run.len() / 2;
-    run.select_nth_unstable_by(middle, |a, b| key(a, widest.0).total_cmp(&key(b, widest.0)).then(a.at.cmp(&b.at)));
-    let cut = from + middle;
-    let child = nodes.len();
-    nodes.push(node(&pieces[from..cut], from));
-    nodes.push(node(&pieces[cut..to], cut));
-    nodes[own].child = u32::try_from(child).unwrap_or(u32::MAX);
-    build(pieces, from, cut, child, nodes);
-    build(pieces, cut, to, child + 1, nodes);
 }

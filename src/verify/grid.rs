@@ -1,0 +1,174 @@
+//! A surface in one sector, the points of a patch of it, and the cells between them.
+
+use super::bounds::Hull;
+use crate::ir::chart::{Patch, Shape};
+use crate::ir::design::SurfaceId;
+use nalgebra::{Point3, Rotation3};
+
+/// Share of the third difference over half a cell by which a surface may leave the biquadratic through nine points: a
+/// cubic leaves the parabola by 1/15.6, in two directions, with the mixed terms, and half as much again.
+const THICKNESS: f64 = 0.2;
+
+/// Cells along a side of the blocks whose corners share their candidates.
+const BLOCK: usize = 2;
+
+/// A surface of one sector.
+pub(super) struct Surface<'a> {
+    /// Its shape in sector 0.
+    pub(super) shape: &'a dyn Shape,
+    /// Turn into the sector.
+    pub(super) turn: Rotation3<f64>,
+    /// Which one.
+    pub(super) id: SurfaceId,
+}
+
+impl Surface<'_> {
+    /// The point of a place of the chart.
+    pub(super) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
+        self.turn * self.shape.place(x, y).position
+    }
+
+    pub(super) fn holds(&self, p: &Point3<f64>) -> bool {
+        self.shape.is_milled(&(self.turn.inverse() * p))
+    }
+}
+
+/// Points of a patch in sector 0: corners, middles of sides and middles of its cells, x by x.
+pub(super) struct Grid {
+    /// The patch.
+    pub(super) patch: Patch,
+    points: Vec<Point3<f64>>,
+    /// Largest third difference along its lines, mm.
+    third: f64,
+}
+
+impl Grid {
+    /// The grid of a patch.
+    pub(super) fn new(shape: &dyn Shape, patch: Patch) -> Self {
+        let (nx, ny) = (2 * patch.columns, 2 * patch.rows);
+        let points: Vec<Point3<f64>> = (0..=nx)
+            .flat_map(|i| (0..=ny).map(move |j| (i, j)))
+            .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
+            .collect();
+        let at = |i: usize, j: usize| points[i * (ny + 1) + j].coords;
+        let mut third = 0.0_f64;
+        for i in 0..=nx {
+            for j in 0..=ny {
+                if i + 3 <= nx {
+                    third = third.max((at(i + 3, j) - (at(i + 2, j) - at(i + 1, j)) * 3.0 - at(i, j)).norm());
+                }
+                if j + 3 <= ny {
+                    third = third.max((at(i, j + 3) - (at(i, j + 2) - at(i, j + 1)) * 3.0 - at(i, j)).norm());
+                }
+            }
+        }
+        Self { patch, points, third }
+    }
+
+    /// Point i along x and j along y: two to a cell.
+    pub(super) fn point(&self, i: usize, j: usize) -> Point3<f64> {
+        self.points[i * (2 * self.patch.rows + 1) + j]
+    }
+
+    /// How far a cell may leave the biquadratic through its nine points, mm.
+    pub(super) fn thickness(&self) -> f64 {
+        THICKNESS * self.third
+    }
+
+    /// The hull of a run of cells, turned into a sector.
+    pub(super) fn hull(&self, block: &Block, turn: &Rotation3<f64>) -> Hull {
+        let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
+        let (x, y) = (along(block.x), along(block.y));
+        let size = block.longest() as f64;
+        let at = |k: usize| turn * self.point(x[k / 3], y[k % 3]);
+        Hull::new(&std::array::from_fn(at), self.thickness() * size * size * size)
+    }
+
+    /// The first cell of a run.
+    pub(super) fn cell(&self, block: &Block) -> Cell {
+        let patch = &self.patch;
+        let half = [
+            0.5 * (patch.x[1] - patch.x[0]) / patch.columns as f64,
+            0.5 * (patch.y[1] - patch.y[0]) / patch.rows as f64,
+        ];
+        let middle =
+            [patch.x[0] + half[0] * (2 * block.x[0] + 1) as f64, patch.y[0] + half[1] * (2 * block.y[0] + 1) as f64];
+        Cell { middle, half, depth: 0 }
+    }
+}
+
+/// The i-th of n + 1 even places over a range.
+pub(super) fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
+    range[0] + (range[1] - range[0]) * i as f64 / n as f64
+}
+
+/// A run of cells of a patch: columns and rows from..to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    /// Columns from..to.
+    pub(super) x: [usize; 2],
+    /// Rows from..to.
+    pub(super) y: [usize; 2],
+}
+
+impl Block {
+    pub(super) fn longest(&self) -> usize {
+        (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
+    }
+
+    /// Its cells.
+    pub(super) fn cells(&self) -> impl Iterator<Item = Self> {
+        let [from, to] = self.y;
+        (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
+    }
+
+    /// Runs of [`BLOCK`] cells along a side of some.
+    pub(super) fn runs([from, to]: [usize; 2]) -> Vec<[usize; 2]> {
+        (from..to).step_by(BLOCK).map(|k| [k, (k + BLOCK).min(to)]).collect()
+    }
+}
+
+/// A cell of the chart: middle and half sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    /// Middle.
+    pub(super) middle: [f64; 2],
+    /// Half sides.
+    pub(super) half: [f64; 2],
+    /// Times that it was halved.
+    pub(super) depth: i32,
+}
+
+impl Cell {
+    pub(super) fn quarters(self) -> [Self; 4] {
+        let half = self.half.map(|h| 0.5 * h);
+        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| Self {
+            middle: [self.middle[0] + i * half[0], self.middle[1] + j * half[1]],
+            half,
+            depth: self.depth + 1,
+        })
+    }
+
+    pub(super) fn at(&self, i: f64, j: f64) -> [f64; 2] {
+        [self.middle[0] + i * self.half[0], self.middle[1] + j * self.half[1]]
+    }
+}
+
+/// How a cell lies to the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lies {
+    Inside,
+    Across,
+    Outside,
+}
+
+impl Lies {
+    /// By how many of the corners and the middle are on the part.
+    pub(super) fn by(on: usize) -> Self {
+        match on {
+            0 => Self::Outside,
+            5 => Self::Inside,
+            _ => Self::Across,
+        }
+    }
+}
