@@ -29,7 +29,9 @@ so that memory stays bounded.\n\nWay out: give the text that the control would r
     NC_BLOCK = "IMP0821", "a block of NC text that is not understood",
         "The text is read strictly, as the control would run it: an unknown word, a number that is none, a value beyond all \
 measure, a word given twice, a position that nobody said, a move with the transformation off, or a text that ends early. \
-Such a block is never skipped, since what it does at the machine is not known.\n\n\
+Such a block is never skipped, since what it does at the machine is not known. So is a move at feed before CYCLE832 or \
+G64 P says how far the control may leave the path, a direction vector without ORIWKS and ORIAXES, and SUPA with a tool \
+length: there the control takes settings of its own.\n\n\
 Example: `G1 XNAN Y0.0000` or a move between TRAFOOF and TRAORI.\n\n\
 Way out: correct the block, or name the dialect of the text with `--post`.";
     NC_OPERATIONS = "IMP0822", "NC text that does not follow the job",
@@ -44,7 +46,8 @@ tool.\n\nWay out: lower the feed, or raise `feed` or `link-feed` in the job.";
 Otherwise the table turns, or the tool cuts, while it comes down from the tool change, on a way that nobody can check.\n\n\
 Way out: A and C before TRAORI or M428 as in the first move; a rapid as first move.";
     NC_SMOOTHING = "IMP0825", "smoothing wider than the job allows",
-        "CYCLE832 or G64 P lets the control leave the path by more than the chord tolerance of the job. The text would be \
+        "CYCLE832 or G64 lets the control leave the path by more than the chord tolerance of the job; of G64 both count, P for \
+corners and Q for moves that are joined before (Q is P unless said). The text would be \
 measured as it stands, and the machine would do something else.\n\n\
 Way out: a smaller tolerance in the text, or a wider `tolerance chord` in the job.";
     CERTIFICATE_FORM = "IMP0826", "not a certificate",
@@ -52,7 +55,8 @@ Way out: a smaller tolerance in the text, or a wider `tolerance chord` in the jo
 not know. Its form is in docs/certificate.md.\n\nWay out: give the JSON file that `--certificate` wrote beside the NC text.";
     CERTIFICATE_OTHER = "IMP0827", "NC text and certificate do not belong together",
         "A certificate holds the hash of the NC text that it was written for. Here text and certificate differ: the text was \
-edited, or one of both is from another run. What the certificate proves is not proved of this text.\n\n\
+edited, or one of both is from another run; or the head of the text does not name the hashes of inputs, body and \
+certificate, so that nobody can tell. What the certificate proves is not proved of this text.\n\n\
 Way out: `impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew.";
     USAGE = "IMP0828", "nothing to verify against",
         "`impellerc verify` measures NC text against a job, or compares it with a certificate; it needs one of both.\n\n\
