@@ -7,7 +7,10 @@
 //! | `ray` | sorted disjoint solid intervals |
 //! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
 //! | `sweep` | such a body in motion: its signed distance, least over time |
-//! | `moving` | the same with bounds, against a line: what it takes of it |
+//! | `moving` | the same with bounds, against a line |
+//! | `lanes` | eight stretches of material at once against such a body |
+//! | `stretches` | what it takes of the stretches of a group of lines |
+//! | `run` | steps that follow each other, as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of where material is left |
 //! | [`simulate()`] | a stream of steps through all tiles |
 //! | [`mesh`] | closed triangle mesh of what is left, STL |
@@ -17,17 +20,20 @@
 //! Lengths are mm.
 
 pub mod field;
+mod lanes;
 pub mod mesh;
 mod moving;
 mod ray;
+mod run;
 mod shape;
 pub mod simulate;
+mod stretches;
 mod sweep;
 mod tile;
 
 pub use field::{Field, FieldError};
 pub use mesh::Mesh;
-pub use simulate::{BlockCut, Collision, Outcome, Touched, simulate};
+pub use simulate::{BlockCut, Collision, Outcome, simulate};
 
 use nalgebra::{Point3, Vector3};
 
@@ -60,4 +66,15 @@ pub struct Step {
     pub tips: [Point3<f64>; 2],
     /// Unit vector from tip to holder at start, half time and end.
     pub axes: [Vector3<f64>; 3],
+}
+
+/// Part of the tool that touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Touched {
+    /// The cutter, at rapid.
+    Cutter,
+    /// The shank.
+    Shank,
+    /// The holder.
+    Holder,
 }

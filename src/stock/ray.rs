@@ -44,10 +44,11 @@ impl Ray {
     }
 
     /// Takes away sorted disjoint cuts, each inside one interval.
-    pub(super) fn subtract(&mut self, cuts: &[[f64; 2]]) {
-        if self.rest.is_empty() {
+    pub(super) fn subtract(&mut self, cuts: impl ExactSizeIterator<Item = [f64; 2]>) {
+        let mut cuts = cuts.peekable();
+        if self.rest.is_empty() && cuts.len() == 1 {
             // By far the most: one interval that loses one end.
-            if let [[a, b]] = *cuts {
+            if let Some(&[a, b]) = cuts.peek() {
                 let (head, tail) = (a > self.first[0] + SKIN, b < self.first[1] - SKIN);
                 if !(head && tail) {
                     self.first = match (head, tail) {
@@ -60,15 +61,13 @@ impl Ray {
             }
         }
         let mut left: Vec<[f64; 2]> = Vec::with_capacity(self.rest.len() + 1 + cuts.len());
-        let mut next = 0;
         for [a, b] in self.intervals() {
             let mut from = a;
-            while next < cuts.len() && cuts[next][0] < b {
-                if cuts[next][0] > from + SKIN {
-                    left.push([from, cuts[next][0]]);
+            while let Some([start, end]) = cuts.next_if(|c| c[0] < b) {
+                if start > from + SKIN {
+                    left.push([from, start]);
                 }
-                from = from.max(cuts[next][1]);
-                next += 1;
+                from = from.max(end);
             }
             if from < b - SKIN {
                 left.push([from, b]);
@@ -86,7 +85,7 @@ mod tests {
     fn takes_away_ends_middles_and_wholes() {
         let cut = |intervals: &[[f64; 2]], cuts: &[[f64; 2]]| {
             let mut ray = Ray::new(intervals);
-            ray.subtract(cuts);
+            ray.subtract(cuts.iter().copied());
             ray.intervals().collect::<Vec<_>>()
         };
         assert_eq!(cut(&[[0.0, 4.0]], &[[0.0, 1.0]]), [[1.0, 4.0]]);

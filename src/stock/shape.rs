@@ -27,6 +27,47 @@ pub(super) struct Value {
     pub(super) by_s: f64,
 }
 
+/// A body that tells its function.
+pub(super) trait Profile {
+    /// The function at a distance from the axis and a height.
+    fn at(&self, rho: f64, s: f64) -> Value;
+}
+
+/// Cylinder up to `top`, flat at the tip or with a half ball.
+pub(super) struct Round<const BALL: bool> {
+    pub(super) radius: f64,
+    pub(super) top: f64,
+}
+
+impl<const BALL: bool> Profile for Round<BALL> {
+    /// Without branches, for loops over many places.
+    #[inline(always)]
+    fn at(&self, rho: f64, s: f64) -> Value {
+        let side = rho - self.radius;
+        let (f, by_rho, by_s) = if BALL {
+            let h = s - self.radius;
+            let length = (rho * rho + h * h).sqrt();
+            let scale = 1.0 / if length > 0.0 { length } else { f64::INFINITY };
+            let ball = h < 0.0;
+            (
+                if ball { length - self.radius } else { side },
+                if ball { rho * scale } else { 1.0 },
+                if ball { h * scale } else { 0.0 },
+            )
+        } else {
+            let beside = side > -s;
+            (if beside { side } else { -s }, if beside { 1.0 } else { 0.0 }, if beside { 0.0 } else { -1.0 })
+        };
+        let above = s - self.top;
+        let over = above > f;
+        Value {
+            f: if over { above } else { f },
+            by_rho: if over { 0.0 } else { by_rho },
+            by_s: if over { 1.0 } else { by_s },
+        }
+    }
+}
+
 impl Shape {
     /// The cutter of a tool, closed at the end of the flutes.
     pub(super) fn cutter(solid: &ToolSolid) -> Self {
@@ -59,48 +100,19 @@ impl Shape {
         }
     }
 
-    /// Bound on how far the derivative by the place, a vector, changes within `reach` of a point outside or on the body
-    /// at a distance from the axis and a height; 2 where it may jump.
-    pub(super) fn bend(&self, rho: f64, s: f64, reach: f64) -> f64 {
-        let (radius, top) = match *self {
-            // Beside the edge at the tip both coordinates may change by the reach.
-            Self::Flat { radius, top } if rho - radius + s > 2.0 * reach => (rho, top),
-            Self::Ball { radius, top } => (rho.hypot((radius - s).max(0.0)), top),
-            Self::Other { cutter, top } if cutter.tip_radius() > 0.0 => {
-                // Outside, the centre of curvature lies no nearer than the least radius of curvature.
-                (cutter.least_curvature_radius().min(rho), top)
-            }
-            _ => return 2.0,
-        };
-        // The plane at the end of the flutes makes an edge.
-        if top - s < 2.0 * reach + (rho - radius).abs() || radius <= 2.0 * reach {
-            return 2.0;
-        }
-        reach / (radius - reach)
+    /// Largest distance from the tip.
+    pub(super) fn reach(&self) -> f64 {
+        let (from, to, radius) = self.extent();
+        from.abs().max(to.abs()) + radius
     }
+}
 
-    /// The function at a distance from the axis and a height.
+impl Profile for Shape {
     #[inline]
-    pub(super) fn at(&self, rho: f64, s: f64) -> Value {
+    fn at(&self, rho: f64, s: f64) -> Value {
         let (value, top) = match *self {
-            Self::Flat { radius, top } => {
-                let side = rho - radius;
-                if side > -s {
-                    (Value { f: side, by_rho: 1.0, by_s: 0.0 }, top)
-                } else {
-                    (Value { f: -s, by_rho: 0.0, by_s: -1.0 }, top)
-                }
-            }
-            Self::Ball { radius, top } => {
-                if s < radius {
-                    let h = s - radius;
-                    let length = (rho * rho + h * h).sqrt();
-                    let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
-                    (Value { f: length - radius, by_rho: rho * scale, by_s: h * scale }, top)
-                } else {
-                    (Value { f: rho - radius, by_rho: 1.0, by_s: 0.0 }, top)
-                }
-            }
+            Self::Flat { radius, top } => return Round::<false> { radius, top }.at(rho, s),
+            Self::Ball { radius, top } => return Round::<true> { radius, top }.at(rho, s),
             Self::Other { cutter, top } => {
                 let slope = cutter.slope(rho, s);
                 (Value { f: slope.value, by_rho: slope.rho, by_s: slope.s }, top)

@@ -4,14 +4,15 @@
 //! off in program order. Tiles share nothing, so that the result does not depend on the number of threads; sums over
 //! tiles are made in the order of the tiles.
 
-use super::field::frame;
 use super::moving::Moving;
+use super::run::{self, Frame, Prepared, RUN};
 use super::shape::Shape;
+use super::stretches::Stretches;
 use super::sweep::Sweep;
-use super::tile::{Overlap, Removal, Run, SIDE, Tile, Work};
-use super::{END_ERROR, Field, Step, StepKind};
+use super::tile::{Overlap, Removal, Run, SIDE, Tile};
+use super::{END_ERROR, Field, Step, Touched};
 use crate::collide::ToolSolid;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Steps of a batch: some ten megabytes with all that is prepared for them.
@@ -32,17 +33,6 @@ pub struct BlockCut {
     pub height: [f64; 2],
     /// Extent of the removed material across way and axis, from the axis.
     pub side: [f64; 2],
-}
-
-/// Part of the tool that touched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Touched {
-    /// The cutter, at rapid.
-    Cutter,
-    /// The shank.
-    Shank,
-    /// The holder.
-    Holder,
 }
 
 /// Stock inside a part of the tool that must not be there. One for each block and part, the deepest.
@@ -69,165 +59,8 @@ pub struct Outcome {
     pub collisions: Vec<Collision>,
 }
 
-/// Steps of a run.
-const RUN: usize = 8;
-
-/// Way of a run, mm; and share of it by which its steps may leave the run as a whole. What decides is how much of a way
-/// can be ruled out at once.
-const RUN_WAY: f64 = 3.0;
-const RUN_DRIFT: f64 = 0.3;
-
 /// Error of the depth of parts that must not touch, mm.
 const FORBIDDEN_ERROR: f64 = 3.0 * END_ERROR;
-
-/// Steps of one kind that follow each other without a jump, prepared.
-struct Prepared {
-    /// For each step its block, counted in the batch.
-    ordinals: Vec<u32>,
-    sweeps: Vec<Sweep>,
-    /// Parts that must not touch, over the whole run.
-    forbidden: Vec<(Touched, Moving)>,
-    /// Cutter over the whole run, and step by step, where it cuts.
-    whole: Option<Moving>,
-    steps: Vec<Moving>,
-    /// True when the same body has just swept to where this one starts.
-    follows: bool,
-}
-
-/// Coordinates of a family of rays: its own run along Z.
-struct Frame {
-    /// Axes of the field in the order of the frame.
-    order: [usize; 3],
-    /// Corners of the field.
-    low: [f64; 3],
-    high: [f64; 3],
-}
-
-/// Steps of a batch as a family of rays sees them, for a cutter and the parts that must not touch.
-fn prepare(
-    steps: &[Step],
-    ordinals: &[u32],
-    runs: &[std::ops::Range<usize>],
-    (cutter, body): (&Shape, &[(Touched, Shape)]),
-    frame: &Frame,
-) -> Vec<Prepared> {
-    let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);
-    let turned = |v: &Vector3<f64>| Vector3::from(frame.order.map(|k| v[k]));
-    runs.par_iter()
-        .map(|range| {
-            let kind = steps[range.start].kind;
-            let own = &steps[range.clone()];
-            let sweeps: Vec<Sweep> = own
-                .iter()
-                .map(|s| Sweep::through(s.tips.map(|t| turned(&t.coords)), s.axes.map(|a| turned(&a))))
-                .collect();
-            let moving = |shape: &Shape| {
-                let (_, top, radius) = shape.extent();
-                let (whole, drift) = if sweeps.len() == 1 { (sweeps[0], 0.0) } else { joined(&sweeps, top + radius) };
-                Some(Moving::new(whole, *shape, drift)).filter(|m| !outside(m))
-            };
-            let rapid = kind == StepKind::Rapid;
-            let forbidden = body
-                .iter()
-                .copied()
-                .chain(rapid.then_some((Touched::Cutter, *cutter)))
-                .filter_map(|(what, shape)| moving(&shape).map(|m| (what, m)))
-                .collect();
-            let whole = if rapid { None } else { moving(cutter) };
-            let each = if whole.is_some() { sweeps.as_slice() } else { &[] };
-            let before = range.start.checked_sub(1).map(|n| &steps[n]);
-            Prepared {
-                ordinals: ordinals[range.clone()].to_vec(),
-                forbidden,
-                whole,
-                steps: each.iter().map(|s| Moving::new(*s, *cutter, 0.0)).collect(),
-                follows: before.is_some_and(|b| b.kind != StepKind::Rapid && follows(b, &own[0])),
-                sweeps,
-            }
-        })
-        .collect()
-}
-
-/// The motion through the ends of a run and about its middle, with the speed at which the steps leave it; times are
-/// shared out by way.
-fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
-    let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
-    let total: f64 = lengths.iter().sum();
-    let mut before = 0.0;
-    // Start of each step in the time of the run, and its share of it.
-    let times: Vec<[f64; 2]> = lengths
-        .iter()
-        .map(|l| {
-            let start = before / total;
-            before += l;
-            [start, l / total]
-        })
-        .collect();
-    let (first, last) = (&sweeps[0], &sweeps[sweeps.len() - 1]);
-    let middle = times.iter().rposition(|[start, _]| *start <= 0.5).unwrap_or(0);
-    let at = ((0.5 - times[middle][0]) / times[middle][1]).clamp(0.0, 1.0);
-    let (start, end) = (first.pose(0.0), last.pose(1.0));
-    let whole = Sweep::through([start.0, end.0], [start.1, sweeps[middle].pose(at).1, end.1]);
-    let mut drift: f64 = 0.0;
-    for (n, (sweep, [begin, share])) in sweeps.iter().zip(&times).enumerate() {
-        let off = |t: f64| {
-            let (own, all) = (sweep.pose(t), whole.pose(begin + share * t));
-            ((own.0 - all.0).norm(), (own.1 - all.1).norm() * reach)
-        };
-        let offs = [0.0, 0.5, 1.0].map(off);
-        for (t, (tip, axis)) in [0.0, 0.5, 1.0].into_iter().zip(offs) {
-            let now = begin + share * t;
-            let near = now.min(1.0 - now);
-            if near > 1e-9 {
-                // A parabola through three values rises a quarter over them.
-                drift = drift.max((tip + 1.25 * axis) / near);
-            }
-        }
-        // At the ends of the run the parabola of the axis starts from zero, with this speed.
-        if n == 0 {
-            drift = drift.max((4.0 * offs[1].1 + offs[2].1 + offs[2].0) / share);
-        }
-        if n + 1 == sweeps.len() {
-            drift = drift.max((4.0 * offs[1].1 + offs[0].1 + offs[0].0) / share);
-        }
-    }
-    (whole, drift)
-}
-
-/// Steps of a batch in runs: as long as they follow each other, are of a kind, and run about as one.
-fn runs(steps: &[Step], reach: f64) -> Vec<std::ops::Range<usize>> {
-    let mut found = Vec::new();
-    let mut start = 0;
-    while start < steps.len() {
-        let mut end = start + 1;
-        let way = |s: &Step| (s.tips[1] - s.tips[0]).norm();
-        let mut length = way(&steps[start]);
-        while end < steps.len() && end - start < RUN && follows(&steps[end - 1], &steps[end]) {
-            length += way(&steps[end]);
-            if length > RUN_WAY || steps[end].kind != steps[start].kind {
-                break;
-            }
-            end += 1;
-        }
-        // Half as many as long as they bend too much.
-        while end - start > 1 {
-            let sweeps: Vec<Sweep> =
-                steps[start..end].iter().map(|s| Sweep::through(s.tips.map(|t| t.coords), s.axes)).collect();
-            let (whole, drift) = joined(&sweeps, reach);
-            if drift <= RUN_DRIFT * whole.way().norm() {
-                break;
-            }
-            end = start + (end - start) / 2;
-        }
-        found.push(start..end);
-        start = end;
-    }
-    found
-}
-
-fn follows(before: &Step, step: &Step) -> bool {
-    before.tips[1] == step.tips[0] && before.axes[2] == step.axes[0]
-}
 
 /// What a tile says of a batch.
 #[derive(Default)]
@@ -271,20 +104,11 @@ fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps
             index32(blocks.len() - 1)
         })
         .collect();
-    let reach = {
-        let (_, top, radius) = cutter.extent();
-        top + radius
-    };
-    let runs = runs(steps, reach);
+    let runs = run::split(steps, cutter.reach());
     let area = field.cell * field.cell;
     let cell = field.cell;
-    let size = field.count.map(|n| cell * n as f64);
-    let frames = [0, 1, 2].map(|axis| {
-        let order = frame(axis);
-        let low = order.map(|k| field.low[k]);
-        Frame { order, low, high: std::array::from_fn(|k| low[k] + size[order[k]]) }
-    });
-    let prepared = frames.each_ref().map(|frame| prepare(steps, &ordinals, &runs, (cutter, body), frame));
+    let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
+    let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, (cutter, body), frame));
     let mut work: Vec<(&mut Tile, usize, Vec<u32>)> = Vec::new();
     for (axis, family) in field.families.iter_mut().enumerate() {
         let low = frames[axis].low;
@@ -380,7 +204,7 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
 /// Works off the runs of a tile in order.
 fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     let mut said = Said::default();
-    let mut work = Work::default();
+    let mut work = Stretches::default();
     for &n in list {
         let run = &prepared[n as usize];
         // Parts that touch nothing of the stock as it is before the run touch nothing during it.
@@ -433,7 +257,7 @@ impl Said {
     }
 
     /// Takes away what the cutter sweeps in some of the steps of a run.
-    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Work) {
+    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Stretches) {
         let cut = &run.steps[steps.clone()];
         let whole = match cut {
             [] => return,
@@ -444,7 +268,7 @@ impl Said {
             },
         };
         let mut removals = [Removal::NONE; RUN];
-        tile.remove(&Run { whole, steps: cut, follows: run.follows && steps.start == 0 }, work, &mut removals);
+        tile.remove(&Run { whole, steps: cut }, work, &mut removals);
         for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {

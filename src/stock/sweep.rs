@@ -4,7 +4,7 @@
 //! from below: the least over time is found with a known gap, and a ray that leaves the body never meets it again.
 //! Under a turn a point bends away from its tangent, seen from the body: there the same holds but for [`Sweep::bow`].
 
-use super::shape::Shape;
+use super::shape::{Profile, Shape};
 use nalgebra::Vector3;
 
 /// Gap at which the search in time stops, mm.
@@ -55,8 +55,8 @@ impl Line {
 /// A pose of a moving tool with the speeds there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
-    tip: Vector3<f64>,
-    axis: Vector3<f64>,
+    pub(super) tip: Vector3<f64>,
+    pub(super) axis: Vector3<f64>,
     way: Vector3<f64>,
     /// First and second derivative of the axis by time.
     turning: Vector3<f64>,
@@ -65,27 +65,24 @@ pub(super) struct Pose {
     advance: f64,
     swing: f64,
     /// Square of the part of Z across the axis, and its inverse; inverse of the part along it. Zero when parallel.
-    square: f64,
-    by_square: f64,
-    by_along: f64,
-    t: f64,
+    pub(super) square: f64,
+    pub(super) by_square: f64,
+    pub(super) by_along: f64,
+    pub(super) t: f64,
 }
 
 impl Pose {
-    /// Tip of the tool.
-    pub(super) fn tip(&self) -> &Vector3<f64> {
-        &self.tip
-    }
-
     /// The function on a line at a height.
     #[inline(always)]
-    pub(super) fn look(&self, shape: &Shape, line: &Line, z: f64) -> Look {
+    pub(super) fn look(&self, body: &impl Profile, line: &Line, z: f64) -> Look {
         let d = line.point(z) - self.tip;
         let s = d.dot(&self.axis);
         let across = d - self.axis * s;
-        let rho = across.norm();
-        let share = if rho > 1e-12 { 1.0 / rho } else { 0.0 };
-        let v = shape.at(rho, s);
+        // Not `norm`: its root may be one that no compiler makes vectors of.
+        let rho = across.norm_squared().sqrt();
+        // Nothing on the axis.
+        let share = 1.0 / if rho > 1e-12 { rho } else { f64::INFINITY };
+        let v = body.at(rho, s);
         // First and second derivative of the height, then of the distance from the axis.
         let (s1, s2) = (d.dot(&self.turning) - self.advance, d.dot(&self.pull) - 2.0 * self.swing);
         let turn = across.dot(&self.turning) * share;
@@ -100,85 +97,14 @@ impl Pose {
         }
     }
 
-    /// Where the body stands on a line; asked about the part a..b and all that may come there while no point of the body moves farther than `margin`.
-    #[inline(always)]
-    pub(super) fn stretch(&self, shape: &Shape, at: &Line, [a, b]: [f64; 2], margin: f64) -> Stretch {
-        let (ball, radius, top) = match *shape {
-            Shape::Flat { radius, top } => (false, radius, top),
-            Shape::Ball { radius, top } if top > 2.0 * radius => (true, radius, top),
-            _ => return self.stretch_by_tangents(shape, at, [a, b]),
-        };
-        let d = at.point(0.0) - self.tip;
-        let (along, s0) = (self.axis.z, d.dot(&self.axis));
-        let crosses = self.by_square > 0.0;
-        // Against the cylinder: distance from its axis, squared, less that of its radius.
-        let (line, off) = (d.z - s0 * along, d.norm_squared() - s0 * s0 - radius * radius);
-        let root = line * line - self.square * off;
-        let mut nearest = if crosses { -line * self.by_square } else { 0.5 * (a + b) };
-        let mut found = if crosses {
-            let half = if root > 0.0 { root.sqrt() * self.by_square } else { -1.0 };
-            [nearest - half, nearest + half]
-        } else if off < 0.0 {
-            [f64::NEG_INFINITY, f64::INFINITY]
-        } else {
-            EMPTY
-        };
-        // Between two planes across its axis.
-        let planes = |from: f64, to: f64| {
-            let (p, q) = ((from - s0) * self.by_along, (to - s0) * self.by_along);
-            if self.by_along > 0.0 {
-                [p, q]
-            } else if self.by_along < 0.0 {
-                [q, p]
-            } else if s0 > from && s0 < to {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            } else {
-                EMPTY
-            }
-        };
-        let [low, high] = planes(if ball { radius } else { 0.0 }, top);
-        found = [found[0].max(low), found[1].min(high)];
-        nearest = nearest.min(high).max(low);
-        if ball {
-            let e = d - self.axis * radius;
-            let middle = -e.z;
-            let root = middle * middle - e.norm_squared() + radius * radius;
-            if root > 0.0 {
-                // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
-                let half = root.sqrt();
-                let other = if found[0] < found[1] { found } else { EMPTY };
-                found = [other[0].min(middle - half), other[1].max(middle + half)];
-            } else if s0 + along * nearest <= radius + 1e-9 {
-                nearest = middle;
-            }
-        }
-        if found[0] < found[1] {
-            return Stretch::Inside(found);
-        }
-        let wider = margin * (2.0 * radius + margin);
-        let wide = root + self.square * wider;
-        if (crosses && wide <= 0.0) || (!crosses && off >= wider) {
-            return Stretch::Away;
-        }
-        let [low, high] = planes(-margin, top + margin);
-        let mut within = [a.max(low), b.min(high)];
-        if crosses {
-            let (middle, half) = (-line * self.by_square, wide.sqrt() * self.by_square);
-            within = [within[0].max(middle - half), within[1].min(middle + half)];
-        }
-        if within[0] >= within[1] {
-            return Stretch::Away;
-        }
-        Stretch::Near { x: nearest.clamp(within[0], within[1]), within }
-    }
-
-    /// The same for any shape by tangents, along the part alone.
-    fn stretch_by_tangents(&self, shape: &Shape, line: &Line, [a, b]: [f64; 2]) -> Stretch {
+    /// The part of a line inside of the body, by tangents from both ends of a stretch, and the place where it comes
+    /// nearest, or about there.
+    pub(super) fn stretch_by_tangents(&self, shape: &Shape, line: &Line, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
         let look = |z: f64| {
             let look = self.look(shape, line, z);
             (z, look.f, look.rise)
         };
-        let near = |x: f64| Stretch::Near { x, within: [a, b] };
+        let near = |x: f64| (EMPTY, x);
         let (first, last) = (look(a), look(b));
         // A place inside, or none.
         let (mut low, mut high) = (first, last);
@@ -218,18 +144,8 @@ impl Pose {
             }
             at.0
         };
-        Stretch::Inside([leave(first, f64::NEG_INFINITY), leave(last, f64::INFINITY)])
+        ([leave(first, f64::NEG_INFINITY), leave(last, f64::INFINITY)], inside.0)
     }
-}
-
-/// Where a line is inside of a body that stands.
-pub(super) enum Stretch {
-    /// From here to there.
-    Inside([f64; 2]),
-    /// Nowhere: a place where it comes nearest, or about there, and the part that the body may reach.
-    Near { x: f64, within: [f64; 2] },
-    /// Nowhere, nor does it come to the part.
-    Away,
 }
 
 /// Of a line that misses.
@@ -240,13 +156,14 @@ const PARALLEL: f64 = 1e-9;
 
 impl Sweep {
     /// The pose at a time with its speeds.
+    #[inline(always)]
     pub(super) fn stand(&self, t: f64) -> Pose {
         let (tip, axis) = self.pose(t);
         let turning = self.axis[1] + self.axis[2] * (2.0 * t);
         let (advance, swing) = (axis.dot(&self.way), turning.dot(&self.way));
         let square = 1.0 - axis.z * axis.z;
-        let by_square = if square > PARALLEL { 1.0 / square } else { 0.0 };
-        let by_along = if axis.z.abs() > PARALLEL { 1.0 / axis.z } else { 0.0 };
+        let by_square = 1.0 / if square > PARALLEL { square } else { f64::INFINITY };
+        let by_along = 1.0 / if axis.z.abs() > PARALLEL { axis.z } else { f64::INFINITY };
         Pose {
             tip,
             axis,
@@ -313,13 +230,6 @@ impl Sweep {
     pub(super) fn twist(&self, reach: f64) -> f64 {
         let (v, w, p) = (self.way.norm(), self.turn(), 2.0 * self.axis[2].norm());
         0.5 * (w * (2.0 * v * w + reach * p) + p * (v + reach * w) + v * p * (1.0 + w))
-    }
-
-    /// Distance from the axis and height over the tip of a place at the start.
-    pub(super) fn at_start(&self, p: &Vector3<f64>) -> (f64, f64) {
-        let d = p - self.tip;
-        let s = d.dot(&self.axis[0]);
-        ((d - self.axis[0] * s).norm(), s)
     }
 
     /// Way of the tip.

@@ -1,8 +1,9 @@
 //! A square of 64 x 64 rays along Z, with maps of where along them material is left: one of groups of 4 x 4 rays, one
 //! of groups of 16 x 16.
 
-use super::moving::{Chip, Moving};
+use super::moving::Moving;
 use super::ray::Ray;
+use super::stretches::{Chip, Stretches};
 use super::sweep::Line;
 
 /// Rays along an edge of a tile.
@@ -16,6 +17,9 @@ const FINE: usize = SIDE / GROUP;
 
 /// Coarse groups along an edge of a tile.
 const COARSE: usize = FINE / GROUP;
+
+/// The same as the number of a ray in its group.
+const ROW: u8 = GROUP as u8;
 
 /// Rays of a fine group.
 const MEMBERS: usize = GROUP * GROUP;
@@ -40,14 +44,14 @@ impl Removal {
         Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], side: [f64::INFINITY, f64::NEG_INFINITY] };
 
     /// Adds what a step takes from a line.
-    fn take(&mut self, step: &Moving, line: &Line, chip: &Chip) {
+    fn take(&mut self, step: &Moving, chip: &Chip) {
         self.length += chip.to - chip.from;
         if chip.to - chip.from < NOTABLE {
             return;
         }
         for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
             let (tip, axis) = step.sweep.pose(t);
-            let d = line.point(x) - tip;
+            let d = chip.line.point(x) - tip;
             let s = d.dot(&axis);
             let across = (d - axis * s).dot(&step.side);
             self.height = [self.height[0].min(s), self.height[1].max(s)];
@@ -220,14 +224,8 @@ impl Tile {
         }
     }
 
-    /// Visits the rays that a moving body may meet; what the visitor says tells whether the ray was changed. `follows`
-    /// tells that no material lies inside of the body at its start.
-    fn visit(
-        &mut self,
-        moving: &Moving,
-        follows: bool,
-        mut visitor: impl FnMut(&mut Ray, &Line, &Group, &mut f64) -> bool,
-    ) {
+    /// Visits the groups of rays that a moving body may meet; what the visitor says tells whether they were changed.
+    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &Group) -> bool) {
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize| {
             let first = ((moving.low[k] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
@@ -238,9 +236,8 @@ impl Tile {
         let (origin, cell) = (self.origin, self.cell);
         let line = |i: f64, j: f64| Line { x: origin[0] + cell * i, y: origin[1] + cell * j };
         let half = |rays: usize| 0.5 * (rays as f64 - 1.0);
-        let lateral = |rays: usize| half(rays) * self.cell * std::f64::consts::SQRT_2;
+        let lateral = |rays: usize| half(rays) * cell * std::f64::consts::SQRT_2;
         let (lateral_fine, lateral_coarse) = (lateral(GROUP), lateral(GROUP * GROUP));
-        let mut guess = 1.0;
         const WIDE: usize = GROUP * GROUP;
         for cj in iv.0 / WIDE..=iv.1 / WIDE {
             for ci in iu.0 / WIDE..=iu.1 / WIDE {
@@ -254,28 +251,15 @@ impl Tile {
                 for fj in (cj * GROUP).max(iv.0 / GROUP)..=(cj * GROUP + GROUP - 1).min(iv.1 / GROUP) {
                     for fi in (ci * GROUP).max(iu.0 / GROUP)..=(ci * GROUP + GROUP - 1).min(iu.1 / GROUP) {
                         let number = fj * FINE + fi;
-                        let middle = line((fi * GROUP) as f64 + half(GROUP), (fj * GROUP) as f64 + half(GROUP));
+                        let first = line((fi * GROUP) as f64, (fj * GROUP) as f64);
+                        let middle = Line { x: first.x + half(GROUP) * cell, y: first.y + half(GROUP) * cell };
                         let Some(window) = moving.window(&middle, lateral_fine) else { continue };
                         let bits = [self.bit(window[0]), self.bit(window[1])];
                         if !any(&self.fine[number * self.words..][..self.words], bits) {
                             continue;
                         }
-                        let members = &mut self.rays[number * MEMBERS..(number + 1) * MEMBERS];
-                        let centre = 0.5 * (window[0] + window[1]);
-                        let mut group = Group { middle, lateral: lateral_fine, window, centre };
-                        match group.narrow(members, moving, follows, &mut guess) {
-                            Some(part) => group.window = part,
-                            None => continue,
-                        }
-                        let mut cut = false;
-                        for (n, ray) in members.iter_mut().enumerate() {
-                            if ray.is_empty() {
-                                continue;
-                            }
-                            let (i, j) = (fi * GROUP + n % GROUP, fj * GROUP + n / GROUP);
-                            cut |= visitor(ray, &line(i as f64, j as f64), &group, &mut guess);
-                        }
-                        if cut {
+                        let group = Group { first, cell, middle, lateral: lateral_fine, window };
+                        if visitor(&mut self.rays[number * MEMBERS..(number + 1) * MEMBERS], &group) {
                             self.map_fine(number);
                             changed = true;
                         }
@@ -289,53 +273,50 @@ impl Tile {
     }
 
     /// Takes away what a cutter sweeps in the steps of a run, and adds to the removal of each.
-    pub(super) fn remove(&mut self, run: &Run, work: &mut Work, removals: &mut [Removal]) {
+    pub(super) fn remove(&mut self, run: &Run, work: &mut Stretches, removals: &mut [Removal]) {
         let steps = run.steps;
-        self.visit(run.whole, run.follows, |ray, line, group, _| {
-            let part = |[a, b]: [f64; 2]| [a.max(group.window[0]), b.min(group.window[1])];
-            if steps.len() > 1
-                && ray.intervals().map(part).all(|p| p[0] >= p[1] || run.whole.leaves(line, p, &mut work.settled))
-            {
+        let mut chips: Vec<Chip> = Vec::new();
+        self.visit(run.whole, |rays, group| {
+            work.clear();
+            group.stretches(rays, |ray, line, part| work.push(line, ray, part));
+            if steps.len() > 1 {
+                work.sift(run.whole);
+            }
+            if work.is_empty() {
                 return false;
             }
-            let mut changed = false;
+            chips.clear();
             for (step, removal) in steps.iter().zip(removals.iter_mut()) {
-                work.chips.clear();
-                for p in ray.intervals().map(part).filter(|p| p[0] < p[1]) {
-                    step.cut(line, p, &mut work.settled, &mut work.chips);
+                let first = chips.len();
+                work.cut(step, &mut chips);
+                for chip in &chips[first..] {
+                    removal.take(step, chip);
                 }
-                if work.chips.is_empty() {
-                    continue;
-                }
-                changed = true;
-                for chip in &work.chips {
-                    removal.take(step, line, chip);
-                }
-                work.chips.sort_by(|x, y| x.from.total_cmp(&y.from));
-                work.cuts.clear();
-                work.cuts.extend(work.chips.iter().map(|c| [c.from, c.to]));
-                ray.subtract(&work.cuts);
             }
-            changed
+            chips.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.from.total_cmp(&b.from)));
+            for chips in chips.chunk_by(|a, b| a.ray == b.ray) {
+                rays[usize::from(chips[0].ray)].subtract(chips.iter().map(|c| [c.from, c.to]));
+            }
+            !chips.is_empty()
         });
     }
 
     /// The deepest place of material inside a moving body, when deeper than `least`.
     pub(super) fn overlap(&mut self, moving: &Moving, least: f64) -> Option<Overlap> {
         let mut worst: Option<Overlap> = None;
-        self.visit(moving, false, |ray, line, group, guess| {
-            for [a, b] in ray.intervals() {
-                let part = [a.max(group.window[0]), b.min(group.window[1])];
-                if part[0] >= part[1] {
-                    continue;
-                }
+        let mut guess = 1.0;
+        self.visit(moving, |rays, group| {
+            if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
+                return false;
+            }
+            group.stretches(rays, |_, line, part| {
                 let least = worst.map_or(least, |w| w.depth);
-                if let Some((x, depth)) = moving.deepest(line, part, least, guess) {
+                if let Some((x, depth)) = moving.deepest(line, part, least, &mut guess) {
                     let p = line.point(x);
                     let height = (p - moving.tip).dot(&moving.axis);
                     worst = Some(Overlap { depth, point: [p.x, p.y, p.z], height });
                 }
-            }
+            });
             false
         });
         worst
@@ -348,63 +329,34 @@ pub(super) struct Run<'a> {
     pub(super) whole: &'a Moving,
     /// Its steps in order.
     pub(super) steps: &'a [Moving],
-    /// True when the same body has just swept to where this one starts: no material is inside of it there.
-    pub(super) follows: bool,
-}
-
-/// Room that the removal works in.
-#[derive(Default)]
-pub(super) struct Work {
-    chips: Vec<Chip>,
-    cuts: Vec<[f64; 2]>,
-    /// End of time that settled the last question.
-    settled: usize,
 }
 
 /// A fine group of rays with the stretch in which a body may meet it.
 struct Group {
+    /// Line of the first ray, and distance to the next.
+    first: Line,
+    cell: f64,
     /// Line amid the rays, which lie within `lateral` of it.
     middle: Line,
     lateral: f64,
     window: [f64; 2],
-    /// About where the body is.
-    centre: f64,
 }
 
 impl Group {
-    /// The half or whole of the window in which the rays may meet the sweep; `None` when they do not.
-    fn narrow(&self, members: &[Ray], moving: &Moving, follows: bool, guess: &mut f64) -> Option<[f64; 2]> {
-        let ([a, b], middle) = (self.window, self.centre);
-        const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
-        // Extents of the material, and of its ends towards the middle.
-        let (mut below, mut above, mut ends, mut starts) = (NONE, NONE, NONE, NONE);
-        let join = |x: &mut [f64; 2], from: f64, to: f64| *x = [x[0].min(from), x[1].max(to)];
-        for [from, to] in members.iter().flat_map(Ray::intervals) {
-            let (from, to) = (from.max(a), to.min(b));
-            if from >= to {
-                continue;
+    /// Visits the material in the window: number of the ray, its line, and the stretch.
+    fn stretches(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &Line, [f64; 2])) {
+        let [low, high] = self.window;
+        for (n, ray) in (0_u8..).zip(rays) {
+            let at = |k: u8| self.cell * f64::from(k);
+            let line = Line { x: self.first.x + at(n % ROW), y: self.first.y + at(n / ROW) };
+            for [a, b] in ray.intervals() {
+                if a >= high {
+                    break;
+                }
+                if b > low {
+                    visitor(n, &line, [a.max(low), b.min(high)]);
+                }
             }
-            if from < middle {
-                let end = to.min(middle);
-                join(&mut below, from, end);
-                join(&mut ends, end, end);
-            }
-            if to > middle {
-                let start = from.max(middle);
-                join(&mut above, start, to);
-                join(&mut starts, start, start);
-            }
-        }
-        let mut open = |part: [f64; 2], ends: [f64; 2], sign: f64| {
-            part[0] < part[1]
-                && !(follows && moving.behind(&self.middle, ends, sign, self.lateral))
-                && !moving.clear(&self.middle, part, self.lateral, guess)
-        };
-        match (open(below, ends, -1.0), open(above, starts, 1.0)) {
-            (false, false) => None,
-            (true, false) => Some([a, middle]),
-            (false, true) => Some([middle, b]),
-            (true, true) => Some([a, b]),
         }
     }
 }

@@ -1,0 +1,223 @@
+//! Eight stretches of material at once against a body over a piece of its time, as its pose at one time tells.
+//!
+//! Loops over lanes have no branches, so that the compiler makes vectors of them. Nothing is reordered or fused: results
+//! are the same, bit by bit, for vectors of any width.
+
+use super::moving::Moving;
+use super::shape::{Profile, Round, Shape};
+use super::sweep::{Line, Look, Pose};
+
+/// Stretches at once.
+pub(super) const LANES: usize = 8;
+
+/// A number for each of them.
+pub(super) type Lane = [f64; LANES];
+
+/// What may be left inside the sweep beyond the end of a chip, as a distance to its surface, mm.
+const LEFT: f64 = 6e-4;
+
+/// Stretches of lines along Z, from `a` to `b`; the piece of the time that is asked about, and the time at which it is.
+#[derive(Default)]
+pub(super) struct Lanes {
+    pub(super) x: Lane,
+    pub(super) y: Lane,
+    pub(super) a: Lane,
+    pub(super) b: Lane,
+    pub(super) start: Lane,
+    pub(super) end: Lane,
+    pub(super) t: Lane,
+}
+
+/// Where a body stands on a line.
+struct Found {
+    /// Part inside of it; `high` lies below `low` when there is none.
+    low: f64,
+    high: f64,
+    /// Part of the stretch that it may reach, and the place where it comes nearest, or about there.
+    from: f64,
+    to: f64,
+    nearest: f64,
+}
+
+/// Nothing is taken of the stretch.
+pub(super) const UNTOUCHED: u64 = 0;
+/// The part inside is taken.
+pub(super) const CUT: u64 = 1;
+/// Not known.
+pub(super) const OPEN: u64 = 2;
+/// As [`CUT`] if the lower end of the part holds too.
+const HALF_CUT: u64 = 3;
+
+/// What a pose tells about the stretches over the piece of time.
+#[derive(Default)]
+pub(super) struct Told {
+    pub(super) state: [u64; LANES],
+    /// The part taken.
+    pub(super) from: Lane,
+    pub(super) to: Lane,
+    /// Derivative by time at the place that was asked: where the body is nearest, or leaves.
+    pub(super) slope: Lane,
+}
+
+/// Least of a parabola with a value, slope and bend over a time before or after, and its third power with `drift` and
+/// `twist` below.
+#[inline(always)]
+fn least(look: &Look, run: f64, drift: f64, twist: f64) -> f64 {
+    let square = run * run;
+    let slope = look.slope * run - (drift + twist * square) * run.abs();
+    let bend = look.bend * square;
+    let far = slope + bend;
+    let dips = (slope < 0.0) & (bend > -0.5 * slope);
+    let dip = -0.25 * slope * slope / if dips { bend } else { 1.0 };
+    look.f + if dips { dip } else { smaller(far, 0.0) }
+}
+
+/// The smaller of two numbers, none of which is NaN; unlike `min` a single instruction.
+#[inline(always)]
+pub(super) fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger one.
+#[inline(always)]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// What is asked of a moving body.
+pub(super) struct Question<'a> {
+    pub(super) moving: &'a Moving,
+    pub(super) lanes: &'a Lanes,
+}
+
+/// To be asked by [`pulp::Arch::dispatch`], which compiles it for the vectors of the processor.
+impl pulp::WithSimd for Question<'_> {
+    type Output = Told;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Told {
+        match self.moving.shape {
+            Shape::Flat { radius, top } => self.told(&Round::<false> { radius, top }),
+            Shape::Ball { radius, top } if top > 2.0 * radius => self.told(&Round::<true> { radius, top }),
+            shape => self.told(&shape),
+        }
+    }
+}
+
+impl Question<'_> {
+    #[inline(always)]
+    fn told(&self, body: &impl Standing) -> Told {
+        let Self { moving, lanes } = self;
+        let mut told = Told::default();
+        for i in 0..LANES {
+            let pose = moving.sweep.stand(lanes.t[i]);
+            let line = Line { x: lanes.x[i], y: lanes.y[i] };
+            let (back, ahead) = (lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]);
+            let span = larger(-back, ahead);
+            let (a, b) = (lanes.a[i], lanes.b[i]);
+            let Found { low, high, from, to, nearest } = body.stand(&pose, &line, [a, b], moving.speed * span);
+            let inside = low < high;
+            let (before, after) = (high <= a, low >= b);
+            let beside = inside & (before | after);
+            let through = inside & !(before | after);
+            let (upper, lower) = (high < b, low > a);
+            // The end of the material that the body is nearest to, the end of the part inside, or the nearest place.
+            let x = larger(smaller(nearest, to), from);
+            let x = if beside { if before { a } else { b } } else { x };
+            let x = if through { if upper { high } else { low } } else { x };
+            let sign = if beside & before | through & upper { 1.0 } else { -1.0 };
+            let look = pose.look(body, &line, x);
+            let (drift, twist, turn) = (moving.drift, moving.twist, moving.turn * span);
+            let least = smaller(least(&look, back, drift, twist), least(&look, ahead, drift, twist));
+            // Where the body only leaves from, no other time reaches farther.
+            let leaves = (look.rise * sign >= turn) & (least > -LEFT);
+            let rising = larger(turn - look.rise, 0.0) * (to - x);
+            let falling = larger(turn + look.rise, 0.0) * (x - from);
+            let away = (from >= to) | (least > larger(rising, falling));
+            let settled = if inside { leaves } else { away };
+            let untouched = if settled { UNTOUCHED } else { OPEN };
+            let cut = if upper & lower { HALF_CUT } else { CUT };
+            let cut = if leaves | !(upper | lower) { cut } else { OPEN };
+            told.state[i] = if through { cut } else { untouched };
+            told.slope[i] = look.slope;
+            told.from[i] = larger(low, a);
+            told.to[i] = smaller(high, b);
+        }
+        for i in 0..LANES {
+            if told.state[i] == HALF_CUT {
+                let pose = moving.sweep.stand(lanes.t[i]);
+                let look = pose.look(body, &Line { x: lanes.x[i], y: lanes.y[i] }, told.from[i]);
+                let runs = [lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]];
+                let span = larger(-runs[0], runs[1]);
+                let least = runs.map(|run| least(&look, run, moving.drift, moving.twist));
+                let leaves = -look.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
+                told.state[i] = if leaves { CUT } else { OPEN };
+                told.slope[i] = look.slope;
+            }
+        }
+        told
+    }
+}
+
+/// A body that tells where it stands on a line.
+trait Standing: Profile {
+    /// Asked about all that may come to a stretch while no point of the body moves farther than `margin`.
+    fn stand(&self, pose: &Pose, line: &Line, stretch: [f64; 2], margin: f64) -> Found;
+}
+
+impl Standing for Shape {
+    #[inline(always)]
+    fn stand(&self, pose: &Pose, line: &Line, [from, to]: [f64; 2], _margin: f64) -> Found {
+        let ([low, high], nearest) = pose.stretch_by_tangents(self, line, [from, to]);
+        Found { low, high, from, to, nearest }
+    }
+}
+
+impl<const BALL: bool> Standing for Round<BALL> {
+    #[inline(always)]
+    fn stand(&self, pose: &Pose, line: &Line, [a, b]: [f64; 2], margin: f64) -> Found {
+        const FAR: f64 = f64::INFINITY;
+        let (radius, top) = (self.radius, self.top);
+        let along = pose.axis.z;
+        let (crosses, leans) = (pose.by_square > 0.0, pose.by_along != 0.0);
+        let d = line.point(0.0) - pose.tip;
+        let (s, far) = (d.dot(&pose.axis), d.norm_squared());
+        // Against the cylinder: distance from its axis, squared, less that of its radius.
+        let (across, off) = (d.z - s * along, far - s * s - radius * radius);
+        let root = across * across - pose.square * off;
+        let centre = if crosses { -across * pose.by_square } else { 0.5 * (a + b) };
+        let half = if crosses { larger(root, 0.0).sqrt() * pose.by_square } else { FAR };
+        let meets = if crosses { root > 0.0 } else { off < 0.0 };
+        let (low, high) = if meets { (centre - half, centre + half) } else { (FAR, -FAR) };
+        // Between two planes across its axis.
+        let planes = |from: f64, to: f64| {
+            let (p, q) = ((from - s) * pose.by_along, (to - s) * pose.by_along);
+            let flat = if (s > from) & (s < to) { FAR } else { -FAR };
+            (if leans { smaller(p, q) } else { -flat }, if leans { larger(p, q) } else { flat })
+        };
+        let (bottom, end) = planes(if BALL { radius } else { 0.0 }, top);
+        let (mut low, mut high) = (larger(low, bottom), smaller(high, end));
+        let mut nearest = larger(smaller(centre, end), bottom);
+        if BALL {
+            let middle = radius * along - d.z;
+            let root = middle * middle - far + 2.0 * radius * s;
+            let half = larger(root, 0.0).sqrt();
+            // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
+            let hull = low < high;
+            let (l, h) = (if hull { low } else { FAR }, if hull { high } else { -FAR });
+            let below = s + along * nearest <= radius + 1e-9;
+            nearest = if (root <= 0.0) & below { middle } else { nearest };
+            low = if root > 0.0 { smaller(l, middle - half) } else { low };
+            high = if root > 0.0 { larger(h, middle + half) } else { high };
+        }
+        // What may come.
+        let wider = margin * (2.0 * radius + margin);
+        let wide = root + pose.square * wider;
+        let half = if crosses { larger(wide, 0.0).sqrt() * pose.by_square } else { FAR };
+        let may = if crosses { wide > 0.0 } else { off < wider };
+        let (bottom, end) = planes(-margin, top + margin);
+        let from = larger(larger(a, bottom), centre - half);
+        let to = smaller(smaller(b, end), centre + half);
+        Found { low, high, from, to: if may { to } else { -FAR }, nearest }
+    }
+}

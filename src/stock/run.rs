@@ -1,0 +1,175 @@
+//! Runs: steps that follow each other, and the motion that they make as one, as a family of rays sees it.
+
+use super::field::frame;
+use super::moving::Moving;
+use super::shape::Shape;
+use super::sweep::Sweep;
+use super::{Field, Step, StepKind, Touched};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Most steps of a run.
+pub(super) const RUN: usize = 8;
+
+/// Way of a run, mm; and share of it by which its steps may leave the run as a whole. What decides is how much of a way
+/// can be ruled out at once.
+const RUN_WAY: f64 = 3.0;
+const RUN_DRIFT: f64 = 0.3;
+
+/// Steps of one kind that follow each other without a jump, prepared.
+pub(super) struct Prepared {
+    /// For each step its block, counted in the batch.
+    pub(super) ordinals: Vec<u32>,
+    pub(super) sweeps: Vec<Sweep>,
+    /// Parts that must not touch, over the whole run.
+    pub(super) forbidden: Vec<(Touched, Moving)>,
+    /// Cutter over the whole run, and step by step, where it cuts.
+    pub(super) whole: Option<Moving>,
+    pub(super) steps: Vec<Moving>,
+}
+
+/// Coordinates of a family of rays: its own run along Z.
+pub(super) struct Frame {
+    /// Axes of the field in the order of the frame.
+    pub(super) order: [usize; 3],
+    /// Corners of the field.
+    pub(super) low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Frame {
+    pub(super) fn of(field: &Field, axis: usize) -> Self {
+        let order = frame(axis);
+        let low = order.map(|k| field.low[k]);
+        let high = order.map(|k| field.low[k] + field.cell * field.count[k] as f64);
+        Self { order, low, high }
+    }
+
+    fn turned(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from(self.order.map(|k| v[k]))
+    }
+}
+
+/// Steps of a batch as a family of rays sees them, for a cutter and the parts that must not touch.
+pub(super) fn prepare(
+    steps: &[Step],
+    ordinals: &[u32],
+    runs: &[Range<usize>],
+    (cutter, body): (&Shape, &[(Touched, Shape)]),
+    frame: &Frame,
+) -> Vec<Prepared> {
+    let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);
+    runs.par_iter()
+        .map(|range| {
+            let kind = steps[range.start].kind;
+            let own = &steps[range.clone()];
+            let sweeps: Vec<Sweep> = own.iter().map(|s| sweep(s, |v| frame.turned(v))).collect();
+            let moving = |shape: &Shape| {
+                let (whole, drift) = if sweeps.len() == 1 { (sweeps[0], 0.0) } else { joined(&sweeps, shape.reach()) };
+                Some(Moving::new(whole, *shape, drift)).filter(|m| !outside(m))
+            };
+            let rapid = kind == StepKind::Rapid;
+            let forbidden = body
+                .iter()
+                .copied()
+                .chain(rapid.then_some((Touched::Cutter, *cutter)))
+                .filter_map(|(what, shape)| moving(&shape).map(|m| (what, m)))
+                .collect();
+            let whole = if rapid { None } else { moving(cutter) };
+            let each = if whole.is_some() { sweeps.as_slice() } else { &[] };
+            Prepared {
+                ordinals: ordinals[range.clone()].to_vec(),
+                forbidden,
+                whole,
+                steps: each.iter().map(|s| Moving::new(*s, *cutter, 0.0)).collect(),
+                sweeps,
+            }
+        })
+        .collect()
+}
+
+/// The motion through the ends of a run and about its middle, with the speed at which the steps leave it; times are
+/// shared out by way.
+fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
+    let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
+    let total: f64 = lengths.iter().sum();
+    let mut before = 0.0;
+    // Start of each step in the time of the run, and its share of it.
+    let times: Vec<[f64; 2]> = lengths
+        .iter()
+        .map(|l| {
+            let start = before / total;
+            before += l;
+            [start, l / total]
+        })
+        .collect();
+    let (first, last) = (&sweeps[0], &sweeps[sweeps.len() - 1]);
+    let middle = times.iter().rposition(|[start, _]| *start <= 0.5).unwrap_or(0);
+    let at = ((0.5 - times[middle][0]) / times[middle][1]).clamp(0.0, 1.0);
+    let (start, end) = (first.pose(0.0), last.pose(1.0));
+    let whole = Sweep::through([start.0, end.0], [start.1, sweeps[middle].pose(at).1, end.1]);
+    let mut drift: f64 = 0.0;
+    for (n, (sweep, [begin, share])) in sweeps.iter().zip(&times).enumerate() {
+        let off = |t: f64| {
+            let (own, all) = (sweep.pose(t), whole.pose(begin + share * t));
+            ((own.0 - all.0).norm(), (own.1 - all.1).norm() * reach)
+        };
+        let offs = [0.0, 0.5, 1.0].map(off);
+        for (t, (tip, axis)) in [0.0, 0.5, 1.0].into_iter().zip(offs) {
+            let now = begin + share * t;
+            let near = now.min(1.0 - now);
+            if near > 1e-9 {
+                // A parabola through three values rises a quarter over them.
+                drift = drift.max((tip + 1.25 * axis) / near);
+            }
+        }
+        // At the ends of the run the parabola of the axis starts from zero, with this speed.
+        if n == 0 {
+            drift = drift.max((4.0 * offs[1].1 + offs[2].1 + offs[2].0) / share);
+        }
+        if n + 1 == sweeps.len() {
+            drift = drift.max((4.0 * offs[1].1 + offs[0].1 + offs[0].0) / share);
+        }
+    }
+    (whole, drift)
+}
+
+/// Steps of a batch in runs: as long as they follow each other, are of a kind, and run about as one.
+pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < steps.len() {
+        let mut end = start + 1;
+        let way = |s: &Step| (s.tips[1] - s.tips[0]).norm();
+        let mut length = way(&steps[start]);
+        while end < steps.len() && end - start < RUN && follows(&steps[end - 1], &steps[end]) {
+            length += way(&steps[end]);
+            if length > RUN_WAY || steps[end].kind != steps[start].kind {
+                break;
+            }
+            end += 1;
+        }
+        // Half as many as long as they bend too much.
+        while end - start > 1 {
+            let sweeps: Vec<Sweep> = steps[start..end].iter().map(|s| sweep(s, |v| *v)).collect();
+            let (whole, drift) = joined(&sweeps, reach);
+            if drift <= RUN_DRIFT * whole.way().norm() {
+                break;
+            }
+            end = start + (end - start) / 2;
+        }
+        found.push(start..end);
+        start = end;
+    }
+    found
+}
+
+/// The motion of a step in other coordinates.
+fn sweep(step: &Step, turned: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Sweep {
+    Sweep::through(step.tips.map(|t| turned(&t.coords)), step.axes.map(|a| turned(&a)))
+}
+
+fn follows(before: &Step, step: &Step) -> bool {
+    before.tips[1] == step.tips[0] && before.axes[2] == step.axes[0]
+}

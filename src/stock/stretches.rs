@@ -1,0 +1,326 @@
+//! What a body in motion takes of the stretches of material on a group of lines.
+//!
+//! Every stretch is asked about the whole time from both ends of it. One that stays open is asked at the time when the
+//! body comes nearest to it, then about the time before and after that, and so on. Questions of all stretches go together,
+//! eight at once; what they tell is united at the end.
+
+use super::lanes::{self, LANES, Lanes, Question, Told};
+use super::moving::Moving;
+use super::ray::SKIN;
+use super::sweep::{GAP, Line, Look};
+
+/// Bow below which a piece of the time is not divided, mm: two tangents that meet in between are off by a quarter of it.
+const FLAT: f64 = 1e-3;
+
+/// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
+/// below.
+const MOST_NEWTON: u32 = 40;
+
+/// What is taken from a ray, and the times at which its ends are cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chip {
+    pub(super) line: Line,
+    /// Number of the ray in its group.
+    pub(super) ray: u8,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) times: [f64; 2],
+}
+
+/// Stretches of material, as columns.
+pub(super) struct Stretches {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    a: Vec<f64>,
+    b: Vec<f64>,
+    ray: Vec<u8>,
+    /// Those that are still open.
+    open: Vec<Open>,
+    /// Those that the last round of questions left open.
+    unsettled: Vec<Open>,
+    /// What is taken, stretch by stretch.
+    parts: Vec<Part>,
+    /// End of the time that settled most of the last questions, and is asked first.
+    first: usize,
+    vectors: pulp::Arch,
+}
+
+/// A stretch of which it is not known what is taken over a piece of the time.
+#[derive(Clone, Copy)]
+struct Open {
+    stretch: usize,
+    times: [f64; 2],
+    /// Derivatives by time where the body is nearest, at both times, and at the last one that was asked.
+    slopes: [f64; 2],
+    slope: f64,
+    /// Time to be asked.
+    t: f64,
+}
+
+/// A part taken of a stretch, and the times at which its ends are cut.
+#[derive(Clone, Copy)]
+struct Part {
+    stretch: usize,
+    from: f64,
+    to: f64,
+    times: [f64; 2],
+}
+
+impl Default for Stretches {
+    fn default() -> Self {
+        Self {
+            x: Vec::new(),
+            y: Vec::new(),
+            a: Vec::new(),
+            b: Vec::new(),
+            ray: Vec::new(),
+            open: Vec::new(),
+            unsettled: Vec::new(),
+            parts: Vec::new(),
+            first: 0,
+            vectors: pulp::Arch::new(),
+        }
+    }
+}
+
+impl Stretches {
+    pub(super) fn clear(&mut self) {
+        self.x.clear();
+        self.y.clear();
+        self.a.clear();
+        self.b.clear();
+        self.ray.clear();
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Adds a stretch of a ray.
+    pub(super) fn push(&mut self, line: &Line, ray: u8, [a, b]: [f64; 2]) {
+        self.x.push(line.x);
+        self.y.push(line.y);
+        self.a.push(a);
+        self.b.push(b);
+        self.ray.push(ray);
+    }
+
+    /// Drops the stretches of which the body takes nothing.
+    pub(super) fn sift(&mut self, moving: &Moving) {
+        self.ask_ends(moving, false);
+        // In the order of their numbers: none is overwritten before it is moved.
+        self.unsettled.sort_unstable_by_key(|open| open.stretch);
+        for (kept, open) in self.unsettled.iter().enumerate() {
+            let n = open.stretch;
+            (self.x[kept], self.y[kept], self.ray[kept]) = (self.x[n], self.y[n], self.ray[n]);
+            (self.a[kept], self.b[kept]) = (self.a[n], self.b[n]);
+        }
+        let kept = self.unsettled.len();
+        self.x.truncate(kept);
+        self.y.truncate(kept);
+        self.a.truncate(kept);
+        self.b.truncate(kept);
+        self.ray.truncate(kept);
+    }
+
+    /// Takes away what the body sweeps, and adds it to the chips.
+    pub(super) fn cut(&mut self, moving: &Moving, chips: &mut Vec<Chip>) {
+        self.parts.clear();
+        self.ask_ends(moving, true);
+        for open in &mut self.unsettled {
+            open.t = open.inside();
+        }
+        std::mem::swap(&mut self.open, &mut self.unsettled);
+        while !self.open.is_empty() {
+            self.ask(moving, true);
+            self.open.clear();
+            for k in 0..self.unsettled.len() {
+                self.divide(moving, self.unsettled[k]);
+            }
+        }
+        self.unite(chips);
+    }
+
+    /// Asks about all stretches and the whole time, first from the one end of it, then what is left from the other.
+    fn ask_ends(&mut self, moving: &Moving, take: bool) {
+        let first = self.first;
+        let times = [0.0, 1.0];
+        let all = (0..self.x.len()).map(|n| Open { stretch: n, times, slopes: [0.0; 2], slope: 0.0, t: times[first] });
+        self.open.clear();
+        self.open.extend(all);
+        self.ask(moving, take);
+        for open in &mut self.unsettled {
+            open.slopes[first] = open.slope;
+            open.t = times[1 - first];
+        }
+        let asked = [self.open.len(), self.unsettled.len()];
+        std::mem::swap(&mut self.open, &mut self.unsettled);
+        self.ask(moving, take);
+        for open in &mut self.unsettled {
+            open.slopes[1 - first] = open.slope;
+        }
+        if asked[0] - asked[1] < asked[1] - self.unsettled.len() {
+            self.first = 1 - first;
+        }
+    }
+
+    /// Asks about all that is open, keeps what is taken, and tells what stays unsettled.
+    fn ask(&mut self, moving: &Moving, take: bool) {
+        self.unsettled.clear();
+        let mut next = 0;
+        while next < self.open.len() {
+            let (mut lanes, mut who, mut count) = (Lanes::default(), [0; LANES], 0);
+            while next < self.open.len() && count < LANES {
+                let open = &self.open[next];
+                let n = open.stretch;
+                let [a, b] = moving.part([self.a[n], self.b[n]]);
+                if a < b {
+                    (lanes.x[count], lanes.y[count], lanes.a[count], lanes.b[count]) = (self.x[n], self.y[n], a, b);
+                    (lanes.start[count], lanes.end[count], lanes.t[count]) = (open.times[0], open.times[1], open.t);
+                    who[count] = next;
+                    count += 1;
+                }
+                next += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            let Told { state, from, to, slope } = self.vectors.dispatch(Question { moving, lanes: &lanes });
+            for i in 0..count {
+                let open = &self.open[who[i]];
+                match state[i] {
+                    lanes::UNTOUCHED => {}
+                    lanes::CUT if take => {
+                        let (from, to) = (from[i], to[i]);
+                        self.parts.push(Part { stretch: open.stretch, from, to, times: [open.t; 2] });
+                    }
+                    _ => self.unsettled.push(Open { slope: slope[i], ..*open }),
+                }
+            }
+        }
+    }
+
+    /// Opens what a question left unsettled in pieces of its time.
+    fn divide(&mut self, moving: &Moving, open: Open) {
+        let n = open.stretch;
+        let line = Line { x: self.x[n], y: self.y[n] };
+        let part = moving.part([self.a[n], self.b[n]]);
+        if open.bow(moving, &line, part) < FLAT {
+            if let Some(([from, to], times)) = cut_from_both(moving, open.times, &line, part) {
+                self.parts.push(Part { stretch: n, from, to, times });
+            }
+            return;
+        }
+        let [start, end] = open.times;
+        if open.t == start || open.t == end {
+            self.open.push(Open { t: open.inside(), ..open });
+            return;
+        }
+        let middle = open.t;
+        let mut push = |piece: Open| self.open.push(Open { t: piece.nearest(), ..piece });
+        push(Open { times: [start, middle], slopes: [open.slopes[0], open.slope], ..open });
+        push(Open { times: [middle, end], slopes: [open.slope, open.slopes[1]], ..open });
+    }
+
+    /// Takes away all parts, those that overlap as one.
+    fn unite(&mut self, chips: &mut Vec<Chip>) {
+        self.parts.retain(|p| p.to - p.from > SKIN);
+        // From behind, so that what a part leaves beyond it is not asked again.
+        self.parts.sort_unstable_by(|p, q| p.stretch.cmp(&q.stretch).then(q.to.total_cmp(&p.to)));
+        let mut next = 0;
+        while let Some(&first) = self.parts.get(next) {
+            let mut whole = first;
+            next += 1;
+            while let Some(p) = self.parts.get(next).filter(|p| p.stretch == whole.stretch && p.to >= whole.from) {
+                if p.from < whole.from {
+                    (whole.from, whole.times[0]) = (p.from, p.times[0]);
+                }
+                next += 1;
+            }
+            let Part { stretch: n, from, to, times } = whole;
+            let line = Line { x: self.x[n], y: self.y[n] };
+            chips.push(Chip { line, ray: self.ray[n], from, to, times });
+            let (head, tail) = (from > self.a[n] + SKIN, to < self.b[n] - SKIN);
+            if head && tail {
+                self.push(&line, self.ray[n], [to, self.b[n]]);
+            }
+            match (head, tail) {
+                (true, _) => self.b[n] = from,
+                (_, true) => self.a[n] = to,
+                _ => self.b[n] = self.a[n],
+            }
+        }
+    }
+}
+
+impl Open {
+    /// When the body comes nearest.
+    fn nearest(&self) -> f64 {
+        match self.slopes.map(|s| s < 0.0) {
+            [true, true] => self.times[1],
+            [false, false] => self.times[0],
+            _ => self.inside(),
+        }
+    }
+
+    /// The same if the slope is linear, not too near to an end.
+    fn inside(&self) -> f64 {
+        let [a, b] = self.slopes;
+        let share = if a < 0.0 && b > 0.0 { (a / (a - b)).clamp(0.1, 0.9) } else { 0.5 };
+        self.times[0] + share * (self.times[1] - self.times[0])
+    }
+
+    /// [`super::sweep::Sweep::bow`] of a stretch.
+    fn bow(&self, moving: &Moving, line: &Line, [a, b]: [f64; 2]) -> f64 {
+        let span = self.times[1] - self.times[0];
+        let tip = moving.sweep.pose(self.times[0]).0;
+        let far = |z: f64| (line.point(z) - tip).norm_squared();
+        let far = far(a).max(far(b)).sqrt();
+        moving.sweep.bow(far + moving.speed * span) * span * span
+    }
+}
+
+/// What is taken of a stretch by tangents from both ends of it, as if the body were convex in place and time.
+fn cut_from_both(moving: &Moving, times: [f64; 2], line: &Line, [a, b]: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
+    let (shape, turn) = (&moving.shape, moving.turn * (times[1] - times[0]));
+    let least = |x: f64, guess: f64, cutoff: f64| moving.sweep.least(shape, line, x, times, guess, cutoff);
+    let guess = 0.5 * (times[0] + times[1]);
+    let first = least(a, guess, GAP);
+    let leaving = first.rise - turn;
+    if leaving >= 0.0 && (first.f > GAP || -first.f < SKIN * leaving) {
+        return None;
+    }
+    let last = least(b, first.t, GAP);
+    let leaving = -last.rise - turn;
+    if leaving >= 0.0 && (last.f > GAP || -last.f < SKIN * leaving) {
+        return None;
+    }
+    // Tangent steps from an end that lies outside, steeper by the turn. Should one end inside all the same, it is
+    // taken back by the secant, which lies between.
+    let approach = |mut x: f64, mut look: Look, sign: f64| {
+        let mut outside: Option<(f64, f64)> = None;
+        for _ in 0..MOST_NEWTON {
+            match outside {
+                _ if look.f.abs() <= GAP => return Some((x, look.t)),
+                None if look.f < 0.0 => return Some((x, look.t)),
+                Some((far, f)) if look.f < 0.0 => x += (far - x) * look.f / (look.f - f),
+                _ => {
+                    outside = Some((x, look.f));
+                    let down = look.rise * sign - turn;
+                    if down >= 0.0 {
+                        return None;
+                    }
+                    x -= sign * look.f / down;
+                }
+            }
+            if !(a..=b).contains(&x) {
+                return None;
+            }
+            look = least(x, look.t, f64::INFINITY);
+        }
+        Some((x, look.t))
+    };
+    let (from, t_from) = approach(a, first, 1.0)?;
+    let (to, t_to) = approach(b, last, -1.0)?;
+    Some(([from, to], [t_from, t_to]))
+}
