@@ -221,3 +221,43 @@ impl<const BALL: bool> Standing for Round<BALL> {
         Found { low, high, from, to: if may { to } else { -FAR }, nearest }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sweep::Sweep;
+    use super::*;
+    use nalgebra::Vector3;
+
+    /// Vectors of any width give the same bits.
+    #[test]
+    fn vectors_change_no_bit() {
+        let axis = |a: f64| Vector3::new(a.sin() * 0.6, 0.8 * a.sin(), a.cos());
+        let tips = [Vector3::new(1.0, 2.0, -1.0), Vector3::new(2.5, 2.4, -1.2)];
+        let sweep = Sweep::through(tips, [0.3, 0.31, 0.325].map(axis));
+        let mut states = [0; 4];
+        for shape in [Shape::Flat { radius: 3.0, top: 20.0 }, Shape::Ball { radius: 3.0, top: 20.0 }] {
+            let moving = Moving::new(sweep, shape, 0.0);
+            for k in 0..200 {
+                let at = |i: usize, f: f64| (f64::from(k) * f + i as f64).sin();
+                let low: Lane = std::array::from_fn(|i| 6.0 * at(i, 1.9));
+                let lanes = Lanes {
+                    x: std::array::from_fn(|i| 1.7 + 6.0 * at(i, 0.7)),
+                    y: std::array::from_fn(|i| 2.2 + 6.0 * at(i, 1.3)),
+                    a: low,
+                    b: low.map(|z| z + 5.0),
+                    start: [0.0; LANES],
+                    end: [1.0; LANES],
+                    t: std::array::from_fn(|i| 0.5 + 0.5 * at(i, 0.1)),
+                };
+                let ask = |arch: pulp::Arch| arch.dispatch(Question { moving: &moving, lanes: &lanes });
+                let (one, many) = (ask(pulp::Arch::Scalar), ask(pulp::Arch::new()));
+                assert_eq!(one.state, many.state);
+                for (a, b) in [(one.from, many.from), (one.to, many.to), (one.slope, many.slope)] {
+                    assert_eq!(a.map(f64::to_bits), b.map(f64::to_bits), "{shape:?} {k}");
+                }
+                one.state.iter().for_each(|s| states[*s as usize] += 1);
+            }
+        }
+        assert!(states[..3].iter().all(|n| *n > 50), "{states:?}");
+    }
+}
