@@ -155,9 +155,10 @@ impl Belonging<'_> {
             ));
         };
         let line = |line: usize| sources.line_span(nc, line).unwrap_or(Span::new(nc, 0..0));
+        let body = certificate_file::body(&text.text).1;
+        let of_text = certificate_file::sha256(body.as_bytes());
         if let Some((first, last, operation)) = file.nc.first_difference(&text.text) {
             let place = operation.map_or(String::new(), |o| format!(", `{o}` in the text of the certificate"));
-            let body = certificate_file::body(&text.text).1;
             let lines = if first == last {
                 format!("line {first} is the first that differs")
             } else {
@@ -167,7 +168,7 @@ impl Belonging<'_> {
                 Diag::error(codes::CERTIFICATE_OTHER, format!("{shown} was written for another text: {lines}{place}"))
                     .label(line(first), "the first difference is here or below")
                     .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
-                    .note(format!("body sha256 {} of the text", certificate_file::sha256(body.as_bytes())))
+                    .note(format!("body sha256 {of_text} of the text"))
                     .note(format!(
                         "{} lines in the certificate, {} in the text",
                         file.nc.body_lines,
@@ -189,13 +190,12 @@ impl Belonging<'_> {
                 .note("without them nobody can tell whether the certificate was edited"),
             );
         }
-        let body = certificate_file::sha256(certificate_file::body(&text.text).1.as_bytes());
-        if let Some(other) = named(of_body).filter(|n| **n != *body) {
+        if let Some(other) = named(of_body).filter(|n| **n != *of_text) {
             differs(
                 Diag::error(codes::CERTIFICATE_OTHER, "the text is not the one that its own head names: it was edited")
                     .label(line(1), "in the comments from here on")
                     .note(format!("body sha256 {other} in the head"))
-                    .note(format!("body sha256 {body} of the text")),
+                    .note(format!("body sha256 {of_text} of the text")),
             );
         }
         if let Some(other) = named(of_certificate).filter(|n| **n != *own) {

@@ -74,13 +74,13 @@ fn least(look: &Look, run: f64, drift: f64, twist: f64) -> f64 {
 
 /// The smaller of two numbers, none of which is NaN; unlike `min` a single instruction.
 #[inline(always)]
-pub(super) fn smaller(a: f64, b: f64) -> f64 {
+fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// The larger one.
 #[inline(always)]
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
 /// below.
-const MOST_NEWTON: u32 = 40;
+pub(super) const MOST_NEWTON: u32 = 40;
 
 /// A body in motion.
 #[derive(Clone, Copy, Debug)]

@@ -5,16 +5,12 @@
 //! eight at once; what they tell is united at the end.
 
 use super::lanes::{self, LANES, Lanes, Question, Told};
-use super::moving::Moving;
+use super::moving::{MOST_NEWTON, Moving};
 use super::ray::SKIN;
 use super::sweep::{GAP, Line, Look};
 
 /// Bow below which a piece of the time is not divided, mm: two tangents that meet in between are off by a quarter of it.
 const FLAT: f64 = 1e-3;
-
-/// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
-/// below.
-const MOST_NEWTON: u32 = 40;
 
 /// What is taken from a ray, and the times at which its ends are cut.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +36,8 @@ pub(super) struct Stretches {
     unsettled: Vec<Open>,
     /// What is taken, stretch by stretch.
     parts: Vec<Part>,
+    /// What was taken from the rays since the last [`Self::clear`].
+    pub(super) chips: Vec<Chip>,
     /// End of the time that settled most of the last questions, and is asked first.
     first: usize,
     vectors: pulp::Arch,
@@ -77,6 +75,7 @@ impl Default for Stretches {
             open: Vec::new(),
             unsettled: Vec::new(),
             parts: Vec::new(),
+            chips: Vec::new(),
             first: 0,
             vectors: pulp::Arch::new(),
         }
@@ -85,11 +84,17 @@ impl Default for Stretches {
 
 impl Stretches {
     pub(super) fn clear(&mut self) {
-        self.x.clear();
-        self.y.clear();
-        self.a.clear();
-        self.b.clear();
-        self.ray.clear();
+        self.keep(0);
+        self.chips.clear();
+    }
+
+    /// Drops all stretches but the first ones.
+    fn keep(&mut self, count: usize) {
+        self.x.truncate(count);
+        self.y.truncate(count);
+        self.a.truncate(count);
+        self.b.truncate(count);
+        self.ray.truncate(count);
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -108,23 +113,17 @@ impl Stretches {
     /// Drops the stretches of which the body takes nothing.
     pub(super) fn sift(&mut self, moving: &Moving) {
         self.ask_ends(moving, false);
-        // In the order of their numbers: none is overwritten before it is moved.
-        self.unsettled.sort_unstable_by_key(|open| open.stretch);
+        // They are in the order of their numbers: none is overwritten before it is moved.
         for (kept, open) in self.unsettled.iter().enumerate() {
             let n = open.stretch;
             (self.x[kept], self.y[kept], self.ray[kept]) = (self.x[n], self.y[n], self.ray[n]);
             (self.a[kept], self.b[kept]) = (self.a[n], self.b[n]);
         }
-        let kept = self.unsettled.len();
-        self.x.truncate(kept);
-        self.y.truncate(kept);
-        self.a.truncate(kept);
-        self.b.truncate(kept);
-        self.ray.truncate(kept);
+        self.keep(self.unsettled.len());
     }
 
     /// Takes away what the body sweeps, and adds it to the chips.
-    pub(super) fn cut(&mut self, moving: &Moving, chips: &mut Vec<Chip>) {
+    pub(super) fn cut(&mut self, moving: &Moving) {
         self.parts.clear();
         self.ask_ends(moving, true);
         for open in &mut self.unsettled {
@@ -138,7 +137,7 @@ impl Stretches {
                 self.divide(moving, self.unsettled[k]);
             }
         }
-        self.unite(chips);
+        self.unite();
     }
 
     /// Asks about all stretches and the whole time, first from the one end of it, then what is left from the other.
@@ -223,7 +222,7 @@ impl Stretches {
     }
 
     /// Takes away all parts, those that overlap as one.
-    fn unite(&mut self, chips: &mut Vec<Chip>) {
+    fn unite(&mut self) {
         self.parts.retain(|p| p.to - p.from > SKIN);
         // From behind, so that what a part leaves beyond it is not asked again.
         self.parts.sort_unstable_by(|p, q| p.stretch.cmp(&q.stretch).then(q.to.total_cmp(&p.to)));
@@ -239,7 +238,7 @@ impl Stretches {
             }
             let Part { stretch: n, from, to, times } = whole;
             let line = Line { x: self.x[n], y: self.y[n] };
-            chips.push(Chip { line, ray: self.ray[n], from, to, times });
+            self.chips.push(Chip { line, ray: self.ray[n], from, to, times });
             let (head, tail) = (from > self.a[n] + SKIN, to < self.b[n] - SKIN);
             if head && tail {
                 self.push(&line, self.ray[n], [to, self.b[n]]);

@@ -275,7 +275,6 @@ impl Tile {
     /// Takes away what a cutter sweeps in the steps of a run, and adds to the removal of each.
     pub(super) fn remove(&mut self, run: &Run, work: &mut Stretches, removals: &mut [Removal]) {
         let steps = run.steps;
-        let mut chips: Vec<Chip> = Vec::new();
         self.visit(run.whole, |rays, group| {
             work.clear();
             group.stretches(rays, |ray, line, part| work.push(line, ray, part));
@@ -285,14 +284,14 @@ impl Tile {
             if work.is_empty() {
                 return false;
             }
-            chips.clear();
             for (step, removal) in steps.iter().zip(removals.iter_mut()) {
-                let first = chips.len();
-                work.cut(step, &mut chips);
-                for chip in &chips[first..] {
+                let first = work.chips.len();
+                work.cut(step);
+                for chip in &work.chips[first..] {
                     removal.take(step, chip);
                 }
             }
+            let chips = &mut work.chips;
             chips.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.from.total_cmp(&b.from)));
             for chips in chips.chunk_by(|a, b| a.ray == b.ray) {
                 rays[usize::from(chips[0].ray)].subtract(chips.iter().map(|c| [c.from, c.to]));
