@@ -22,6 +22,9 @@ const MOST_CARRIED: f64 = 1000.0;
 /// do between two positions is not told too small.
 const DEFAULT_CYCLE: f64 = 0.002;
 
+/// Word for the jerk of an axis whose control has no limit of it.
+const UNLIMITED: &str = "unlimited";
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MachineFile {
@@ -68,6 +71,7 @@ struct LinearTable {
     travel: [Text; 2],
     speed: Text,
     acceleration: Text,
+    jerk: Option<Text>,
 }
 
 #[derive(Deserialize)]
@@ -76,6 +80,7 @@ struct RotaryTable {
     travel: [Text; 2],
     speed: Text,
     acceleration: Text,
+    jerk: Option<Text>,
     sense: Text,
     point: [Text; 3],
 }
@@ -210,6 +215,30 @@ impl Reader<'_> {
             travel: self.pair(&table.travel, Dimension::LENGTH, LONGEST).map(Mm),
             speed: MmPerMin(self.quantity(&table.speed, Dimension::FEED, 1.0, 1e6)),
             acceleration: self.quantity(&table.acceleration, Dimension::ACCELERATION, 3600.0, 3.6e9) / 3600.0,
+            jerk: self.jerk(&table.jerk, Dimension::JERK),
+        }
+    }
+
+    /// A limit of jerk in units of seconds; what is not said is no limit.
+    fn jerk(&mut self, text: &Option<Text>, due: Dimension) -> f64 {
+        match text {
+            Some(text) if text.get_ref() != UNLIMITED && Quantity::read(text.get_ref()).is_none() => {
+                self.fault(
+                    self.span(text),
+                    format!("`{}` is no limit of a jerk", text.get_ref()),
+                    format!("{due} or \"{UNLIMITED}\" is due"),
+                    &format!(
+                        "write \"50 {}\", or \"{UNLIMITED}\" for a control without such a limit",
+                        due.usual_unit()
+                    ),
+                );
+                f64::INFINITY
+            }
+            Some(text) if text.get_ref() != UNLIMITED => {
+                let (least, most) = if due == Dimension::JERK { (1.0, 1e9) } else { (1e-3, 1e6) };
+                self.quantity(text, due, least * 216_000.0, most * 216_000.0) / 216_000.0
+            }
+            _ => f64::INFINITY,
         }
     }
 
@@ -244,6 +273,7 @@ impl Reader<'_> {
             travel: self.pair(&table.travel, Dimension::ANGLE, 1e5).map(Rad),
             speed: self.quantity(&table.speed, Dimension::TURNING, 1e-3, 1e6) / 60.0,
             acceleration: self.quantity(&table.acceleration, Dimension::TURNING_ACCELERATION, 1e-3, 1e9) / 3600.0,
+            jerk: self.jerk(&table.jerk, Dimension::TURNING_JERK),
             iso,
             point: self.point(&table.point),
         }
@@ -256,6 +286,8 @@ fn base(due: Dimension) -> &'static str {
         Dimension::TURNING => "rad/min",
         Dimension::ACCELERATION => "mm/min2",
         Dimension::TURNING_ACCELERATION => "rad/min2",
+        Dimension::JERK => "mm/min3",
+        Dimension::TURNING_JERK => "rad/min3",
         other => other.usual_unit(),
     }
 }
@@ -317,6 +349,12 @@ pub(super) fn machine(
             DEFAULT_CYCLE
         }
     };
+    let jerks = [&table.axes.x.jerk, &table.axes.y.jerk, &table.axes.z.jerk, &a.jerk, &c.jerk];
+    let silent: Vec<&str> =
+        ["X", "Y", "Z", "A", "C"].into_iter().zip(jerks).filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    if !silent.is_empty() {
+        assumed.push(format!("no limit of the jerk of {}, the default", silent.join(", ")));
+    }
     let spec = MachineSpec {
         name: name.to_owned(),
         linear: [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)],

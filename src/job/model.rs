@@ -78,6 +78,8 @@ pub struct LinearSpec {
     pub speed: MmPerMin,
     /// Largest acceleration, mm/s2.
     pub acceleration: f64,
+    /// Largest jerk, mm/s3; infinite where the control has no limit.
+    pub jerk: f64,
 }
 
 /// A rotary axis in the sense of its word.
@@ -89,6 +91,8 @@ pub struct RotarySpec {
     pub speed: f64,
     /// Largest acceleration, rad/s2.
     pub acceleration: f64,
+    /// Largest jerk, rad/s3; infinite where the control has no limit.
+    pub jerk: f64,
     /// True when the word has the ISO sense.
     pub iso: bool,
     /// A point of the axis in the machine frame.

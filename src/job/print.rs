@@ -35,19 +35,28 @@ pub fn print(job: &Job) -> String {
     out
 }
 
+/// A limit of jerk with its unit.
+fn jerk(limit: f64, unit: &str) -> String {
+    if limit.is_finite() { format!("{} {unit}", trim(limit, 3)) } else { "unlimited jerk".to_owned() }
+}
+
 fn machine(out: &mut String, job: &Job) {
     let m = &job.machine;
     let _ = writeln!(out, "machine {}", m.name);
     for (name, axis) in ["X", "Y", "Z"].iter().zip(&m.linear) {
         let [lo, hi] = axis.travel;
-        let _ = writeln!(out, "  {name} {lo} to {hi}, {}, {} mm/s2", axis.speed, trim(axis.acceleration, 3));
+        let (acceleration, jerk) = (trim(axis.acceleration, 3), jerk(axis.jerk, "mm/s3"));
+        let _ = writeln!(out, "  {name} {lo} to {hi}, {}, {acceleration} mm/s2, {jerk}", axis.speed);
     }
     for (name, axis) in [("A", &m.tilt), ("C", &m.turn)] {
         let [lo, hi] = axis.travel;
         let sense = if axis.iso { "iso" } else { "opposite" };
         let (speed, acceleration) = (trim(axis.speed.to_degrees(), 3), trim(axis.acceleration, 3));
-        let [x, y, z] = axis.point;
-        let _ = writeln!(out, "  {name} {lo} to {hi}, {speed} deg/s, {acceleration} rad/s2, {sense}, at {x}, {y}, {z}");
+        let (jerk, [x, y, z]) = (jerk(axis.jerk, "rad/s3"), axis.point);
+        let _ = writeln!(
+            out,
+            "  {name} {lo} to {hi}, {speed} deg/s, {acceleration} rad/s2, {jerk}, {sense}, at {x}, {y}, {z}"
+        );
     }
     let [x, y, z] = m.part_origin;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");

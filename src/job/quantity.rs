@@ -31,6 +31,10 @@ impl Dimension {
     pub const TURNING: Self = Self([0, 1, -1, 0, 0]);
     /// rad/min2.
     pub const TURNING_ACCELERATION: Self = Self([0, 1, -2, 0, 0]);
+    /// mm/min3.
+    pub const JERK: Self = Self([1, 0, -3, 0, 0]);
+    /// rad/min3.
+    pub const TURNING_JERK: Self = Self([0, 1, -3, 0, 0]);
 
     /// Words for the dimension.
     pub fn name(self) -> String {
@@ -47,6 +51,8 @@ impl Dimension {
             (Self::REMOVAL_RATE, "a removal rate"),
             (Self::TURNING, "a turning speed"),
             (Self::TURNING_ACCELERATION, "a turning acceleration"),
+            (Self::JERK, "a jerk"),
+            (Self::TURNING_JERK, "a turning jerk"),
         ];
         if let Some((_, name)) = known.iter().find(|(d, _)| *d == self) {
             return (*name).to_owned();
@@ -70,6 +76,8 @@ impl Dimension {
             Self::REMOVAL_RATE => "mm3/min",
             Self::TURNING => "deg/s",
             Self::TURNING_ACCELERATION => "rad/s2",
+            Self::JERK => "m/s3",
+            Self::TURNING_JERK => "rad/s3",
             _ => "",
         }
     }
@@ -168,6 +176,10 @@ const LIBRARY_UNITS: &[(&str, Scale, Dimension)] = &[
     ("deg/s", Scale::Times(60.0 * std::f64::consts::PI / 180.0), Dimension::TURNING),
     ("rad/s2", Scale::Times(3600.0), Dimension::TURNING_ACCELERATION),
     ("deg/s2", Scale::Times(3600.0 * std::f64::consts::PI / 180.0), Dimension::TURNING_ACCELERATION),
+    ("mm/s3", Scale::Times(216_000.0), Dimension::JERK),
+    ("m/s3", Scale::Times(216_000_000.0), Dimension::JERK),
+    ("rad/s3", Scale::Times(216_000.0), Dimension::TURNING_JERK),
+    ("deg/s3", Scale::Times(216_000.0 * std::f64::consts::PI / 180.0), Dimension::TURNING_JERK),
 ];
 
 /// All unit names of the job language.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2.
+/// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearAxis {
     /// Least position.
@@ -13,9 +13,11 @@ pub struct LinearAxis {
     pub speed: f64,
     /// Largest acceleration.
     pub acceleration: f64,
+    /// Largest change of acceleration a second; infinite where the control has no limit.
+    pub jerk: f64,
 }
 
-/// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2.
+/// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2, jerk in rad/s3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotaryAxis {
     /// Least position.
@@ -26,6 +28,8 @@ pub struct RotaryAxis {
     pub speed: f64,
     /// Largest acceleration.
     pub acceleration: f64,
+    /// Largest change of acceleration a second; infinite where the control has no limit.
+    pub jerk: f64,
     /// +1 when the machine's word has the ISO sense, -1 when it has the opposite.
     pub word_sign: f64,
 }
@@ -86,5 +90,11 @@ impl Machine {
     pub fn accelerations(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.acceleration);
         [x, y, z, self.tilt.acceleration, self.turn.acceleration]
+    }
+
+    /// Jerk limits of X, Y, Z (mm/s3), A and C (rad/s3); infinite where the control has none.
+    pub fn jerks(&self) -> [f64; 5] {
+        let [x, y, z] = self.linear.map(|l| l.jerk);
+        [x, y, z, self.tilt.jerk, self.turn.jerk]
     }
 }

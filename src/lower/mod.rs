@@ -194,6 +194,7 @@ fn machine(spec: &MachineSpec) -> Machine {
             max: axis.travel[1].get(),
             speed: axis.speed.get() / 60.0,
             acceleration: axis.acceleration,
+            jerk: axis.jerk,
         }),
         tilt: rotary(&spec.tilt),
         turn: rotary(&spec.turn),
@@ -231,7 +232,7 @@ fn carried(spec: &MachineSpec) -> Vec<Carried> {
 fn rotary(spec: &RotarySpec) -> RotaryAxis {
     let [min, max] = spec.travel.map(|t| t.get());
     let (min, max, word_sign) = if spec.iso { (min, max, 1.0) } else { (-max, -min, -1.0) };
-    RotaryAxis { min, max, speed: spec.speed, acceleration: spec.acceleration, word_sign }
+    RotaryAxis { min, max, speed: spec.speed, acceleration: spec.acceleration, jerk: spec.jerk, word_sign }
 }
 
 #[cfg(test)]
@@ -245,6 +246,7 @@ mod tests {
             travel: [Rad(-1.5), Rad(0.5)],
             speed: 1.0,
             acceleration: 2.0,
+            jerk: f64::INFINITY,
             iso: false,
             point: [Mm(0.0); 3],
         };

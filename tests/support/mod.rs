@@ -91,12 +91,14 @@ pub fn wei_data() -> Vec<DataCurve> {
 
 /// A/C double turntable in the class of the paper's machine.
 pub fn machine() -> Machine {
-    let linear = |half: f64| LinearAxis { min: -half, max: half, speed: 500.0, acceleration: 5000.0 };
+    let linear =
+        |half: f64| LinearAxis { min: -half, max: half, speed: 500.0, acceleration: 5000.0, jerk: f64::INFINITY };
     let rotary = |min: f64, max: f64, rpm: f64| RotaryAxis {
         min: min.to_radians(),
         max: max.to_radians(),
         speed: rpm * std::f64::consts::TAU / 60.0,
         acceleration: 20.0,
+        jerk: f64::INFINITY,
         word_sign: 1.0,
     };
     Machine {
