@@ -22,6 +22,7 @@ pub mod ir;
 pub mod job;
 pub mod kin;
 pub mod lower;
+pub mod method;
 pub mod output;
 pub mod passes;
 pub mod post;

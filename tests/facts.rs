@@ -11,6 +11,7 @@ use impellerc::driver::{Options, Stages, compile};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
 use impellerc::ir::{Contract, ContractKind, Guides, OperationKind, Part, Program, RulingEnd, Side};
+use impellerc::method::Spacing;
 use impellerc::source::{SourceId, Span};
 use impellerc::units::Mm;
 use nalgebra::Point3;
@@ -39,7 +40,11 @@ fn program(fillet: Option<f64>, roughers: &[Cutter]) -> Program {
     for (i, cutter) in roughers.iter().enumerate() {
         add(*cutter, OperationKind::Groove { depth: Mm(1.5), allowance_vane: Mm(0.2), allowance_hub: Mm(0.5) }, i);
     }
-    add(Cutter::Ball { radius: 3.0 }, OperationKind::Channel { scallop: Mm(0.012) }, 50);
+    add(
+        Cutter::Ball { radius: 3.0 },
+        OperationKind::Channel { scallop: Mm(0.012), spacing: Spacing::EqualDivision },
+        50,
+    );
     program
 }
 
@@ -257,7 +262,13 @@ fn a_tool_thicker_than_the_mouth_is_refused_though_another_reaches_the_floor() {
 fn a_finisher_that_does_not_fit_is_an_error() {
     let mut program = program(None, &[Cutter::Flat { radius: 4.0 }]);
     let big = program.tools.push(tool("big", 9, Cutter::Ball { radius: 7.0 }, 30.0, 45.0));
-    program.operations.push(operation("channel2", OperationKind::Channel { scallop: Mm(0.01) }, big, vec![0], 8.0));
+    program.operations.push(operation(
+        "channel2",
+        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision },
+        big,
+        vec![0],
+        8.0,
+    ));
     let (_, diags) = check(&program);
     assert_eq!(errors(&diags).len(), 1, "{diags:?}");
     assert!(errors(&diags)[0].message.contains("14 mm ball"));

@@ -7,6 +7,7 @@ use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Found, Job, Missing};
+use impellerc::method::Spacing;
 use impellerc::source::{SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -79,7 +80,8 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
     assert_eq!(job.operations[0].speed.get(), 4500.0);
     assert_eq!(job.operations[0].feed.get(), 150.0);
-    assert_eq!(job.operations[5].kind, OperationKind::Channel(impellerc::units::Mm(0.01)));
+    let scallop = impellerc::units::Mm(0.01);
+    assert_eq!(job.operations[5].kind, OperationKind::Channel { scallop, spacing: Spacing::EqualDivision });
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!((job.chord.get(), job.clearance.get()), (0.001, 0.5));
     assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
@@ -107,6 +109,18 @@ fn expand_takes_the_layers_of_the_groove_before_it() {
 }
 
 #[test]
+fn spacing_is_named_and_has_a_default() {
+    let spacing = |text: &str| match read(text).job.unwrap().operations[5].kind {
+        OperationKind::Channel { spacing, .. } => spacing,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(spacing(&changed("spacing equal-division", "")), Spacing::ConstantScallop);
+    for named in Spacing::ALL {
+        assert_eq!(spacing(&changed("equal-division", named.name())), named);
+    }
+}
+
+#[test]
 fn independent_faults_are_reported_in_one_run() {
     let text = changed("fillet 3 mm", "fillet 3")
         .replacen("scallop 10 um", "scalop 10 um", 1)
@@ -131,6 +145,7 @@ fn fixes_mend_what_they_are_offered_for() {
         ("holder \"er16-mini\"", "holder \"er16mini\"", codes::job::UNKNOWN_NAME),
         ("diameter 8 mm", "diameter 8 nm", codes::job::UNKNOWN_UNIT),
         ("feed 150 mm/min", "feed 150", codes::job::NO_UNIT),
+        ("equal-division", "equl-division", codes::job::UNKNOWN_NAME),
     ];
     for (right, wrong, code) in cases {
         let text = changed(right, wrong);

@@ -10,6 +10,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("progress", &[]),
     ("contract", &[]),
     ("entity", &[]),
+    ("method", &[]),
     ("source", &[]),
     ("diag", &[]),
     ("geom", &[]),
@@ -29,7 +30,8 @@ const MAY: &[(&str, &[&str])] = &[
 ];
 
 /// Every module may name these.
-const FOUNDATION: &[&str] = &["units", "contract", "entity", "source", "diag", "entity_id", "codes", "progress"];
+const FOUNDATION: &[&str] =
+    &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
 const ENGINES: &[&str] = &["geom", "kin", "collide", "stock"];

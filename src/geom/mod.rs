@@ -4,6 +4,7 @@
 pub mod basis;
 pub mod curvature;
 pub mod curve;
+pub mod geodesic;
 pub mod interpolate;
 pub mod knots;
 pub mod proximity;
@@ -13,6 +14,7 @@ pub mod surface;
 
 pub use curvature::SurfaceCurvature;
 pub use curve::{CurveDerivatives, NurbsCurve};
+pub use geodesic::BandMetric;
 pub use interpolate::interpolate;
 pub use revolution::Revolution;
 pub use ruled::RuledSurface;

@@ -109,7 +109,7 @@ fn kind(kind: &OperationKind) -> String {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
             format!("flank two-point {} strips {strips}", faces.join(" "))
         }
-        OperationKind::Channel { scallop } => format!("channel scallop {scallop}"),
+        OperationKind::Channel { scallop, spacing } => format!("channel {} scallop {scallop}", spacing.name()),
     }
 }
 

@@ -8,6 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
+use crate::method::Spacing;
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
 use nalgebra::Point3;
@@ -211,6 +212,8 @@ pub enum OperationKind {
     Channel {
         /// Scallop height between neighbouring lines.
         scallop: Mm,
+        /// How the lines are spaced.
+        spacing: Spacing,
     },
 }
 

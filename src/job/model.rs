@@ -2,6 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
+use crate::method::Spacing;
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -289,8 +290,13 @@ pub enum OperationKind {
         /// Bands along the ruling.
         strips: u32,
     },
-    /// Channel floor, with the scallop height.
-    Channel(Mm),
+    /// Channel floor.
+    Channel {
+        /// Scallop height.
+        scallop: Mm,
+        /// How its lines are spaced.
+        spacing: Spacing,
+    },
 }
 
 impl OperationKind {
@@ -300,7 +306,7 @@ impl OperationKind {
             Self::Groove(_) => "groove",
             Self::Expand(..) => "expand",
             Self::Flank { .. } => "flank",
-            Self::Channel(_) => "channel",
+            Self::Channel { .. } => "channel",
         }
     }
 }

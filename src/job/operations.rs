@@ -8,6 +8,7 @@ use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
+use crate::method::Spacing;
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -117,7 +118,7 @@ impl Reader<'_> {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
             "flank" => &["faces", "method", "strips"],
-            _ => &["scallop"],
+            _ => &["scallop", "spacing"],
         };
         let known = [&COMMON, own].concat();
         let owner = format!("operation {}", self.name);
@@ -318,7 +319,8 @@ impl Reader<'_> {
             _ => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
-                Some(OperationKind::Channel(Mm(scallop?.0)))
+                let spacing = spacing(p);
+                Some(OperationKind::Channel { scallop: Mm(scallop?.0), spacing: spacing? })
             }
         }
     }
@@ -355,6 +357,25 @@ impl Reader<'_> {
         let [vane, hub] = allowances?;
         Some(Layers { depth: depth?, allowance_vane: vane?, allowance_hub: hub? })
     }
+}
+
+/// How lines over a floor are spaced.
+fn spacing(p: &mut Properties<'_, '_>) -> Option<Spacing> {
+    let example = "spacing constant-scallop";
+    let [default, _] = Spacing::ALL;
+    if !p.has("spacing") {
+        return Some(default);
+    }
+    let words = p.words("spacing", example)?;
+    let [word] = words.as_slice() else {
+        p.wrong_form(words.first()?.span, "spacing", "one name", example);
+        return None;
+    };
+    let found = Spacing::ALL.into_iter().find(|s| s.name() == word.text);
+    if found.is_none() {
+        p.sink.push(unknown(&word.text, word.span, "spacing", Spacing::ALL.into_iter().map(Spacing::name)));
+    }
+    found
 }
 
 fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {

@@ -128,7 +128,9 @@ fn operations(out: &mut String, job: &Job) {
                 let faces: Vec<_> = faces.iter().filter(|f| f.0).map(|f| f.1).collect();
                 let _ = writeln!(out, "  faces {}\n  method two-point\n  strips {strips}", faces.join(", "));
             }
-            OperationKind::Channel(scallop) => _ = writeln!(out, "  scallop {scallop}"),
+            OperationKind::Channel { scallop, spacing } => {
+                let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
+            }
         }
     }
 }

@@ -152,7 +152,9 @@ fn operation(spec: &model::OperationSpec) -> Operation {
             let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
             OperationKind::Flank { faces, strips: *strips }
         }
-        model::OperationKind::Channel(scallop) => OperationKind::Channel { scallop: *scallop },
+        model::OperationKind::Channel { scallop, spacing } => {
+            OperationKind::Channel { scallop: *scallop, spacing: *spacing }
+        }
     };
     Operation {
         name: spec.name.clone(),

@@ -4,6 +4,7 @@
 //! a new value; the others improve the one that they are given.
 
 mod chart;
+mod constant_scallop;
 mod layers;
 mod obstacles;
 

@@ -1,26 +1,65 @@
 //! `plan-channel`: streamlines on the hub between the vanes, from inlet to outlet (Wei 3.3).
 //!
-//! Before: an operation. After: lines at equal shares of the arc between the two fillets (formula 13). The outer ones
-//! roll in the fillets. Their number is the least that keeps the scallop height everywhere by the exact law with the
-//! curvature of the hub across the line.
+//! Before: an operation. After: lines between the two fillets; the outer ones roll in the fillets. By `constant-scallop`
+//! neighbours are as far from each other as the scallop height allows, everywhere, and lines begin where the channel
+//! widens. By `equal-division` all lines run through, at equal shares of the arc (formula 13); their number is the
+//! least that keeps the scallop height at the widest place by the exact law with the curvature of the hub across the
+//! line.
 
+use super::constant_scallop::tracks;
 use super::pipeline::{PassContext, check_points};
 use super::plan_flank::STATIONS;
 use super::scallop;
 use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::BandMetric;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
+use crate::method::Spacing;
 use nalgebra::Vector2;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 /// Where the ball that rolls in the fillet touches the hub: (u of the hub, azimuth), ascending in u.
 type Contact = Vec<[f64; 2]>;
 
+/// What is machined: the hub of channel 0 between the two lines where the ball leaves the fillets.
+struct Floor<'a> {
+    part: &'a Part,
+    /// Radius of the ball of the tool.
+    radius: f64,
+    walls: [Contact; 2],
+}
+
+impl Floor<'_> {
+    /// Azimuth of the first wall, and the angle from it to the second.
+    fn walls(&self, u: f64) -> (f64, f64) {
+        let a = azimuth(&self.walls[0], u);
+        let ahead = azimuth(&self.walls[1], u) - a;
+        (a, ahead - TAU * (ahead / TAU).round() + self.part.pitch())
+    }
+
+    fn point(&self, u: f64, w: f64, azimuth: f64) -> CcPoint {
+        let hub = &self.part.hub;
+        CcPoint { u, v: 0.0, w, position: hub.point(u, azimuth), normal: hub.normal(u, azimuth) }
+    }
+
+    /// Steps along the meridian and across it that leave ridges of a height.
+    fn steps(&self, u: f64, height: f64) -> [f64; 2] {
+        let hub = &self.part.hub;
+        [hub.meridian_curvature(u), hub.ring_curvature(u)].map(|k| scallop::curved_step(self.radius, height, k))
+    }
+}
+
+/// Lines in channel 0, with what is worth telling about them.
+struct Lines {
+    lines: Vec<Vec<CcPoint>>,
+    notes: Vec<String>,
+}
+
 /// Plans a channel operation.
 ///
 /// # Errors
-/// The ball does not reach the hub between the vanes; the diagnostic is in the sink.
+/// The ball does not reach the hub between the vanes, or does not fit its hollow; the diagnostic is in the sink.
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Channel { scallop: height } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Channel { scallop: height, spacing } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let rolling = part.fillet.map_or(radius, |f| f.get());
@@ -37,6 +76,8 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         );
         return Err(Aborted);
     };
+    let floor = Floor { part, radius, walls: [first, second] };
+    check_fit(cx, operation, &floor)?;
     // Hub parameters from before the inlet to behind the outlet.
     let speed = |u: f64| part.hub.meridian(u).first.norm();
     // Dense until the ball has left hub and edges behind, as it does beyond both ends of the contact lines; then the
@@ -50,63 +91,10 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     grid.extend([from, to]);
     grid.sort_by(f64::total_cmp);
     grid.dedup();
-    let walls = |u: f64| {
-        let a = azimuth(&first, u);
-        let ahead = azimuth(&second, u) - a;
-        (a, ahead - TAU * (ahead / TAU).round() + part.pitch())
+    let Lines { lines, notes } = match spacing {
+        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), &grid)?,
+        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, height.get(), &grid)?,
     };
-    let mut count = 1.0_f64;
-    let mut place = (0.0, 0.0, 0.0);
-    for u in grid.iter().copied().filter(|u| (0.0..=1.0).contains(u)) {
-        let (_, angle) = walls(u);
-        let m = part.hub.meridian(u);
-        let delta = 1e-4;
-        // Slope of the steepest line against the meridian narrows the distance between lines.
-        let slope = ((azimuth(&first, u + delta) - azimuth(&first, u - delta)) * m.point.x
-            / (2.0 * delta * m.first.norm()))
-        .abs()
-        .min(
-            ((azimuth(&second, u + delta) - azimuth(&second, u - delta)) * m.point.x / (2.0 * delta * m.first.norm()))
-                .abs(),
-        );
-        let cos2 = 1.0 / (1.0 + slope * slope);
-        let across = part.hub.ring_curvature(u) * cos2 + part.hub.meridian_curvature(u) * (1.0 - cos2);
-        let step = scallop::curved_step(radius, height.get(), across);
-        let lines = angle * m.point.x * cos2.sqrt() / step;
-        if lines > count {
-            count = lines;
-            place = (u, angle * m.point.x, step);
-        }
-    }
-    let count = count.ceil();
-    check_points(cx, operation, count * grid.len() as f64)?;
-    let lines: Vec<Vec<CcPoint>> = (0..=count as usize)
-        .map(|j| {
-            let share = j as f64 / count;
-            grid.iter()
-                .map(|u| {
-                    let (a, angle) = walls(*u);
-                    let azimuth = a + angle * share;
-                    CcPoint {
-                        u: *u,
-                        v: 0.0,
-                        w: share,
-                        position: part.hub.point(*u, azimuth),
-                        normal: part.hub.normal(*u, azimuth),
-                    }
-                })
-                .collect()
-        })
-        .collect();
-    let notes = vec![format!(
-        "{} lines a channel (13) for a scallop of {:.4} mm: widest at u = {:.3}, arc {:.3} mm, exact step {:.4} mm; formula (9) would step {:.4} mm",
-        lines.len(),
-        height.get(),
-        place.0,
-        place.1,
-        place.2,
-        scallop::formula_9_step(radius, height.get())
-    )];
     let mut passes = Vec::new();
     for sector in &operation.sectors {
         let turn = part.sector_rotation(*sector);
@@ -123,6 +111,249 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         }
     }
     Ok(CcOperation { operation: id, passes, notes })
+}
+
+/// Refuses a ball that the hub's hollow or the space between the fillets is too small for.
+fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>) -> Result<(), Aborted> {
+    let part = floor.part;
+    let tool = &cx.program.tools[operation.tool];
+    let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
+    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
+    let place = |u: f64| {
+        let (a, angle) = floor.walls(u);
+        (format!("hub at u = {u:.3}"), part.hub.point(u, a + 0.5 * angle))
+    };
+    let Some(worst) = stations().min_by(|a, b| hollow(*a).total_cmp(&hollow(*b))) else { return Err(Aborted) };
+    let room = -1.0 / hollow(worst);
+    if hollow(worst) < 0.0 && room <= floor.radius {
+        let (name, at) = place(worst);
+        cx.sink.push(
+            Diag::error(
+                planning::TOO_HOLLOW,
+                format!(
+                    "the ball of {} (radius {} mm) is bigger than the hollow of the hub (radius {room:.3} mm)",
+                    tool.name, floor.radius
+                ),
+            )
+            .label(operation.span, "this operation finishes the hub")
+            .label(tool.span, "this ball would touch it beside the line that it is to cut")
+            .place(name, at)
+            .help(format!("take a ball of less than {:.2} mm diameter", 2.0 * room)),
+        );
+        return Err(Aborted);
+    }
+    let width = |u: f64| floor.walls(u).1 * part.hub.meridian(u).point.x;
+    let Some(narrow) = stations().min_by(|a, b| width(*a).total_cmp(&width(*b))) else { return Err(Aborted) };
+    if width(narrow) > 0.0 {
+        return Ok(());
+    }
+    let (name, at) = place(narrow);
+    let most = part.fillet.map_or(floor.radius, |f| f.get());
+    cx.sink.push(
+        Diag::error(
+            planning::TOOL_TOO_LARGE,
+            format!("balls of radius {most} mm that roll along both walls leave no floor between them"),
+        )
+        .label(operation.span, "this operation finishes the floor")
+        .label(tool.span, format!("{} mm in diameter", 2.0 * floor.radius))
+        .note(format!("they overlap by {:.3} mm along the hub", -width(narrow)))
+        .place(name, at)
+        .help("take a smaller ball, or declare a smaller fillet"),
+    );
+    Err(Aborted)
+}
+
+/// As many lines everywhere as the widest place needs.
+fn equal_division(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    floor: &Floor<'_>,
+    height: f64,
+    grid: &[f64],
+) -> Result<Lines, Aborted> {
+    let (part, radius) = (floor.part, floor.radius);
+    let [first, second] = &floor.walls;
+    let mut count = 1.0_f64;
+    let mut place = (0.0, 0.0, 0.0);
+    for u in grid.iter().copied().filter(|u| (0.0..=1.0).contains(u)) {
+        let (_, angle) = floor.walls(u);
+        let m = part.hub.meridian(u);
+        let delta = 1e-4;
+        // Slope of the steepest line against the meridian narrows the distance between lines.
+        let slope = ((azimuth(first, u + delta) - azimuth(first, u - delta)) * m.point.x
+            / (2.0 * delta * m.first.norm()))
+        .abs()
+        .min(
+            ((azimuth(second, u + delta) - azimuth(second, u - delta)) * m.point.x / (2.0 * delta * m.first.norm()))
+                .abs(),
+        );
+        let cos2 = 1.0 / (1.0 + slope * slope);
+        let across = part.hub.ring_curvature(u) * cos2 + part.hub.meridian_curvature(u) * (1.0 - cos2);
+        let step = scallop::curved_step(radius, height, across);
+        let lines = angle * m.point.x * cos2.sqrt() / step;
+        if lines > count {
+            count = lines;
+            place = (u, angle * m.point.x, step);
+        }
+    }
+    let count = count.ceil();
+    check_points(cx, operation, count * grid.len() as f64)?;
+    let lines: Vec<Vec<CcPoint>> = (0..=count as usize)
+        .map(|j| {
+            let share = j as f64 / count;
+            grid.iter()
+                .map(|u| {
+                    let (a, angle) = floor.walls(*u);
+                    floor.point(*u, share, a + angle * share)
+                })
+                .collect()
+        })
+        .collect();
+    let notes = vec![format!(
+        "{} lines a channel (13) for a scallop of {:.4} mm: widest at u = {:.3}, arc {:.3} mm, exact step {:.4} mm; formula (9) would step {:.4} mm",
+        lines.len(),
+        height,
+        place.0,
+        place.1,
+        place.2,
+        scallop::formula_9_step(radius, height)
+    )];
+    Ok(Lines { lines, notes })
+}
+
+/// Stations of the metric, less one.
+const METRIC_STATIONS: usize = 600;
+
+/// Stations of an arc on which a line begins or ends inside of the channel.
+const ARC_STATIONS: usize = 24;
+
+/// Lines as far from each other as the scallop allows, everywhere. Ridges are measured in the metric
+/// (I / R + II) / 8h of the hub, whose unit is the step in any direction: in it a ball of radius R that follows a line
+/// leaves 4h d^2 at the distance d from it. Along and across the meridian, the principal directions, it has the exact
+/// step instead.
+fn constant_scallop(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    floor: &Floor<'_>,
+    height: f64,
+    grid: &[f64],
+) -> Result<Lines, Aborted> {
+    let hub = &floor.part.hub;
+    // The interpolation may lift the tool by the chord; what is left is for the ridges.
+    let chord = cx.program.tolerances.chord.get();
+    let planned = height - chord.min(0.5 * height);
+    let lengths = |u: f64, h: f64| {
+        let m = hub.meridian(u);
+        let [along, across] = floor.steps(u.clamp(0.0, 1.0), h);
+        [m.first.norm() / along, m.point.x / across]
+    };
+    let widest = grid.iter().map(|u| floor.walls(*u).1 * lengths(*u, planned)[1]).fold(1.0, f64::max).ceil();
+    check_points(cx, operation, widest * grid.len() as f64)?;
+    // Until the ball has left the edges behind, but well before the axis.
+    let beyond = [0.0, 1.0].map(|u| {
+        let m = hub.meridian(u);
+        floor.radius.min(0.5 * m.point.x) / m.first.norm()
+    });
+    let metric = BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| lengths(u, planned));
+    let (first, second): (Vec<f64>, Vec<f64>) = metric
+        .stations()
+        .map(|u| {
+            let (a, angle) = floor.walls(u);
+            (a, a + angle)
+        })
+        .unzip();
+    // A line that begins inside of the channel comes down on a quarter of a circle, which lifts the ball over what
+    // roughing left.
+    let quarter = |lead: f64| lead.min(FRAC_PI_4 * floor.radius) / FRAC_PI_2;
+    let arcs = [quarter(operation.lead_in.get()), quarter(operation.lead_out.get())];
+    let slowest = grid.iter().map(|u| hub.meridian(*u).first.norm()).fold(f64::INFINITY, f64::min);
+    let short = arcs[0].max(arcs[1]) / slowest;
+    let tracks = tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8);
+    let Some(tracks) = tracks else {
+        cx.sink.push(
+            Diag::error(planning::TOO_FINE, format!("the lines of `{}` do not fill the channel", operation.name))
+                .label(operation.span, "this operation steps too finely")
+                .help("a bigger `scallop`"),
+        );
+        return Err(Aborted);
+    };
+    let last = tracks.len() - 1;
+    let mut length = 0.0;
+    let mut lines: Vec<Vec<CcPoint>> = Vec::with_capacity(tracks.len());
+    for (j, track) in tracks.iter().enumerate() {
+        let at = |u: f64| {
+            let (a, angle) = floor.walls(u);
+            match j {
+                0 => a,
+                _ if j == last => a + angle,
+                _ => metric.at(&track.azimuth, u),
+            }
+        };
+        let point = |u: f64| {
+            // The share stays on the leads.
+            let inside = u.clamp(0.0, 1.0);
+            let (a, angle) = floor.walls(inside);
+            floor.point(u, ((at(inside) - a) / angle).clamp(0.0, 1.0), at(u))
+        };
+        let [from, to] = track.range;
+        let ends = [from, to].into_iter().filter(|u| u.is_finite());
+        let mut places: Vec<f64> = grid.iter().copied().filter(|u| (from..=to).contains(u)).chain(ends).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let on_hub: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
+        let inside = |p: &CcPoint| (0.0..=1.0).contains(&p.u);
+        length += on_hub
+            .windows(2)
+            .filter(|pair| pair.iter().all(inside))
+            .map(|pair| (pair[1].position - pair[0].position).norm())
+            .sum::<f64>();
+        // From the end of a line, `back` along it and lifted.
+        let arc = |end: f64, radius: f64, direction: f64| {
+            let m = hub.meridian(end);
+            let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
+            let speed = m.first.norm().hypot(m.point.x * turn);
+            (1..=ARC_STATIONS).map(move |i| {
+                let (sin, cos) = (FRAC_PI_2 * i as f64 / ARC_STATIONS as f64).sin_cos();
+                (end + direction * radius * sin / speed, radius * (1.0 - cos))
+            })
+        };
+        let lifted = |(u, lift): (f64, f64)| {
+            let p = point(u);
+            CcPoint { position: p.position + p.normal * lift, ..p }
+        };
+        let mut line: Vec<CcPoint> = Vec::new();
+        if from.is_finite() && arcs[0] > 0.0 {
+            line.extend(arc(from, arcs[0], -1.0).map(lifted));
+            line.reverse();
+        }
+        line.extend(on_hub);
+        if to.is_finite() && arcs[1] > 0.0 {
+            line.extend(arc(to, arcs[1], 1.0).map(lifted));
+        }
+        lines.push(line);
+    }
+    // No lines could be shorter: each point takes the larger of the steps in its two principal directions.
+    let least: f64 = (0..STATIONS)
+        .map(|i| {
+            let u = (i as f64 + 0.5) / STATIONS as f64;
+            let m = hub.meridian(u);
+            let [along, across] = floor.steps(u, height);
+            m.first.norm() * m.point.x * floor.walls(u).1 / along.max(across) / STATIONS as f64
+        })
+        .sum();
+    let partial = tracks.iter().filter(|t| t.range[0].is_finite() || t.range[1].is_finite()).count();
+    let notes = vec![
+        format!(
+            "{} lines a channel, {partial} of them only where it is wide, for a scallop of {height:.4} mm, of which {:.4} mm is left to the chord",
+            lines.len(),
+            height - planned
+        ),
+        format!(
+            "{length:.1} mm of contact a channel, {:.1} % over the lower bound {least:.1} mm (area over the larger step)",
+            100.0 * (length / least - 1.0)
+        ),
+    ];
+    Ok(Lines { lines, notes })
 }
 
 /// Contact line of the ball that rolls between the hub and a face of sector 0.

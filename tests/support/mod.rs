@@ -11,6 +11,7 @@ use impellerc::ir::{
     Stock, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
+use impellerc::method::Spacing;
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
@@ -174,7 +175,13 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     operations.push(operation("expand2", expand(1.5, 0.4), t2, sectors.clone(), 12.0));
     let faces = vec![Side::Pressure, Side::Suction];
     operations.push(operation("flank", OperationKind::Flank { faces, strips: 6 }, t2, sectors.clone(), 15.0));
-    operations.push(operation("channel", OperationKind::Channel { scallop: Mm(0.01) }, t2, sectors, 8.0));
+    operations.push(operation(
+        "channel",
+        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision },
+        t2,
+        sectors,
+        8.0,
+    ));
     Program {
         name: "wei2021".to_owned(),
         stock: Stock::turned(&part, Mm(0.0), Mm(5.0), Mm(-40.0)),

@@ -29,5 +29,10 @@ Way out: take the operation out, or give a smaller thickness. The stock that is 
         "To see a rest of the given thickness under the rounding of the cutter, the stock is simulated in cells whose size \
 follows from both: sqrt(2 R t) for a radius R and a thickness t. On a large part with a small cutter these would be more than \
 memory can hold.\n\nWay out: a bigger thickness after `rest over`, or no rest machining in this operation.";
+    TOO_HOLLOW = "IMP0408", "the ball is bigger than the hollow of the hub",
+        "Where the hub is hollow, a ball that is rounder than the hollow touches it only where it should. A bigger one \
+rests on both sides of the line that it is to cut, and cuts there.\n\nExample: a meridian that turns from axial to \
+radial over 2 mm, with a ball of 6 mm diameter.\n\n\
+Way out: the help line gives the diameter to stay below; or a hub without the sharp turn.";
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }
