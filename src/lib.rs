@@ -16,6 +16,7 @@ pub mod contract;
 pub mod diag;
 pub mod driver;
 pub mod entity;
+pub mod envelope;
 pub mod export;
 pub mod geom;
 pub mod ir;

@@ -17,12 +17,13 @@ const MAY: &[(&str, &[&str])] = &[
     ("kin", &[]),
     ("collide", &[]),
     ("stock", &["collide"]),
+    ("envelope", &["geom", "collide"]),
     ("syntax", &[]),
     ("job", &["syntax"]),
     ("ir", &["geom", "kin", "collide"]),
     ("lower", &["job", "ir", "geom", "kin", "collide"]),
     ("analysis", &["ir", "geom", "kin", "collide"]),
-    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock"]),
+    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope"]),
     ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "geom", "kin", "collide"]),
@@ -34,7 +35,7 @@ const FOUNDATION: &[&str] =
     &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "kin", "collide", "stock"];
+const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "envelope"];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 

@@ -4,6 +4,7 @@
 pub mod basis;
 pub mod curvature;
 pub mod curve;
+pub mod dual;
 pub mod geodesic;
 pub mod interpolate;
 pub mod knots;
@@ -14,6 +15,7 @@ pub mod surface;
 
 pub use curvature::SurfaceCurvature;
 pub use curve::{CurveDerivatives, NurbsCurve};
+pub use dual::{AxisAt, DualCurve};
 pub use geodesic::BandMetric;
 pub use interpolate::interpolate;
 pub use revolution::Revolution;
