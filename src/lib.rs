@@ -24,6 +24,7 @@ pub mod job;
 pub mod kin;
 pub mod lower;
 pub mod method;
+pub mod orient;
 pub mod output;
 pub mod passes;
 pub mod post;

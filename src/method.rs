@@ -21,3 +21,31 @@ impl Spacing {
         }
     }
 }
+
+/// How the tool axes of an operation are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisMethod {
+    /// The best way through the clear axes of all stations in the machine's axes, then a smooth run in that corridor.
+    Corridor,
+    /// The rulings of both walls blended, with one lean a line.
+    Blend,
+    /// The greedy choice from the cone of each contact (Xu 2013).
+    Xu,
+    /// Along the ruling, without smoothing: what Xu 2013 compares with.
+    Ruling,
+}
+
+impl AxisMethod {
+    /// All of them, in the order in which messages list them.
+    pub const ALL: [Self; 4] = [Self::Corridor, Self::Blend, Self::Xu, Self::Ruling];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Corridor => "corridor",
+            Self::Blend => "blend",
+            Self::Xu => "xu",
+            Self::Ruling => "ruling",
+        }
+    }
+}

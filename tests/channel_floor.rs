@@ -9,7 +9,7 @@ use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{CcPass, CcPoint, Contract, ContractKind, OperationKind, Program};
-use impellerc::method::Spacing;
+use impellerc::method::{AxisMethod, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -19,7 +19,7 @@ fn floor_only(scallop: f64, spacing: Spacing) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius: 3.0 }, 30.0, 42.0));
-    let kind = OperationKind::Channel { scallop: Mm(scallop), spacing };
+    let kind = OperationKind::Channel { scallop: Mm(scallop), spacing, method: AxisMethod::Blend };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program
 }

@@ -7,7 +7,7 @@ use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Found, Job, Missing};
-use impellerc::method::Spacing;
+use impellerc::method::{AxisMethod, Spacing};
 use impellerc::source::{SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -81,7 +81,10 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(job.operations[0].speed.get(), 4500.0);
     assert_eq!(job.operations[0].feed.get(), 150.0);
     let scallop = impellerc::units::Mm(0.01);
-    assert_eq!(job.operations[5].kind, OperationKind::Channel { scallop, spacing: Spacing::EqualDivision });
+    assert_eq!(
+        job.operations[5].kind,
+        OperationKind::Channel { scallop, spacing: Spacing::EqualDivision, method: AxisMethod::Blend }
+    );
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!((job.chord.get(), job.clearance.get()), (0.001, 0.5));
     assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);

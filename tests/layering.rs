@@ -18,12 +18,13 @@ const MAY: &[(&str, &[&str])] = &[
     ("collide", &[]),
     ("stock", &["collide"]),
     ("envelope", &["geom", "collide"]),
+    ("orient", &["geom"]),
     ("syntax", &[]),
     ("job", &["syntax"]),
     ("ir", &["geom", "kin", "collide"]),
     ("lower", &["job", "ir", "geom", "kin", "collide"]),
     ("analysis", &["ir", "geom", "kin", "collide"]),
-    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope"]),
+    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope", "orient"]),
     ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "geom", "kin", "collide"]),
@@ -35,7 +36,7 @@ const FOUNDATION: &[&str] =
     &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "envelope"];
+const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "envelope", "orient"];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 
@@ -112,7 +113,7 @@ fn modules_name_only_what_lies_below_them() {
                 faults.push(format!("{} names {name}", path.display()));
             }
         }
-        for (krate, owner) in [("parry3d_f64", "collide"), ("pest", "syntax"), ("toml::", "job")] {
+        for (krate, owner) in [("parry3d_f64", "collide"), ("pest", "syntax"), ("toml::", "job"), ("spade", "geom")] {
             if own != owner && code.contains(&format!("use {krate}")) {
                 faults.push(format!("{} names {krate}", path.display()));
             }

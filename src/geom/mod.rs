@@ -5,22 +5,27 @@ pub mod basis;
 pub mod curvature;
 pub mod curve;
 pub mod dual;
+pub mod elliptic_cone;
 pub mod geodesic;
 pub mod interpolate;
 pub mod knots;
+pub mod moving_least_squares;
 pub mod proximity;
 pub mod revolution;
 pub mod ruled;
 pub mod surface;
+pub mod triangulation;
 
 pub use curvature::SurfaceCurvature;
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use dual::{AxisAt, DualCurve};
+pub use elliptic_cone::EllipticCone;
 pub use geodesic::BandMetric;
 pub use interpolate::interpolate;
 pub use revolution::Revolution;
 pub use ruled::RuledSurface;
 pub use surface::{NurbsSurface, SurfaceDerivatives};
+pub use triangulation::Triangulation;
 
 /// Why a geometric entity cannot be made.
 #[derive(Clone, Debug, PartialEq)]

@@ -109,7 +109,9 @@ fn kind(kind: &OperationKind) -> String {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
             format!("flank two-point {} strips {strips}", faces.join(" "))
         }
-        OperationKind::Channel { scallop, spacing } => format!("channel {} scallop {scallop}", spacing.name()),
+        OperationKind::Channel { scallop, spacing, method } => {
+            format!("channel {} scallop {scallop} axes {}", spacing.name(), method.name())
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::method::Spacing;
+use crate::method::{AxisMethod, Spacing};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -296,6 +296,8 @@ pub enum OperationKind {
         scallop: Mm,
         /// How its lines are spaced.
         spacing: Spacing,
+        /// How tool axes are chosen.
+        method: AxisMethod,
     },
 }
 

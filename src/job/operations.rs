@@ -8,7 +8,7 @@ use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::Spacing;
+use crate::method::{AxisMethod, Spacing};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -118,7 +118,7 @@ impl Reader<'_> {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
             "flank" => &["faces", "method", "strips"],
-            _ => &["scallop", "spacing"],
+            _ => &["scallop", "spacing", "method"],
         };
         let known = [&COMMON, own].concat();
         let owner = format!("operation {}", self.name);
@@ -319,8 +319,8 @@ impl Reader<'_> {
             _ => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
-                let spacing = spacing(p);
-                Some(OperationKind::Channel { scallop: Mm(scallop?.0), spacing: spacing? })
+                let (spacing, method) = (spacing(p), axis_method(p));
+                Some(OperationKind::Channel { scallop: Mm(scallop?.0), spacing: spacing?, method: method? })
             }
         }
     }
@@ -374,6 +374,26 @@ fn spacing(p: &mut Properties<'_, '_>) -> Option<Spacing> {
     let found = Spacing::ALL.into_iter().find(|s| s.name() == word.text);
     if found.is_none() {
         p.sink.push(unknown(&word.text, word.span, "spacing", Spacing::ALL.into_iter().map(Spacing::name)));
+    }
+    found
+}
+
+/// How tool axes are chosen; `corridor` where the operation does not say.
+fn axis_method(p: &mut Properties<'_, '_>) -> Option<AxisMethod> {
+    if !p.has("method") {
+        return Some(AxisMethod::Corridor);
+    }
+    let example = "method corridor";
+    let words = p.words("method", example)?;
+    let [word] = words.as_slice() else {
+        p.wrong_form(words.first()?.span, "method", "one method", example);
+        return None;
+    };
+    let found = AxisMethod::ALL.into_iter().find(|m| m.name() == word.text);
+    if found.is_none() {
+        let message = format!("tool axes by `{}` are not in the language", word.text);
+        let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
+        p.sink.push(suggest(diag, &word.text, word.span, "method", &AxisMethod::ALL.map(AxisMethod::name)));
     }
     found
 }

@@ -128,8 +128,9 @@ fn operations(out: &mut String, job: &Job) {
                 let faces: Vec<_> = faces.iter().filter(|f| f.0).map(|f| f.1).collect();
                 let _ = writeln!(out, "  faces {}\n  method two-point\n  strips {strips}", faces.join(", "));
             }
-            OperationKind::Channel { scallop, spacing } => {
+            OperationKind::Channel { scallop, spacing, method } => {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
+                let _ = writeln!(out, "  method {}", method.name());
             }
         }
     }

@@ -152,8 +152,8 @@ fn operation(spec: &model::OperationSpec) -> Operation {
             let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
             OperationKind::Flank { faces, strips: *strips }
         }
-        model::OperationKind::Channel { scallop, spacing } => {
-            OperationKind::Channel { scallop: *scallop, spacing: *spacing }
+        model::OperationKind::Channel { scallop, spacing, method } => {
+            OperationKind::Channel { scallop: *scallop, spacing: *spacing, method: *method }
         }
     };
     Operation {

@@ -59,7 +59,7 @@ struct Lines {
 /// # Errors
 /// The ball does not reach the hub between the vanes, or does not fit its hollow; the diagnostic is in the sink.
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Channel { scallop: height, spacing } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Channel { scallop: height, spacing, .. } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let rolling = part.fillet.map_or(radius, |f| f.get());

@@ -11,7 +11,7 @@ use impellerc::ir::{
     Stock, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
-use impellerc::method::Spacing;
+use impellerc::method::{AxisMethod, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
@@ -177,7 +177,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     operations.push(operation("flank", OperationKind::Flank { faces, strips: 6 }, t2, sectors.clone(), 15.0));
     operations.push(operation(
         "channel",
-        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision },
+        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision, method: AxisMethod::Blend },
         t2,
         sectors,
         8.0,

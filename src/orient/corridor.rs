@@ -1,0 +1,240 @@
+//! A smooth run of the rotary axes inside a corridor of elliptic cones.
+//!
+//! Unknown are A and C at stations even apart in the length of the path. First, second and third differences are
+//! minimised, and the largest turn of each axis a mm, which limits the feed. The axis at each station stays in its cone:
+//! a polygon in the ellipse, with the map from (A, C) to the plane of the ellipse linearised. The linear problem is
+//! solved, the map linearised again at what came out, until it moves no more; then each axis is compared with its true
+//! ellipse.
+
+use crate::geom::EllipticCone;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT};
+use nalgebra::{Matrix2, Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Sides of the polygon in an ellipse: its area is 95 % of the ellipse.
+const SIDES: usize = 12;
+
+/// Rounds of linearising.
+const ROUNDS: usize = 12;
+
+/// Largest change of an angle in a round, radians, over which the map is nearly linear.
+const TRUST: f64 = 0.2;
+
+/// Change of all angles below which the rounds end, radians.
+const SETTLED: f64 = 1e-5;
+
+/// Length that weighs differences of higher order against those of lower, mm.
+const LENGTH: f64 = 6.0;
+
+/// Weights of the terms that are minimised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// First differences: the membrane of (22) along the path.
+    pub first: f64,
+    /// Second differences: the thin plate of (22).
+    pub second: f64,
+    /// Third differences: what jerk comes from.
+    pub third: f64,
+    /// Squares of the largest turns of A and of C a mm.
+    pub peak: f64,
+    /// Least tilt A, radians; below it C turns fast.
+    pub least_tilt: f64,
+}
+
+/// A corridor: cones at stations even apart.
+#[derive(Clone, Debug)]
+pub struct Corridor {
+    /// Clear axes of each station.
+    pub cones: Vec<EllipticCone>,
+    /// Length of the path between neighbouring stations, mm.
+    pub spacing: f64,
+}
+
+/// Why no run was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residual {
+    /// Station.
+    pub station: usize,
+    /// How far out of its cone the last axis lies: 1 is on it.
+    pub level: f64,
+    /// Largest change of an angle in the last round, radians.
+    pub change: f64,
+    /// True when the linear problem had no solution.
+    pub infeasible: bool,
+}
+
+impl Corridor {
+    /// A and C of each station, from a run in the corridor or near it; C of neighbours on one winding. `axis_at` gives
+    /// the tool axis at (A, C).
+    ///
+    /// # Errors
+    /// The rounds end without a run that stays in all cones: the last residuals.
+    pub fn smooth(
+        &self,
+        start: &[(f64, f64)],
+        weights: &Weights,
+        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
+    ) -> Result<Vec<(f64, f64)>, Residual> {
+        let mut run = start.to_vec();
+        let mut change = f64::INFINITY;
+        let mut round = 0;
+        while round < ROUNDS && change > SETTLED {
+            round += 1;
+            let trust = TRUST / round as f64;
+            let Some(next) = self.solve(&run, weights, trust, axis_at) else {
+                let (station, level) = self.worst(&run, axis_at);
+                return Err(Residual { station, level, change, infeasible: true });
+            };
+            change = next.iter().zip(&run).map(|(p, q)| (p.0 - q.0).abs().max((p.1 - q.1).abs())).fold(0.0, f64::max);
+            run = next;
+        }
+        let (station, level) = self.worst(&run, axis_at);
+        // The polygon lies inside of the ellipse by more than what a settled round leaves.
+        if level <= 1.0 { Ok(run) } else { Err(Residual { station, level, change, infeasible: false }) }
+    }
+
+    /// The station that lies farthest out of its cone, and how far.
+    pub fn worst(&self, run: &[(f64, f64)], axis_at: &dyn Fn(f64, f64) -> Vector3<f64>) -> (usize, f64) {
+        let levels = self.cones.iter().zip(run).map(|(cone, q)| cone.level(&axis_at(q.0, q.1)));
+        levels.enumerate().fold((0, 0.0), |worst, x| if x.1 > worst.1 { x } else { worst })
+    }
+
+    fn solve(
+        &self,
+        run: &[(f64, f64)],
+        weights: &Weights,
+        trust: f64,
+        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
+    ) -> Option<Vec<(f64, f64)>> {
+        let n = self.cones.len();
+        if n < 4 || run.len() != n {
+            return None;
+        }
+        // Unknowns: A of all stations, C of all stations, the largest turn of each, the way out of the cones.
+        let count = 2 * n + 3;
+        let mut square = Triplets::default();
+        let h = self.spacing;
+        let orders: [(&[f64], f64); 3] = [
+            (&[-1.0, 1.0], weights.first / h),
+            (&[1.0, -2.0, 1.0], weights.second * LENGTH.powi(2) / h.powi(3)),
+            (&[-1.0, 3.0, -3.0, 1.0], weights.third * LENGTH.powi(4) / h.powi(5)),
+        ];
+        for axis in 0..2 {
+            for (stencil, weight) in orders {
+                for first in 0..=n - stencil.len() {
+                    for (i, p) in stencil.iter().enumerate() {
+                        for (j, q) in stencil.iter().enumerate().skip(i) {
+                            square.add(axis * n + first + i, axis * n + first + j, 2.0 * weight * p * q);
+                        }
+                    }
+                }
+            }
+            square.add(2 * n + axis, 2 * n + axis, 2.0 * weights.peak * h * n as f64);
+        }
+        let mut rows = Rows::default();
+        for (k, (cone, (a, c))) in self.cones.iter().zip(run).enumerate() {
+            self.in_cone(&mut rows, k, cone, (*a, *c), axis_at)?;
+            for (axis, value) in [(0, *a), (1, *c)] {
+                rows.at_most(&[(axis * n + k, 1.0)], value + trust);
+                rows.at_most(&[(axis * n + k, -1.0)], trust - value);
+            }
+            // Never out of reach: a run that starts below the least tilt may only rise.
+            rows.at_most(&[(k, -1.0)], -weights.least_tilt.min(a.abs()) * a.signum());
+            if k + 1 < n {
+                for axis in 0..2 {
+                    let (p, q) = (axis * n + k, axis * n + k + 1);
+                    rows.at_most(&[(q, 1.0), (p, -1.0), (2 * n + axis, -h)], 0.0);
+                    rows.at_most(&[(p, 1.0), (q, -1.0), (2 * n + axis, -h)], 0.0);
+                }
+            }
+        }
+        // Out of the cones only where there is no other way, at a price above all else.
+        let out = 2 * n + 2;
+        rows.at_most(&[(out, -1.0)], 0.0);
+        let mut linear = vec![0.0; count];
+        linear[out] = 1e3;
+        let solution = solve_quadratic(&square, &linear, &rows, count)?;
+        Some((0..n).map(|k| (solution[k], solution[n + k])).collect())
+    }
+
+    /// Rows that keep the axis of a station in its cone.
+    fn in_cone(
+        &self,
+        rows: &mut Rows,
+        k: usize,
+        cone: &EllipticCone,
+        (a, c): (f64, f64),
+        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
+    ) -> Option<()> {
+        let n = self.cones.len();
+        let here = cone.project(&axis_at(a, c))?;
+        // Central differences: the map is smooth, and 1e-5 leaves ten digits.
+        let step = 1e-5;
+        let by = |da: f64, dc: f64| {
+            let [p, q] = [1.0, -1.0].map(|s| cone.project(&axis_at(a + s * da, c + s * dc)));
+            Some((p? - q?) / (2.0 * step))
+        };
+        let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
+        let to_circle = cone.to_circle();
+        let (turned, offset) = (to_circle * jacobian, to_circle * (here - cone.centre));
+        let inner = (TAU / (2.0 * SIDES as f64)).cos();
+        for side in 0..SIDES {
+            let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
+            let out = Vector2::new(cos, sin);
+            let slope = turned.transpose() * out;
+            let bound = inner - out.dot(&offset) + slope.x * a + slope.y * c;
+            rows.at_most(&[(k, slope.x), (n + k, slope.y), (2 * n + 2, -1.0)], bound);
+        }
+        Some(())
+    }
+}
+
+/// Entries of a sparse matrix.
+#[derive(Default)]
+struct Triplets {
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Triplets {
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.rows.push(row);
+        self.columns.push(column);
+        self.values.push(value);
+    }
+
+    fn matrix(&self, rows: usize, columns: usize) -> CscMatrix<f64> {
+        CscMatrix::new_from_triplets(rows, columns, self.rows.clone(), self.columns.clone(), self.values.clone())
+    }
+}
+
+/// Linear constraints.
+#[derive(Default)]
+struct Rows {
+    matrix: Triplets,
+    bounds: Vec<f64>,
+}
+
+impl Rows {
+    /// Sum of factors times unknowns is at most a bound.
+    fn at_most(&mut self, terms: &[(usize, f64)], bound: f64) {
+        for (column, factor) in terms {
+            self.matrix.add(self.bounds.len(), *column, *factor);
+        }
+        self.bounds.push(bound);
+    }
+}
+
+/// Least x P x / 2 + q x under the rows; P by its upper half. `None` when the solver finds none.
+fn solve_quadratic(square: &Triplets, linear: &[f64], rows: &Rows, count: usize) -> Option<Vec<f64>> {
+    let p = square.matrix(count, count);
+    let a = rows.matrix.matrix(rows.bounds.len(), count);
+    let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.bounds.len())];
+    let settings = DefaultSettings { verbose: false, max_iter: 100, ..DefaultSettings::default() };
+    let mut solver = DefaultSolver::new(&p, linear, &a, &rows.bounds, &cones, settings).ok()?;
+    solver.solve();
+    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    solved.then(|| solver.solution.x.clone())
+}

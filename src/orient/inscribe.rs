@@ -1,0 +1,185 @@
+//! The largest oblique elliptic cone inside of a set of clear tool axes (Xu 3).
+//!
+//! The set is known by a question alone: is every axis within an angle of this one clear? Rays from a clear axis find
+//! where the set ends; the ellipse of largest area that holds none of these ends is found by a pattern search; last it
+//! is proved: caps of clear axes cover it whole, or it shrinks until they do.
+
+use crate::geom::EllipticCone;
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Rays from the seed.
+const RAYS: usize = 20;
+
+/// Step along a ray in the plane at height one: some 3 deg, less than the narrowest thing to be jumped over.
+const STEP: f64 = 0.05;
+
+/// Halvings of the step that the set ends in: to a twentieth of a degree.
+const HALVINGS: usize = 6;
+
+/// Rounds of the pattern search, each with finer steps.
+const ROUNDS: usize = 24;
+
+/// Share of its size that an ellipse keeps when it could not be proved.
+const SHRINK: f64 = 0.9;
+
+/// Least share of the ellipse between the ends of the rays that is still tried.
+const LEAST_SHARE: f64 = 0.3;
+
+/// Smallest half axis of a cone, as a tangent: a hundredth of a degree.
+const LEAST_HALF_AXIS: f64 = 2e-4;
+
+/// Least angle of a cap that proves a part of a cone, radians.
+pub const LEAST_CAP: f64 = 0.005;
+
+/// How a cone is to be known clear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proof {
+    /// Caps cover it whole.
+    Covered,
+    /// By the ends of the rays alone, for a use that checks what it takes.
+    Rays,
+}
+
+/// The largest cone about a clear axis, at the point `seed` of the plane at height one of `frame`, that stays within
+/// `reach` of the seed there. `clear(d, cap)` tells that every axis within the angle `cap` of the unit vector d is
+/// clear. `None` where the seed itself is not, or nothing about it can be proved.
+pub fn inscribe(
+    frame: &[Vector3<f64>; 3],
+    seed: Vector2<f64>,
+    reach: f64,
+    proof: Proof,
+    clear: &dyn Fn(&Vector3<f64>, f64) -> bool,
+) -> Option<EllipticCone> {
+    let [x, y, w] = frame;
+    let direction = |at: &Vector2<f64>| (w + x * at.x + y * at.y).normalize();
+    if !clear(&direction(&seed), 0.0) {
+        return None;
+    }
+    let ends: Vec<Vector2<f64>> = (0..RAYS)
+        .map(|k| {
+            let (sin, cos) = (TAU * k as f64 / RAYS as f64).sin_cos();
+            let along = |r: f64| seed + Vector2::new(cos, sin) * r;
+            let mut inside = 0.0;
+            while inside < reach && clear(&direction(&along(inside + STEP)), 0.0) {
+                inside += STEP;
+            }
+            if inside >= reach {
+                return along(reach);
+            }
+            let mut outside = inside + STEP;
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (inside + outside);
+                if clear(&direction(&along(middle)), 0.0) {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            along(inside)
+        })
+        .collect();
+    let mut cone = largest_between(frame, seed, &ends)?;
+    if proof == Proof::Rays {
+        return Some(cone);
+    }
+    let whole = cone.half_axes;
+    let mut share = 1.0;
+    while share > LEAST_SHARE {
+        cone.half_axes = whole.map(|h| h * share);
+        if covered(&cone, clear) {
+            return Some(cone);
+        }
+        share *= SHRINK;
+    }
+    None
+}
+
+/// The ellipse of largest area that holds the seed and none of the points inside.
+fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector2<f64>]) -> Option<EllipticCone> {
+    // First guess: middle and main directions of the star that the ends make.
+    let (mut area, mut middle) = (0.0, Vector2::zeros());
+    let mut moments = Matrix2::zeros();
+    for (k, p) in ends.iter().enumerate() {
+        let (p, q) = (p - seed, ends[(k + 1) % ends.len()] - seed);
+        let twice = p.x * q.y - p.y * q.x;
+        area += 0.5 * twice;
+        middle += (p + q) * (twice / 6.0);
+        let sum = p + q;
+        moments += (p * p.transpose() + q * q.transpose() + sum * sum.transpose()) * (twice / 24.0);
+    }
+    if area <= 0.0 {
+        return None;
+    }
+    middle /= area;
+    let spread = SymmetricEigen::new(moments / area - middle * middle.transpose());
+    let main = spread.eigenvalues.imax();
+    let lengths = [spread.eigenvalues[main], spread.eigenvalues[1 - main]].map(|e| e.max(0.0).sqrt());
+    let towards = spread.eigenvectors.column(main);
+    let ratio = (lengths[1] / lengths[0].max(1e-12)).clamp(0.05, 1.0);
+    let sized = |v: &[f64; 4]| {
+        let mut cone =
+            EllipticCone { frame: *frame, centre: Vector2::new(v[0], v[1]), half_axes: [1.0, v[2].exp()], roll: v[3] };
+        let m = cone.to_circle();
+        let scale = ends.iter().map(|p| (m * (p - cone.centre)).norm()).fold(f64::INFINITY, f64::min);
+        cone.half_axes = cone.half_axes.map(|h| h * scale);
+        let holds = (cone.to_circle() * (seed - cone.centre)).norm() <= 0.9;
+        (if holds { cone.area() } else { 0.0 }, cone)
+    };
+    let mut at = [seed.x + middle.x, seed.y + middle.y, ratio.ln(), towards[1].atan2(towards[0])];
+    let mut best = sized(&at);
+    if best.0 <= 0.0 {
+        at = [seed.x, seed.y, 0.0, 0.0];
+        best = sized(&at);
+    }
+    let mut step = [lengths[0] * 0.5, lengths[0] * 0.5, 0.4, 0.3];
+    for _ in 0..ROUNDS {
+        let mut better = false;
+        for k in 0..4 {
+            for sign in [1.0, -1.0] {
+                let mut next = at;
+                next[k] += sign * step[k];
+                next[2] = next[2].clamp(-3.0, 3.0);
+                let found = sized(&next);
+                if found.0 > best.0 {
+                    (at, best, better) = (next, found, true);
+                }
+            }
+        }
+        if !better {
+            step = step.map(|s| 0.6 * s);
+        }
+    }
+    let mut cone = best.1;
+    if cone.half_axes[1] > cone.half_axes[0] {
+        cone.half_axes.swap(0, 1);
+        cone.roll += 0.25 * TAU;
+    }
+    (cone.half_axes[1] > LEAST_HALF_AXIS && best.0 > 0.0).then_some(cone)
+}
+
+/// True when caps of clear axes cover the cone: squares over the unit disc are quartered until one cap holds each.
+pub fn covered(cone: &EllipticCone, clear: &dyn Fn(&Vector3<f64>, f64) -> bool) -> bool {
+    let mut squares: Vec<(Vector2<f64>, f64)> = vec![(Vector2::zeros(), 1.0)];
+    while let Some((middle, half)) = squares.pop() {
+        // Nearest point of the square to the middle of the disc.
+        let nearest = Vector2::new((middle.x.abs() - half).max(0.0), (middle.y.abs() - half).max(0.0));
+        if nearest.norm() >= 1.0 {
+            continue;
+        }
+        let at = cone.from_disc(&middle);
+        // The plane at height one lies outside of the sphere of unit vectors: angles are smaller than lengths in it.
+        let cap = half * cone.half_axes[0].hypot(cone.half_axes[1]);
+        if cap <= 1.0 && clear(&cone.direction(&at), cap) {
+            continue;
+        }
+        if cap <= LEAST_CAP {
+            return false;
+        }
+        let quarter = 0.5 * half;
+        for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+            squares.push((middle + Vector2::new(sx, sy) * quarter, quarter));
+        }
+    }
+    true
+}

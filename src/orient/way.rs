@@ -1,0 +1,146 @@
+//! The best way through the stations of a pass: at each one of several candidates, least cost in the machine's axes.
+//!
+//! The cost of a step is the time that the slowest joint needs at its largest speed; a change of the step costs
+//! `smoothness` times its square over the acceleration, summed over the joints. Since that sees three stations, the
+//! shortest path runs over pairs of candidates of neighbouring stations (Mi, Yuan, Ma, Shen 2017: difference graph).
+//! Rotary joints that turn endlessly are compared by their nearest winding, and both branches of a machine are
+//! candidates like any others.
+
+use std::f64::consts::TAU;
+
+/// Joints of a candidate: X, Y, Z in mm, A, C in radians.
+pub type Joints5 = [f64; 5];
+
+/// A candidate of a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// Joints.
+    pub joints: Joints5,
+    /// Cost of being there, s: what else speaks against it.
+    pub penalty: f64,
+}
+
+/// Weights of a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// Largest speeds, mm/s and rad/s.
+    pub speed: Joints5,
+    /// Largest accelerations, mm/s2 and rad/s2.
+    pub acceleration: Joints5,
+    /// Factor of the second differences, 1/s.
+    pub smoothness: f64,
+    /// Largest turn of A or C in a step, radians: what is farther is no neighbour.
+    pub most_turn: f64,
+}
+
+impl Costs {
+    /// Difference of two candidates, C by its nearest winding.
+    fn difference(from: &Joints5, to: &Joints5) -> Joints5 {
+        let mut d: Joints5 = std::array::from_fn(|k| to[k] - from[k]);
+        d[4] -= TAU * (d[4] / TAU).round();
+        d
+    }
+
+    fn step(&self, d: &Joints5) -> f64 {
+        (0..5).map(|k| d[k].abs() / self.speed[k]).fold(0.0, f64::max)
+    }
+
+    fn bend(&self, before: &Joints5, after: &Joints5) -> f64 {
+        self.smoothness * (0..5).map(|k| (after[k] - before[k]).powi(2) / self.acceleration[k]).sum::<f64>()
+    }
+
+    /// Cost of a chosen way: formula (4), and the penalties.
+    pub fn of(&self, stations: &[Vec<Candidate>], choice: &[usize]) -> f64 {
+        let at = |i: usize| &stations[i][choice[i]];
+        let steps: Vec<Joints5> =
+            (1..choice.len()).map(|i| Self::difference(&at(i - 1).joints, &at(i).joints)).collect();
+        let penalties: f64 = (0..choice.len()).map(|i| at(i).penalty).sum();
+        let bends: f64 = steps.windows(2).map(|w| self.bend(&w[0], &w[1])).sum();
+        penalties + steps.iter().map(|d| self.step(d)).sum::<f64>() + bends
+    }
+
+    /// The way of least cost: an index of a candidate for each station. The first of equal ones is taken.
+    ///
+    /// # Errors
+    /// The first station that no way reaches: it has no candidates, or none near enough.
+    pub fn shortest(&self, stations: &[Vec<Candidate>]) -> Result<Vec<usize>, usize> {
+        let Some(first) = stations.first() else { return Ok(Vec::new()) };
+        if first.is_empty() {
+            return Err(0);
+        }
+        let Some(second) = stations.get(1) else {
+            let least = (0..first.len()).min_by(|a, b| first[*a].penalty.total_cmp(&first[*b].penalty));
+            return Ok(least.into_iter().collect());
+        };
+        // A state is a step: candidates at both of its ends, and the best cost to get to its end by it.
+        let mut layers: Vec<Layer> = Vec::with_capacity(stations.len());
+        layers.push(self.steps(first, second));
+        for (i, step) in layers[0].iter_mut().enumerate() {
+            step.before = i;
+            step.cost += first[step.from].penalty + second[step.to].penalty;
+        }
+        if layers[0].is_empty() {
+            return Err(1);
+        }
+        for (i, pair) in stations.windows(2).enumerate().skip(1) {
+            let mut layer = self.steps(&pair[0], &pair[1]);
+            let last = &layers[i - 1];
+            // Steps of the layer before by the candidate that they end at.
+            let mut arriving: Vec<Vec<usize>> = vec![Vec::new(); pair[0].len()];
+            for (k, step) in last.iter().enumerate() {
+                arriving[step.to].push(k);
+            }
+            for step in &mut layer {
+                let mut best = (f64::INFINITY, 0);
+                for k in &arriving[step.from] {
+                    let cost = last[*k].cost + self.bend(&last[*k].difference, &step.difference);
+                    if cost < best.0 {
+                        best = (cost, *k);
+                    }
+                }
+                step.cost += best.0 + pair[1][step.to].penalty;
+                step.before = best.1;
+            }
+            layer.retain(|s| s.cost.is_finite());
+            if layer.is_empty() {
+                return Err(i + 1);
+            }
+            layers.push(layer);
+        }
+        let mut choice = vec![0; stations.len()];
+        let end = layers.last().map_or(&[][..], Vec::as_slice);
+        let mut at = (0..end.len()).min_by(|a, b| end[*a].cost.total_cmp(&end[*b].cost)).unwrap_or(0);
+        for (i, layer) in layers.iter().enumerate().rev() {
+            let step = &layer[at];
+            choice[i + 1] = step.to;
+            choice[i] = step.from;
+            at = step.before;
+        }
+        Ok(choice)
+    }
+
+    /// All steps from one station to the next, with their own cost alone.
+    fn steps(&self, from: &[Candidate], to: &[Candidate]) -> Layer {
+        let mut steps = Vec::new();
+        for (i, a) in from.iter().enumerate() {
+            for (j, b) in to.iter().enumerate() {
+                let difference = Self::difference(&a.joints, &b.joints);
+                if difference[3].abs().max(difference[4].abs()) <= self.most_turn {
+                    steps.push(Step { from: i, to: j, before: 0, difference, cost: self.step(&difference) });
+                }
+            }
+        }
+        steps
+    }
+}
+
+type Layer = Vec<Step>;
+
+/// A step between neighbouring stations.
+struct Step {
+    from: usize,
+    to: usize,
+    before: usize,
+    difference: Joints5,
+    cost: f64,
+}
