@@ -20,13 +20,13 @@
 use crate::geom::BandMetric;
 use crate::geom::geodesic::cubic_weights;
 
-/// Share of a step over which a line turns from the seam into its family. The line number k of the other family
-/// starts where this turn starts, so that what the turn moves away from is always covered by the other one.
-const TURN: f64 = 0.3;
+/// Share of a step over which a line turns from the seam into its family, on both sides of the place where they meet:
+/// less than half, so that it has turned where the next line begins.
+const TURN: f64 = 0.45;
 
-/// How far before the seam a front has to come, in turns, to part from it. A little behind the seam the turn of the
-/// line of the first family takes less than the other side still has to spare: t^3 / 6 <= 1 - t for t = 1 - 0.13.
-const PARTS: f64 = -0.13;
+/// Where the line number k of the second family begins: its front lies this far behind the seam, in turns. Up to there
+/// the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has 0.2 to spare.
+const BEGINS: f64 = 0.2;
 
 /// Share of half a step by which a point between two lines may be farther from them than that.
 const COVER: f64 = 1e-3;
@@ -86,19 +86,12 @@ pub(super) fn tracks(
             let azimuth: Vec<f64> = (0..x.len())
                 .map(|i| seam[i][1] - family.sign * soft_rest(family.sign * (seam[i][1] - front[i]), turn[i]))
                 .collect();
-            // How far the front lies before the seam, in turns: from -1 on the line turns from the seam.
-            let before: Vec<f64> = (0..x.len()).map(|i| family.sign * (seam[i][1] - front[i]) / turn[i]).collect();
             let need: Vec<f64> = if along_seam {
                 seam.iter().map(|s| s[0] - (k as f64 - 0.5)).collect()
             } else {
-                before.iter().map(|b| b + 1.0).collect()
+                (0..x.len()).map(|i| family.sign * (seam[i][1] - front[i]) / turn[i] + BEGINS).collect()
             };
             for range in ranges(&x, &need, span, short) {
-                // Two lines are needed only where there is more than a step between the lines before them.
-                let parts = |i: usize| used[i] && (range[0]..=range[1]).contains(&x[i]) && before[i] > PARTS;
-                if !along_seam && !(0..x.len()).any(parts) {
-                    continue;
-                }
                 side.push(Track { azimuth: azimuth.clone(), range });
             }
         }
@@ -236,8 +229,11 @@ mod tests {
 
     #[test]
     fn parallel_walls_have_parallel_lines() {
-        // Width in steps, and lines that are needed: one more than steps, rounded up.
-        for (width, lines) in [(0.4, 2), (0.95, 2), (1.4, 3), (1.9, 3), (2.2, 4), (6.5, 8), (9.7, 11), (10.2, 12)] {
+        // Width in steps, and lines that are needed: one more than steps, rounded up. At 1.95 both of the middle ones
+        // begin already.
+        for (width, lines) in
+            [(0.4, 2), (0.95, 2), (1.4, 3), (1.8, 3), (1.95, 4), (2.2, 4), (6.5, 8), (9.7, 11), (10.2, 12)]
+        {
             let metric = BandMetric::new(-3.0, 13.0, 161, |_| [2.0, 2.0]);
             let walls = [0.0, 0.5 * width].map(|y| vec![y; 161]);
             let found = tracks(&metric, [&walls[0], &walls[1]], [0.0, 10.0], 0.5, 40).unwrap();

@@ -63,6 +63,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let rolling = part.fillet.map_or(radius, |f| f.get());
+    check_hollow(cx, operation, radius)?;
     let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
     let bounds = (contact(part, part.first_wall, rolling), contact(part, second, rolling));
     let (Some(first), Some(second)) = bounds else {
@@ -113,35 +114,57 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     Ok(CcOperation { operation: id, passes, notes })
 }
 
-/// Refuses a ball that the hub's hollow or the space between the fillets is too small for.
+/// Refuses a ball that is bigger than the hollow of the hub, along or across the meridian.
+fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) -> Result<(), Aborted> {
+    let part = &cx.program.part;
+    let tool = &cx.program.tools[operation.tool];
+    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
+    let stations = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
+    let Some(worst) = stations.min_by(|a, b| hollow(*a).total_cmp(&hollow(*b))) else { return Err(Aborted) };
+    let room = -1.0 / hollow(worst);
+    if hollow(worst) >= 0.0 || room > radius {
+        return Ok(());
+    }
+    // In the middle of the channel, nearly.
+    let root = part.face(part.first_wall).surface.point(worst, 0.0);
+    let at = part.hub.point(worst, root.y.atan2(root.x) + 0.5 * part.pitch());
+    cx.sink.push(
+        Diag::error(
+            planning::TOO_HOLLOW,
+            format!(
+                "the ball of {} (radius {radius} mm) is bigger than the hollow of the hub (radius {room:.3} mm)",
+                tool.name
+            ),
+        )
+        .label(operation.span, "this operation finishes the hub")
+        .label(tool.span, "this ball would touch it beside the line that it is to cut")
+        .place(format!("hub at u = {worst:.3}"), at)
+        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * room).floor() / 100.0)),
+    );
+    Err(Aborted)
+}
+
+/// Refuses a ball that the fillets, or the space between them, are too small for.
 fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>) -> Result<(), Aborted> {
     let part = floor.part;
     let tool = &cx.program.tools[operation.tool];
+    if let Some(fillet) = part.fillet.filter(|f| floor.radius > f.get() + 1e-9) {
+        cx.sink.push(
+            Diag::error(
+                planning::BALL_TOO_BIG,
+                format!("the ball of {} (radius {} mm) is bigger than the fillet ({fillet})", tool.name, floor.radius),
+            )
+            .label(operation.span, "this operation goes up to the fillets")
+            .label(tool.span, "this ball would cut into the vanes there")
+            .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
+        );
+        return Err(Aborted);
+    }
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
-    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
     let place = |u: f64| {
         let (a, angle) = floor.walls(u);
         (format!("hub at u = {u:.3}"), part.hub.point(u, a + 0.5 * angle))
     };
-    let Some(worst) = stations().min_by(|a, b| hollow(*a).total_cmp(&hollow(*b))) else { return Err(Aborted) };
-    let room = -1.0 / hollow(worst);
-    if hollow(worst) < 0.0 && room <= floor.radius {
-        let (name, at) = place(worst);
-        cx.sink.push(
-            Diag::error(
-                planning::TOO_HOLLOW,
-                format!(
-                    "the ball of {} (radius {} mm) is bigger than the hollow of the hub (radius {room:.3} mm)",
-                    tool.name, floor.radius
-                ),
-            )
-            .label(operation.span, "this operation finishes the hub")
-            .label(tool.span, "this ball would touch it beside the line that it is to cut")
-            .place(name, at)
-            .help(format!("take a ball of less than {:.2} mm diameter", 2.0 * room)),
-        );
-        return Err(Aborted);
-    }
     let width = |u: f64| floor.walls(u).1 * part.hub.meridian(u).point.x;
     let Some(narrow) = stations().min_by(|a, b| width(*a).total_cmp(&width(*b))) else { return Err(Aborted) };
     if width(narrow) > 0.0 {
@@ -244,7 +267,7 @@ fn constant_scallop(
     let planned = height - chord.min(0.5 * height);
     let lengths = |u: f64, h: f64| {
         let m = hub.meridian(u);
-        let [along, across] = floor.steps(u.clamp(0.0, 1.0), h);
+        let [along, across] = floor.steps(u, h);
         [m.first.norm() / along, m.point.x / across]
     };
     let widest = grid.iter().map(|u| floor.walls(*u).1 * lengths(*u, planned)[1]).fold(1.0, f64::max).ceil();
@@ -278,6 +301,8 @@ fn constant_scallop(
         return Err(Aborted);
     };
     let last = tracks.len() - 1;
+    // A station next to an end would give its piece any direction.
+    let apart = 0.5 / STATIONS as f64;
     let mut length = 0.0;
     let mut lines: Vec<Vec<CcPoint>> = Vec::with_capacity(tracks.len());
     for (j, track) in tracks.iter().enumerate() {
@@ -297,7 +322,8 @@ fn constant_scallop(
         };
         let [from, to] = track.range;
         let ends = [from, to].into_iter().filter(|u| u.is_finite());
-        let mut places: Vec<f64> = grid.iter().copied().filter(|u| (from..=to).contains(u)).chain(ends).collect();
+        let within = |u: &f64| from + apart < *u && *u < to - apart;
+        let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
         let on_hub: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
