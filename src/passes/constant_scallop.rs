@@ -195,10 +195,10 @@ fn ranges(x: &[f64], need: &[f64], span: [f64; 2], short: f64) -> Vec<[f64; 2]> 
         }
     }
     for range in &mut found {
-        if range[0] - span[0] < short {
+        if range[0] - span[0] <= short {
             range[0] = f64::NEG_INFINITY;
         }
-        if span[1] - range[1] < short {
+        if span[1] - range[1] <= short {
             range[1] = f64::INFINITY;
         }
     }
