@@ -124,6 +124,21 @@ fn spacing_is_named_and_has_a_default() {
 }
 
 #[test]
+fn methods_of_tool_axes_are_named_and_have_a_default() {
+    let method = |text: &str| match read(text).job.unwrap().operations[5].kind {
+        OperationKind::Channel { method, .. } => method,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(method(&changed("method blend", "")), AxisMethod::Corridor);
+    for named in AxisMethod::ALL {
+        assert_eq!(method(&changed("method blend", &format!("method {}", named.name()))), named);
+    }
+    let read = read(&changed("method blend", "method coridor"));
+    let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0211").expect("an error");
+    assert!(format!("{error:?}").contains("corridor"));
+}
+
+#[test]
 fn independent_faults_are_reported_in_one_run() {
     let text = changed("fillet 3 mm", "fillet 3")
         .replacen("scallop 10 um", "scalop 10 um", 1)

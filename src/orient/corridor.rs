@@ -16,10 +16,16 @@ use std::f64::consts::TAU;
 const SIDES: usize = 12;
 
 /// Rounds of linearising.
-const ROUNDS: usize = 12;
+const ROUNDS: i32 = 14;
 
 /// Largest change of an angle in a round, radians, over which the map is nearly linear.
 const TRUST: f64 = 0.2;
+
+/// Share of that change which the next round may make.
+const SHORTER: f64 = 0.65;
+
+/// Share of an ellipse in which the polygon lies.
+const INSIDE: f64 = 0.98;
 
 /// Change of all angles below which the rounds end, radians.
 const SETTLED: f64 = 1e-5;
@@ -78,10 +84,11 @@ impl Corridor {
     ) -> Result<Vec<(f64, f64)>, Residual> {
         let mut run = start.to_vec();
         let mut change = f64::INFINITY;
-        let mut round = 0;
+        let mut round: i32 = 0;
         while round < ROUNDS && change > SETTLED {
             round += 1;
-            let trust = TRUST / round as f64;
+            // Shorter steps each time: what the map bends over a step goes with its square.
+            let trust = TRUST * SHORTER.powi(round - 1);
             let Some(next) = self.solve(&run, weights, trust, axis_at) else {
                 let (station, level) = self.worst(&run, axis_at);
                 return Err(Residual { station, level, change, infeasible: true });
@@ -178,7 +185,7 @@ impl Corridor {
         let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
         let to_circle = cone.to_circle();
         let (turned, offset) = (to_circle * jacobian, to_circle * (here - cone.centre));
-        let inner = (TAU / (2.0 * SIDES as f64)).cos();
+        let inner = INSIDE * (TAU / (2.0 * SIDES as f64)).cos();
         for side in 0..SIDES {
             let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
             let out = Vector2::new(cos, sin);

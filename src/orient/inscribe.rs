@@ -9,10 +9,10 @@ use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use std::f64::consts::TAU;
 
 /// Rays from the seed.
-const RAYS: usize = 20;
+const RAYS: usize = 16;
 
-/// Step along a ray in the plane at height one: some 3 deg, less than the narrowest thing to be jumped over.
-const STEP: f64 = 0.05;
+/// Step along a ray in the plane at height one: some 4 deg, less than the narrowest thing to be jumped over.
+const STEP: f64 = 0.07;
 
 /// Halvings of the step that the set ends in: to a twentieth of a degree.
 const HALVINGS: usize = 6;

@@ -1,14 +1,21 @@
 //! `avoid-collision`: tool, shank and holder clear of the part.
 //!
 //! Before: cutter locations with the axes that the geometry suggests. After: the same contacts; axes of channel
-//! finishing lean away from the nearer wall just as far as needed. Roughing lines were laid clear by their layers.
-//! An axis that no lean clears is an error with the place.
+//! finishing lean away from the nearer wall just as far as needed (`method blend`), take the best way through the clear
+//! axes of all stations in the machine's axes (`corridor`), or the greedy one (`xu`); `ruling` stays as it is. Roughing
+//! lines were laid clear by their layers. An axis that nothing clears is an error with the place.
 
+use super::axis_room::AxisRoom;
+use super::axis_way;
 use super::obstacles::{Keep, Obstacles};
-use super::orient_tool::hub_points;
+use super::orient_tool::{Lean, hub_points};
 use super::pipeline::PassContext;
+use super::smooth_axis::no_axis;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcPass, CcPlan, ClPlan, ClPoint, Drive, Operation, Program};
+use crate::ir::{
+    CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program,
+};
+use crate::method::AxisMethod;
 use rayon::prelude::*;
 
 /// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
@@ -32,6 +39,11 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
         let operation = &cx.program.operations[planned.operation];
         let (program, obstacles) = (cx.program, cx.obstacles);
+        if let OperationKind::Channel { method: method @ (AxisMethod::Corridor | AxisMethod::Xu), .. } = operation.kind
+        {
+            failed |= clear_axes(cx, operation, method, planned, oriented).is_err();
+            continue;
+        }
         // The part looks the same from every sector: what clears a pass in the first one clears it in all.
         let sectors = operation.sectors.len().max(1);
         let per_sector = planned.passes.len() / sectors;
@@ -50,8 +62,8 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .enumerate()
             .map(|(i, (cc, cl))| {
                 let lean = work.step(first[i % per_sector.max(1)])?;
-                let points = if cc.drive == Drive::Hub {
-                    hub_points(program, operation, cc, lean.to_radians())
+                let points = if leans(operation, cc) {
+                    hub_points(program, operation, cc, Lean::Away(lean.to_radians()))
                 } else {
                     cl.points.clone()
                 };
@@ -94,6 +106,76 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
+/// True when a pass leans away from walls as far as it needs.
+fn leans(operation: &Operation, cc: &CcPass) -> bool {
+    let along = matches!(operation.kind, OperationKind::Channel { method: AxisMethod::Ruling, .. });
+    cc.drive == Drive::Hub && !along
+}
+
+/// Chooses clear axes for all passes of an operation.
+fn clear_axes(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    method: AxisMethod,
+    planned: &CcOperation,
+    oriented: &mut ClOperation,
+) -> Result<(), Aborted> {
+    let program = cx.program;
+    let room = AxisRoom::new(program, cx.obstacles, operation);
+    // The part looks the same from every sector.
+    let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
+    let work = cx.progress.begin(format!("{}, clear axes", operation.name), per_sector);
+    let (mut found, mut blocked) = (Vec::with_capacity(per_sector), Vec::new());
+    if method == AxisMethod::Xu {
+        let lines = planned.passes.len().min(per_sector);
+        match axis_way::greedy_axes(&room, &planned.passes[..lines], &oriented.passes[..lines]) {
+            Ok(points) => found = points,
+            Err(faults) => blocked = faults,
+        }
+    } else {
+        let ways: Vec<Result<Vec<ClPoint>, axis_way::Blocked>> = oriented
+            .passes
+            .par_iter()
+            .take(per_sector)
+            .map(|pass| work.step(axis_way::shortest(&room, &program.machine, pass)))
+            .collect();
+        for (i, way) in ways.into_iter().enumerate() {
+            match way {
+                Ok(points) => found.push(points),
+                Err(at) => blocked.push((i, at)),
+            }
+        }
+    }
+    let tool = &program.tools[operation.tool];
+    for (i, (at, about)) in &blocked {
+        let label = oriented.passes.get(*i).map_or_else(String::new, |p| p.label.clone());
+        cx.sink.push(
+            no_axis(&operation.name, &tool.name, &room, (at, about))
+                .place(label, *at)
+                .label(operation.span, "in this operation")
+                .label(tool.span, "with this tool"),
+        );
+    }
+    if !blocked.is_empty() {
+        return Err(Aborted);
+    }
+    repeat(program, operation, &found, &mut oriented.passes);
+    Ok(())
+}
+
+/// Takes the points of the passes of the first sector over to those of all sectors.
+pub(super) fn repeat(program: &Program, operation: &Operation, first: &[Vec<ClPoint>], passes: &mut [ClPass]) {
+    let from = operation.sectors.first().copied().unwrap_or(0);
+    for (i, pass) in passes.iter_mut().enumerate() {
+        let Some(points) = first.get(i % first.len().max(1)) else { continue };
+        let turn = program.part.sector_rotation(pass.sector) * program.part.sector_rotation(from).inverse();
+        pass.points = points
+            .iter()
+            .map(|p| ClPoint { tip: turn * p.tip, axis: turn * p.axis, contact: p.contact.map(|c| turn * c) })
+            .collect();
+    }
+}
+
 /// The least lean, degrees, that clears a pass, or the worst place and distance.
 fn clearing_lean(
     program: &Program,
@@ -104,7 +186,7 @@ fn clearing_lean(
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
-    let on_hub = cc.drive == Drive::Hub;
+    let on_hub = leans(operation, cc);
     let worst = |points: &[ClPoint]| {
         points
             .iter()
@@ -118,7 +200,7 @@ fn clearing_lean(
     }
     let mut last = (0, 0.0);
     for lean in LEANS {
-        match worst(&hub_points(program, operation, cc, lean.to_radians())) {
+        match worst(&hub_points(program, operation, cc, Lean::Away(lean.to_radians()))) {
             None => return Ok(lean),
             Some(miss) => last = miss,
         }

@@ -3,6 +3,8 @@
 //! A pass never reads what a later one makes. Steps between types (`plan-*`, `orient-tool`, `solve-kinematics`) make
 //! a new value; the others improve the one that they are given.
 
+mod axis_room;
+mod axis_way;
 mod chart;
 mod constant_scallop;
 mod layers;
@@ -20,6 +22,7 @@ pub mod plan_groove;
 pub mod rest_machining;
 pub mod sample_to_tolerance;
 pub mod scallop;
+pub mod smooth_axis;
 pub mod solve_kinematics;
 pub mod step;
 pub mod time_feeds;

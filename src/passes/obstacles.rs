@@ -1,5 +1,6 @@
 //! What the planner keeps the tool away from: sampled surfaces of the design part.
 
+use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, ToolSolid};
 use crate::ir::Part;
 use crate::ir::design::{self, SurfaceKind};
@@ -49,6 +50,23 @@ impl Obstacles {
             }
         }
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub) }
+    }
+
+    /// True when the tool keeps its distances over a motion: `lack` is how far a point at a distance from the tool axis
+    /// and a height over the tip is beyond what is asked, and changes no faster than the point moves; no tool point
+    /// moves by more than `shift` and, turning about the tip, by `turn` times its distance from `about`.
+    pub fn keeps(
+        &self,
+        (tip, axis): (&Point3<f64>, &Vector3<f64>),
+        lack: impl Fn(f64, f64) -> f64,
+        (about, turn, shift): (&Point3<f64>, f64, f64),
+    ) -> bool {
+        // Distance to the middle of the turn changes as fast as the point: as a whole no faster than 1 + turn times.
+        let value = |p: &Point3<f64>| {
+            let (rho, s) = tool_coordinates(p, tip, axis);
+            (lack(rho, s) - turn * (p - about).norm() - shift - EDGE_MARGIN) / (1.0 + turn)
+        };
+        self.walls.least(value, 0.0).is_none() && self.hub.least(value, 0.0).is_none()
     }
 
     /// True when the tool keeps its distances to the hub.

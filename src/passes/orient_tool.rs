@@ -6,7 +6,10 @@ use super::chart::Chart;
 use super::layers::Roughing;
 use super::pipeline::PassContext;
 use crate::diag::Aborted;
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program, Side};
+use crate::ir::{
+    CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program, Side,
+};
+use crate::method::AxisMethod;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
@@ -36,7 +39,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
             points: match pass.drive {
                 Drive::Channel => roughing.as_ref().map_or_else(Vec::new, |r| channel_points(program, r, pass)),
                 Drive::Face { side, .. } => flank_points(program, operation, pass, side),
-                Drive::Hub => hub_points(program, operation, pass, 0.0),
+                Drive::Hub => hub_points(program, operation, pass, lean(operation)),
             },
         })
         .map(|pass| work.step(pass))
@@ -88,9 +91,26 @@ fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: S
     points
 }
 
+/// How the axes of channel finishing stand to the rulings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Lean {
+    /// Outward as far as the pole of the rotary axes needs, and away from the nearer wall by an angle at the wall.
+    Away(f64),
+    /// Not at all.
+    Along,
+}
+
+/// How axes stand before anything is avoided.
+fn lean(operation: &Operation) -> Lean {
+    match operation.kind {
+        OperationKind::Channel { method: AxisMethod::Ruling, .. } => Lean::Along,
+        _ => Lean::Away(0.0),
+    }
+}
+
 /// Channel finishing: the ball stands on the hub; the axis blends the rulings of both walls, and leans away from the
 /// nearer wall by `lean` at the wall, less towards the middle.
-pub(super) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: f64) -> Vec<ClPoint> {
+pub(super) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
     let part = &program.part;
     let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
@@ -114,7 +134,8 @@ fn edge(program: &Program, pass: &CcPass, u: f64) -> Point3<f64> {
     found.map_or_else(|| program.part.hub.point(u, 0.0), |p| p.position)
 }
 
-fn hub_axis(chart: &Chart<'_>, turn: &Rotation3<f64>, u: f64, w: f64, at: &Point3<f64>, lean: f64) -> Vector3<f64> {
+fn hub_axis(chart: &Chart<'_>, turn: &Rotation3<f64>, u: f64, w: f64, at: &Point3<f64>, lean: Lean) -> Vector3<f64> {
+    let Lean::Away(lean) = lean else { return turn * chart.ruling(u, w) };
     let ruling = turn * chart.leaning(u, w, w);
     // Across the channel, from the first wall to the second: about Z, counter-clockwise.
     let across = Vector3::new(-at.y, at.x, 0.0).normalize();

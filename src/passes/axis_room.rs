@@ -1,0 +1,215 @@
+//! Which tool axes are clear at a contact of the floor, and proof of it between contacts.
+//!
+//! The tool stands on the floor with its ball; it turns about the centre of the ball. Its distances: shank and holder
+//! what the contracts ask, the side of the cutter [`SIDE`] from one diameter over the tip on, where it has left the
+//! contact behind. Between two stations the tip runs straight and A and C turn evenly: at the middle of a piece no point
+//! of the tool is farther from where it is over the whole piece than half of the way of the tip and half of the turn
+//! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
+
+use super::obstacles::Obstacles;
+use crate::collide::{Section, ToolSolid};
+use crate::contract::{ContractKind, Guarded};
+use crate::geom::EllipticCone;
+use crate::geom::elliptic_cone::frame_about;
+use crate::ir::{Operation, Program};
+use crate::kin::transform::axis_at;
+use crate::orient::inscribe::{Proof, inscribe};
+use nalgebra::{Point3, Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Distance of the side of the cutter to the part from one diameter over its tip on, mm.
+pub(super) const SIDE: f64 = 0.5;
+
+/// Angles from the middle at which axes are looked for, degrees.
+const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
+
+/// Axes looked at on a ring.
+const AROUND: usize = 16;
+
+/// Largest cone about an axis, as a tangent in the plane at height one.
+const REACH: f64 = 0.6;
+
+/// Half axis of a cone that is wide enough: 1.7 deg.
+const WIDE: f64 = 0.03;
+
+/// Clear axes about which cones are laid until one is wide enough.
+const SEEDS: usize = 8;
+
+/// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
+const HALVINGS: u32 = 9;
+
+/// The tool of an operation among the obstacles.
+#[derive(Clone, Copy)]
+pub(super) struct AxisRoom<'a> {
+    obstacles: &'a Obstacles,
+    solid: &'a ToolSolid,
+    /// Distances of side of the cutter, shank and holder, mm.
+    asked: [f64; 3],
+}
+
+/// A piece of motion: tip, A and C at both ends.
+type Ends = [(Point3<f64>, f64, f64); 2];
+
+impl<'a> AxisRoom<'a> {
+    pub(super) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
+        let bound = |body: Guarded| {
+            let asks =
+                |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
+            let bounds = program.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value());
+            bounds.reduce(f64::max).unwrap_or(program.clearance.get())
+        };
+        let solid = &program.tools[operation.tool].solid;
+        Self { obstacles, solid, asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)] }
+    }
+
+    /// Distances asked of the side of the cutter, shank and holder, mm.
+    pub(super) fn asked(&self) -> [f64; 3] {
+        self.asked
+    }
+
+    pub(super) fn radius(&self) -> f64 {
+        self.solid.cutter.tip_radius()
+    }
+
+    /// How far a point is beyond the distances asked; negative where one is lacking.
+    fn lack(&self, rho: f64, s: f64) -> f64 {
+        let from = 2.0 * self.radius();
+        let [side, shank, holder] = self.asked;
+        let least = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+        let cutter = if s >= from {
+            self.solid.cutter_distance(rho, s)
+        } else {
+            self.solid.cutter_distance(rho, from).max(0.0).hypot(from - s)
+        };
+        (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
+    }
+
+    /// True when every axis within an angle of this one is clear with the ball at a place, with `margin` to spare.
+    pub(super) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
+        let tip = centre - axis * self.radius();
+        self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
+    }
+
+    /// True when the tool is clear over a whole piece of motion.
+    pub(super) fn proved(&self, ends: &Ends) -> bool {
+        let mut open = vec![(*ends, 0)];
+        while let Some(([p, q], depth)) = open.pop() {
+            let (a, c) = (0.5 * (p.1 + q.1), 0.5 * (p.2 + q.2));
+            let tip = p.0 + (q.0 - p.0) * 0.5;
+            // A and C turn about axes at right angles.
+            let (turn, shift) = (0.5 * (q.1 - p.1).hypot(q.2 - p.2), 0.5 * (q.0 - p.0).norm());
+            let axis = axis_at(a, c);
+            if self.obstacles.keeps((&tip, &axis), |rho, s| self.lack(rho, s), (&tip, turn, shift)) {
+                continue;
+            }
+            if depth >= HALVINGS {
+                return false;
+            }
+            open.push(([p, (tip, a, c)], depth + 1));
+            open.push(([(tip, a, c), q], depth + 1));
+        }
+        true
+    }
+
+    /// Clear axes about a direction, the nearest first.
+    pub(super) fn candidates(&self, centre: &Point3<f64>, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
+    }
+
+    /// A cone of clear axes about one of the nearest to a direction: the first that is wide enough, or the widest.
+    pub(super) fn cone(
+        &self,
+        centre: &Point3<f64>,
+        to: &Vector3<f64>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        let mut best: Option<EllipticCone> = None;
+        for about in around(to).filter(|d| self.clear(centre, d, 0.0, margin)).take(SEEDS) {
+            let frame = frame_about(&about, &Vector3::z());
+            let clear = |d: &Vector3<f64>, cap: f64| self.clear(centre, d, cap, margin);
+            let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
+            if best.is_none_or(|b| cone.half_axes[1] > b.half_axes[1]) {
+                best = Some(cone);
+            }
+            if cone.half_axes[1] >= WIDE {
+                break;
+            }
+        }
+        best
+    }
+
+    /// What would do where no axis is clear: the shortest reach, the widest share of the holder, the largest share of
+    /// the cutter with which some axis about a direction is, each alone.
+    pub(super) fn way_out(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
+        let works = |solid: &ToolSolid| self.with_any(solid, centre, middle);
+        let from = self.solid.holder.first().map_or(0.0, |h| h.from);
+        let longer = (1..=16).map(|k| 5.0 * f64::from(k)).find(|more| {
+            let mut solid = self.solid.clone();
+            if let Some(last) = solid.shank.last_mut() {
+                last.to += more;
+            }
+            for section in &mut solid.holder {
+                section.from += more;
+                section.to += more;
+            }
+            works(&solid)
+        });
+        let widest = self.solid.holder.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
+        let slimmer = (1..=8).map(|k| 1.0 - 0.1 * f64::from(k)).find(|share| {
+            let mut solid = self.solid.clone();
+            for section in &mut solid.holder {
+                section.radius_from *= share;
+                section.radius_to *= share;
+            }
+            works(&solid)
+        });
+        let diameter = 2.0 * self.solid.radius();
+        let thinner = (1..=7).map(|k| 1.0 - 0.1 * f64::from(k)).find(|share| {
+            let mut solid = self.solid.clone();
+            for section in &mut solid.shank {
+                section.radius_from *= share;
+                section.radius_to *= share;
+            }
+            let radius = self.radius() * share;
+            solid.cutter = match solid.cutter {
+                crate::collide::Cutter::Lollipop { .. } => crate::collide::Cutter::Lollipop { radius },
+                _ => crate::collide::Cutter::Ball { radius },
+            };
+            works(&solid)
+        });
+        let mut ways = Vec::new();
+        if let Some(more) = longer {
+            ways.push(format!("a reach of {:.0} mm", from + more));
+        }
+        if let Some(share) = slimmer {
+            ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest * share));
+        }
+        if let Some(share) = thinner {
+            ways.push(format!("a cutter of {:.1} mm diameter with a shank as thin", diameter * share));
+        }
+        match ways.as_slice() {
+            [] => "no longer reach, slimmer holder or smaller cutter alone would do; open the channel".to_owned(),
+            ways => format!("with all else as it is, this would do: {}", ways.join("; or ")),
+        }
+    }
+
+    fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
+        // A smaller ball would stand lower over the same contact: this asks of the upper part of the tool only.
+        let room = AxisRoom { obstacles: self.obstacles, solid, asked: self.asked };
+        around(middle).any(|d| room.clear(centre, &d, 0.0, 0.0))
+    }
+}
+
+/// Directions about one, it first, ring by ring.
+fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
+    let [x, y, w] = frame_about(middle, &Vector3::z());
+    let rings = RINGS.into_iter().flat_map(move |ring| {
+        let radius = ring.to_radians().tan();
+        (0..AROUND).map(move |k| {
+            let (sin, cos) = (TAU * k as f64 / AROUND as f64).sin_cos();
+            (w + (x * cos + y * sin) * radius).normalize()
+        })
+    });
+    std::iter::once(w).chain(rings)
+}

@@ -1,0 +1,227 @@
+//! The way of the tool axis along a pass of the floor: `method corridor` by the shortest path in the machine's axes,
+//! `method xu` by the greedy choice of Xu 2013. Both take clear axes only.
+
+use super::axis_room::AxisRoom;
+use super::smooth_axis::{lengths, rotary, stretch};
+use crate::geom::moving_least_squares::{Patch, curvature};
+use crate::geom::{EllipticCone, Triangulation};
+use crate::ir::{CcPass, ClPass, ClPoint};
+use crate::kin::{Machine, inverse, transform::axis_at};
+use crate::orient::inscribe::Proof;
+use crate::orient::{Candidate, Costs, Energy, greedy};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Distance of the stations of the shortest path, mm.
+const STEP: f64 = 4.0;
+
+/// Most candidates of a station, the nearest to the direction of the channel first: the path looks at pairs of pairs.
+const MOST_CANDIDATES: usize = 40;
+
+/// Distance that candidates keep more than asked for, mm: room for the corridor about them.
+const MARGIN: f64 = 0.1;
+
+/// Least tilt of a candidate, radians: nearer to the pole C turns through, and a pass keeps one branch of A.
+const LEAST_TILT: f64 = 0.1;
+
+/// Weight of second differences in formula (4), 1/s.
+const SMOOTHNESS: f64 = 40.0;
+
+/// Largest turn between stations, radians.
+const MOST_TURN: f64 = 0.6;
+
+/// Cost of a radian away from the direction of the channel, s: among equal ways that in the middle.
+const AWAY: f64 = 0.02;
+
+/// Distance of the contacts of the greedy choice, mm.
+const CONTACTS: f64 = 2.0;
+
+/// Weights of membrane and thin plate (22) of the greedy choice.
+const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
+
+/// A place where no axis is clear, and the direction about which they were looked for.
+pub(super) type Blocked = (Point3<f64>, Vector3<f64>);
+
+/// Ball centres of a pass, the length of the way to each, and the shares of the way at which axes are chosen.
+struct Way {
+    centres: Vec<Point3<f64>>,
+    table: Vec<f64>,
+    stops: Vec<f64>,
+}
+
+impl Way {
+    fn new(pass: &ClPass, radius: f64, step: f64) -> Self {
+        let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+        let table = lengths(&centres);
+        let whole = table.last().copied().unwrap_or(0.0);
+        let count = (whole / step).ceil().max(2.0) as usize;
+        let stops = (0..=count).map(|k| whole * k as f64 / count as f64).collect();
+        Self { centres, table, stops }
+    }
+
+    fn centre(&self, length: f64) -> Point3<f64> {
+        let (i, t) = stretch(&self.table, length);
+        self.centres[i] + (self.centres[i + 1] - self.centres[i]) * t
+    }
+
+    /// All stations of the pass, A and C linear between the stops.
+    fn between(&self, pass: &ClPass, angles: &[(f64, f64)], radius: f64) -> Vec<ClPoint> {
+        let at = |length: f64| {
+            let (i, t) = stretch(&self.stops, length);
+            let (p, q) = (angles[i], angles[i + 1]);
+            axis_at(p.0 + (q.0 - p.0) * t, p.1 + (q.1 - p.1) * t)
+        };
+        let stations = pass.points.iter().zip(&self.centres).zip(&self.table);
+        stations
+            .map(|((point, centre), length)| {
+                let axis = at(*length);
+                ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
+            })
+            .collect()
+    }
+}
+
+/// The best way through clear axes, from the axes of a pass as the direction of the channel.
+///
+/// # Errors
+/// The first place without a clear axis, or out of reach from the one before.
+pub(super) fn shortest(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Result<Vec<ClPoint>, Blocked> {
+    if pass.points.len() < 2 {
+        return Ok(pass.points.clone());
+    }
+    let radius = room.radius();
+    let way = Way::new(pass, radius, STEP);
+    let middle = |length: f64| pass.points[stretch(&way.table, length).0].axis;
+    let stations: Vec<Vec<Candidate>> = way
+        .stops
+        .iter()
+        .map(|length| {
+            let (centre, middle) = (way.centre(*length), middle(*length));
+            let mut clear = room.candidates(&centre, &middle, MARGIN);
+            if clear.is_empty() {
+                clear = room.candidates(&centre, &middle, 0.0);
+            }
+            clear
+                .iter()
+                .filter(|axis| axis.x.hypot(axis.y) >= LEAST_TILT.sin())
+                .take(MOST_CANDIDATES)
+                .flat_map(|axis| {
+                    let penalty = AWAY * axis.angle(&middle);
+                    inverse(axis, 0.0).map(|(a, c)| {
+                        let xyz = machine.joints(&(centre - axis * radius), a, c).xyz;
+                        Candidate { joints: [xyz.x, xyz.y, xyz.z, a, c], penalty }
+                    })
+                })
+                .collect()
+        })
+        .collect();
+    let costs = Costs {
+        speed: machine.speeds(),
+        acceleration: machine.accelerations(),
+        smoothness: SMOOTHNESS,
+        most_turn: MOST_TURN,
+    };
+    let choice = costs.shortest(&stations).map_err(|i| (way.centre(way.stops[i]), middle(way.stops[i])))?;
+    // The other branch of A is the same way of the tool: `solve-kinematics` chooses it.
+    let axes = choice.iter().zip(&stations).map(|(k, s)| axis_at(s[*k].joints[3], s[*k].joints[4]));
+    Ok(way.between(pass, &rotary(axes), radius))
+}
+
+/// The greedy choice of Xu 2013 over the passes of a sector, line by line: normals and curvatures at the contacts from
+/// their triangulation, a cone of clear axes at each, and the axis of it that adds least energy.
+///
+/// # Errors
+/// Places without a clear axis, with their pass.
+pub(super) fn greedy_axes(
+    room: &AxisRoom<'_>,
+    planned: &[CcPass],
+    passes: &[ClPass],
+) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
+    let radius = room.radius();
+    let ways: Vec<Way> = passes.iter().map(|pass| Way::new(pass, radius, CONTACTS)).collect();
+    let (bends, mean) = curvatures(planned, &ways);
+    let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
+        .par_iter()
+        .zip(passes.par_iter().zip(planned))
+        .zip(&bends)
+        .map(|((way, (pass, cc)), bends)| {
+            let stops = way.stops.iter().zip(bends);
+            stops
+                .map(|(length, bend)| {
+                    let centre = way.centre(*length);
+                    let station = stretch(&way.table, *length).0;
+                    let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
+                    let about = pass.points[station].axis;
+                    // About the clear axis that is nearest to the normal; in a deep channel none is near it, or only
+                    // near the pole: then along the channel.
+                    let laid = |to: &Vector3<f64>, proof: Proof| room.cone(&centre, to, proof, 0.0);
+                    let steep = |cone: &EllipticCone| {
+                        let axis = cone.axis();
+                        axis.x.hypot(axis.y) >= LEAST_TILT.sin()
+                    };
+                    let cone = laid(&normal, Proof::Covered)
+                        .filter(steep)
+                        .or_else(|| laid(&about, Proof::Covered))
+                        .or_else(|| laid(&about, Proof::Rays));
+                    let weight = bend.map_or(0.0, |k| greedy::weight(k, mean));
+                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((centre, about))
+                })
+                .collect()
+        })
+        .collect();
+    let mut rows: Vec<Vec<Vector3<f64>>> = Vec::new();
+    let mut faults = Vec::new();
+    for (i, row) in contacts.into_iter().enumerate() {
+        match row {
+            Ok(row) => {
+                let before = rows.last().filter(|b: &&Vec<Vector3<f64>>| b.len() == row.len());
+                let chosen = greedy::choose(&row, before.map(Vec::as_slice), &ENERGY, CONTACTS);
+                rows.push(chosen);
+            }
+            Err(blocked) => {
+                faults.push((i, blocked));
+                rows.push(Vec::new());
+            }
+        }
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let points = |((way, pass), row): ((&Way, &ClPass), &Vec<Vector3<f64>>)| {
+        way.between(pass, &rotary(row.iter().copied()), radius)
+    };
+    Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
+}
+
+/// Mean curvature at every stop of every way, and the mean of their sizes.
+fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) {
+    let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
+    // Azimuths count from the first contact: a channel spans less than half a turn from it.
+    let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| p.position.y.atan2(p.position.x));
+    for (i, (cc, way)) in planned.iter().zip(ways).enumerate() {
+        for (k, length) in way.stops.iter().enumerate() {
+            let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
+            let (r, azimuth) = (p.position.x.hypot(p.position.y), p.position.y.atan2(p.position.x));
+            let ahead = azimuth - first;
+            let place = [*length, r * (ahead - TAU * (ahead / TAU).round())];
+            if chart.iter().all(|c: &[f64; 2]| (c[0] - place[0]).hypot(c[1] - place[1]) > 1e-6) {
+                points.push(p.position);
+                chart.push(place);
+                owner.push((i, k));
+            }
+        }
+    }
+    let mut bends: Vec<Vec<Option<f64>>> = ways.iter().map(|w| vec![None; w.stops.len()]).collect();
+    let Ok(mesh) = Triangulation::delaunay(points, &chart, 4.0 * CONTACTS) else { return (bends, 0.0) };
+    let normals = mesh.normals();
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for (index, (i, k)) in owner.into_iter().enumerate() {
+        if let Some(found) = curvature(&mesh, &normals, index, Patch::Cubic) {
+            bends[i][k] = Some(found.mean);
+            sum += found.mean.abs();
+            count += 1.0;
+        }
+    }
+    (bends, sum / count.max(1.0))
+}

@@ -1,0 +1,263 @@
+//! `smooth-axis`: axes of `method corridor` as a smooth run of A and C inside the corridor of clear axes.
+//!
+//! Before: the best way through clear axes, station by station, with corners. After: at stations even apart along the
+//! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; A and C that stay in the cones
+//! with the least turn a mm and the least second and third differences; every station of the pass on a cubic curve
+//! through these. The clearance over the continuous motion between stations is proved; where it is not, the cones keep
+//! more distance and it is tried again. At most [`ROUNDS`] times; then it is an error with the last residuals.
+
+use super::axis_room::AxisRoom;
+use super::pipeline::PassContext;
+use crate::diag::{Aborted, Diag, codes::orientation};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint, OperationKind};
+use crate::kin::{inverse, transform::axis_at};
+use crate::method::AxisMethod;
+use crate::orient::inscribe::Proof;
+use crate::orient::{Corridor, Residual, Weights};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Distance of the stations of the corridor, mm.
+const SPACING: f64 = 1.5;
+
+/// Fewest stations of a corridor.
+const FEWEST: usize = 8;
+
+/// Times that the corridor is laid about the last run; each widens what the run can reach.
+const LAYINGS: usize = 3;
+
+/// Times that it is tried with more distance.
+const ROUNDS: usize = 3;
+
+/// Distance that cones keep more than asked for, mm, in each round: what happens between stations.
+const MARGIN: f64 = 0.06;
+
+/// What is minimised.
+const WEIGHTS: Weights = Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: 0.1 };
+
+/// Why a pass was not smoothed.
+enum Fault {
+    /// No clear axis at a place, looked for about a direction.
+    NoAxis(Point3<f64>, Vector3<f64>),
+    /// No run through the cones.
+    NoRun(Point3<f64>, Residual),
+    /// The run is not proved clear after a station.
+    NotProved(Point3<f64>),
+}
+
+/// Smooths the axes of all operations that ask for it.
+///
+/// # Errors
+/// A pass without a clear axis, without a smooth run, or whose clearance is not proved between stations.
+pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
+    let program = cx.program;
+    let mut failed = false;
+    for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        let operation = &program.operations[planned.operation];
+        if !matches!(operation.kind, OperationKind::Channel { method: AxisMethod::Corridor, .. }) {
+            continue;
+        }
+        let room = AxisRoom::new(program, cx.obstacles, operation);
+        // The part looks the same from every sector.
+        let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
+        let work = cx.progress.begin(format!("{}, smooth axes", operation.name), per_sector);
+        let first: Vec<Result<Vec<ClPoint>, Fault>> =
+            oriented.passes.par_iter().take(per_sector).map(|pass| work.step(smooth(&room, pass))).collect();
+        let mut smoothed = Vec::with_capacity(first.len());
+        for (pass, result) in oriented.passes.iter().zip(first) {
+            match result {
+                Ok(points) => smoothed.push(points),
+                Err(fault) => {
+                    failed = true;
+                    report(cx, operation, pass, &room, &fault);
+                    smoothed.push(Vec::new());
+                }
+            }
+        }
+        super::avoid_collision::repeat(program, operation, &smoothed, &mut oriented.passes);
+        let peak =
+            smoothed.iter().map(|points| turning(points)).fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
+        oriented.notes.push(format!(
+            "axes by corridor: A turns by at most {:.2} deg a mm, C by at most {:.2}; clear between stations by proof",
+            peak[0].to_degrees(),
+            peak[1].to_degrees()
+        ));
+    }
+    if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Largest turns of A and C a mm of the tip's way.
+fn turning(points: &[ClPoint]) -> [f64; 2] {
+    let angles = rotary(points.iter().map(|p| p.axis));
+    let mut most = [0.0_f64; 2];
+    for (pair, angle) in points.windows(2).zip(angles.windows(2)) {
+        let way = (pair[1].tip - pair[0].tip).norm();
+        if way > 1e-3 {
+            most[0] = most[0].max((angle[1].0 - angle[0].0).abs() / way);
+            most[1] = most[1].max((angle[1].1 - angle[0].1).abs() / way);
+        }
+    }
+    most
+}
+
+/// A and C of axes in a row, C on one winding.
+pub(super) fn rotary(axes: impl Iterator<Item = Vector3<f64>>) -> Vec<(f64, f64)> {
+    let mut angles: Vec<(f64, f64)> = Vec::new();
+    for axis in axes {
+        let before = angles.last().map_or(0.0, |q| q.1);
+        let [(a, c), _] = inverse(&axis, before);
+        angles.push((a, c - TAU * ((c - before) / TAU).round()));
+    }
+    angles
+}
+
+/// Lengths of the way of the ball at the stations of a pass.
+pub(super) fn lengths(centres: &[Point3<f64>]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let steps = centres.windows(2).map(|w| {
+        sum += (w[1] - w[0]).norm();
+        sum
+    });
+    std::iter::once(0.0).chain(steps).collect()
+}
+
+/// The stretch of a table that holds a value, and the share in it.
+pub(super) fn stretch(table: &[f64], value: f64) -> (usize, f64) {
+    let i = table.partition_point(|x| *x <= value).clamp(1, table.len() - 1) - 1;
+    let length = table[i + 1] - table[i];
+    (i, if length > 0.0 { ((value - table[i]) / length).clamp(0.0, 1.0) } else { 0.0 })
+}
+
+fn smooth(room: &AxisRoom<'_>, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
+    let radius = room.radius();
+    let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+    let table = lengths(&centres);
+    let whole = table.last().copied().unwrap_or(0.0);
+    if centres.len() < 2 || whole <= 0.0 {
+        return Ok(pass.points.clone());
+    }
+    let count = ((whole / SPACING).ceil() as usize).max(FEWEST);
+    let spacing = whole / count as f64;
+    let angles = rotary(pass.points.iter().map(|p| p.axis));
+    let at = |s: f64| {
+        let (i, t) = stretch(&table, s);
+        let angle =
+            (angles[i].0 + (angles[i + 1].0 - angles[i].0) * t, angles[i].1 + (angles[i + 1].1 - angles[i].1) * t);
+        (centres[i] + (centres[i + 1] - centres[i]) * t, angle)
+    };
+    let (places, start): (Vec<Point3<f64>>, Vec<(f64, f64)>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
+    let mut fault = Fault::NotProved(centres[0]);
+    for round in 1..=ROUNDS {
+        let margin = MARGIN * round as f64;
+        let mut run = start.clone();
+        for _ in 0..LAYINGS {
+            let mut cones = Vec::with_capacity(run.len());
+            for (place, (a, c)) in places.iter().zip(&run) {
+                let wanted = axis_at(*a, *c);
+                let cone = room.cone(place, &wanted, Proof::Rays, margin);
+                cones.push(cone.ok_or(Fault::NoAxis(*place, wanted))?);
+            }
+            let corridor = Corridor { cones, spacing };
+            match corridor.smooth(&run, &WEIGHTS, &axis_at) {
+                Ok(next) => run = next,
+                Err(residual) => return Err(Fault::NoRun(places[residual.station], residual)),
+            }
+        }
+        let points = on_curve(&pass.points, &centres, &table, &run, spacing, radius);
+        let exact = rotary(points.iter().map(|p| p.axis));
+        let unproved = (1..points.len()).find(|i| {
+            let end = |k: usize| (points[k].tip, exact[k].0, exact[k].1);
+            !room.proved(&[end(i - 1), end(*i)])
+        });
+        match unproved {
+            None => return Ok(points),
+            Some(i) => fault = Fault::NotProved(points[i].tip),
+        }
+    }
+    Err(fault)
+}
+
+/// The stations of a pass with axes on the cubic curve through A and C at even lengths.
+fn on_curve(
+    points: &[ClPoint],
+    centres: &[Point3<f64>],
+    table: &[f64],
+    run: &[(f64, f64)],
+    spacing: f64,
+    radius: f64,
+) -> Vec<ClPoint> {
+    // Four point interpolation: over evenly spaced smooth values right to the fourth difference.
+    let cubic = |x: f64, value: &dyn Fn(usize) -> f64| {
+        let i = (x.floor() as usize).clamp(1, run.len() - 3) - 1;
+        let t = x - i as f64;
+        (0..4)
+            .map(|j| {
+                let others = (0..4).filter(|k| *k != j);
+                others.map(|k| (t - k as f64) / (j as f64 - k as f64)).product::<f64>() * value(i + j)
+            })
+            .sum::<f64>()
+    };
+    points
+        .iter()
+        .zip(centres)
+        .zip(table)
+        .map(|((point, centre), s)| {
+            let x = s / spacing;
+            let axis = axis_at(cubic(x, &|k| run[k].0), cubic(x, &|k| run[k].1));
+            ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
+        })
+        .collect()
+}
+
+fn report(
+    cx: &mut PassContext<'_>,
+    operation: &crate::ir::Operation,
+    pass: &ClPass,
+    room: &AxisRoom<'_>,
+    fault: &Fault,
+) {
+    let tool = &cx.program.tools[operation.tool];
+    let diag = match fault {
+        Fault::NoAxis(at, about) => {
+            no_axis(&operation.name, &tool.name, room, (at, about)).place(pass.label.clone(), *at)
+        }
+        Fault::NoRun(at, residual) => Diag::error(
+            orientation::NOT_SMOOTH,
+            format!(
+                "`{}`: no smooth run of the rotary axes stays among the clear axes: at {:.2} times the width of its \
+                 cone after the last round, which changed angles by {:.4} deg",
+                operation.name,
+                residual.level,
+                residual.change.to_degrees()
+            ),
+        )
+        .place(pass.label.clone(), *at)
+        .help("a slimmer tool or a longer reach leaves wider cones; `method blend` asks for less distance"),
+        Fault::NotProved(at) => Diag::error(
+            orientation::NOT_SMOOTH,
+            format!("`{}`: the clearance of {} is not proved between stations", operation.name, tool.name),
+        )
+        .place(pass.label.clone(), *at)
+        .help("a slimmer tool or a longer reach leaves more room between stations"),
+    };
+    cx.sink.push(diag.label(operation.span, "in this operation").label(tool.span, "with this tool"));
+}
+
+/// The error for a contact without a clear axis.
+pub(super) fn no_axis(
+    operation: &str,
+    tool: &str,
+    room: &AxisRoom<'_>,
+    (at, about): (&Point3<f64>, &Vector3<f64>),
+) -> Diag {
+    let [side, shank, holder] = room.asked();
+    Diag::error(
+        orientation::NO_AXIS,
+        format!(
+            "`{operation}`: no tool axis within 41 deg of the channel's direction keeps {tool} clear of the part: \
+             {side} mm to the side of the cutter, {shank} mm to the shank, {holder} mm to the holder"
+        ),
+    )
+    .help(room.way_out(at, about))
+}
