@@ -4,7 +4,7 @@
 //! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; A and C that stay in the cones
 //! with the least turn a mm and the least second and third differences; every station of the pass on a cubic curve
 //! through these. The clearance over the continuous motion between stations is proved; where it is not, the cones keep
-//! more distance and it is tried again. At most [`ROUNDS`] times; then it is an error with the last residuals.
+//! more distance and it is tried again. At most three times; then it is an error with the last residuals.
 
 use super::axis_room::AxisRoom;
 use super::pipeline::PassContext;
