@@ -155,7 +155,7 @@ fn check(tables: &[[Row; 3]]) {
         assert!(corridor.time < blend.time && corridor.time < ruling.time);
         assert!(10.0 * corridor.asked[1] < ruling.asked[1] && 10.0 * corridor.asked[0] < ruling.asked[0]);
     }
-    // What the machine can do, not what the process allows: the paper went from 4000 to 900 s.
+    // Where the axes limit the run and not the process feed: the paper prints 4000 and 900 s.
     let [ruling, _, corridor] = tables.last().expect("a table");
     assert!(4.4 * corridor.time < ruling.time);
 }
