@@ -284,6 +284,94 @@ fn slower_axes_take_longer() {
     }
 }
 
+/// A machine whose linear axes have a limit of jerk, mm/s3, and the rotary ones too, rad/s3.
+fn with_jerk(linear: f64, rotary: f64) -> Program {
+    let mut machine = support::machine();
+    machine.linear.iter_mut().for_each(|l| l.jerk = linear);
+    (machine.tilt.jerk, machine.turn.jerk) = (rotary, rotary);
+    program(machine)
+}
+
+/// Time of an S-curve between two speeds.
+fn curve(from: f64, to: f64, a: f64, j: f64) -> f64 {
+    let change = (to - from).abs();
+    if change * j >= a * a { change / a + a / j } else { 2.0 * (change / j).sqrt() }
+}
+
+#[test]
+fn with_jerk_one_axis_runs_in_seven_phases() {
+    const J: f64 = 50_000.0;
+    let program = with_jerk(J, 200.0);
+    for (places, speed) in [(vec![0.0, 100.0], 100.0), (vec![0.0, 0.3, 20.0, 20.01, 55.0, 100.0], 100.0)] {
+        let run = ran(&program, MoveKind::Cut, &along_x(&places, speed));
+        let ramp = curve(0.0, speed, A, J);
+        let due = 2.0 * ramp + (100.0 - speed * ramp) / speed;
+        println!("{:.5} s, seven phases {due:.5} s", run.time[0]);
+        assert!(run.time[0] >= due - 1e-9 && run.time[0] <= 1.05 * due, "{} {due}", run.time[0]);
+        // Without the jerk it is the trapezoid, and that is the bound.
+        near(run.within_accelerations[0], 1.0 + 100.0 / A, 1e-9);
+        near(run.programmed[0], 1.0, 1e-9);
+        assert!(run.jerk[0].value > 0.9 && run.jerk[0].value <= 1.0 + 1e-9, "{:?}", run.jerk);
+        assert!(run.jerk[1].value == 0.0 && run.jerk[4].value == 0.0);
+    }
+    // Large limits of jerk are none.
+    let run = ran(&with_jerk(1e9, 1e6), MoveKind::Cut, &along_x(&[0.0, 100.0], 100.0));
+    near(run.time[0], run.within_accelerations[0], 0.01 * run.time[0]);
+    // A turning table: the tip on the axis of C.
+    let stops = [([0.0; 3], 0.0, -0.5, 0.0), ([0.0; 3], 0.0, 2.0, 2.5 / PI)];
+    let run = ran(&program, MoveKind::Rapid, &stops);
+    let ramp = curve(0.0, PI, 20.0, 200.0);
+    let due = 2.0 * ramp + (2.5 - PI * ramp) / PI;
+    assert!(run.time[2] >= due - 1e-9 && run.time[2] <= 1.15 * due, "{} {due}", run.time[2]);
+    assert!(run.jerk[4].value > 0.9 && run.jerk[4].value <= 1.0 + 1e-9);
+}
+
+#[test]
+fn with_jerk_a_corner_is_rounded_by_a_pulse() {
+    const J: f64 = 50_000.0;
+    let program = with_jerk(J, 200.0);
+    let chord = program.tolerances.chord.get();
+    let stops = [([0.0; 3], 0.0, 0.0, 0.0), ([50.0, 0.0, 0.0], 0.0, 0.0, 0.5), ([50.0, 50.0, 0.0], 0.0, 0.0, 0.5)];
+    let run = ran(&program, MoveKind::Cut, &stops);
+    // Both axes change their speed by v in the time 2 sqrt(v / j), so that the corner is left by sqrt(2) v t / 8 at most.
+    let corner = (4.0 * chord * J.sqrt() / 2.0_f64.sqrt()).cbrt().powi(2);
+    assert!(run.corners.value <= chord + 1e-12 && run.corners.value > 0.9 * chord, "{} {chord}", run.corners.value);
+    // The pulse itself, step by step: the way from the corner in its middle is v t / 12.
+    let (t, v) = (curve(0.0, corner, A, J), corner);
+    let (steps, mut speed, mut way) = (100_000, 0.0, 0.0);
+    for i in 0..steps / 2 {
+        let at = (f64::from(i) + 0.5) * t / f64::from(steps);
+        speed += J * at * t / f64::from(steps);
+        way += speed * t / f64::from(steps);
+    }
+    near(way, v * t / 12.0, 1e-3 * way);
+    assert!(2.0_f64.sqrt() * v * t / 12.0 <= chord);
+    // Speeding up, even, slowing down to the speed of the corner, and the same again.
+    let (ramp, slow) = (curve(0.0, 100.0, A, J), curve(corner, 100.0, A, J));
+    let even = (50.0 - 50.0 * ramp - 0.5 * (100.0 + corner) * slow) / 100.0;
+    let due = 2.0 * (ramp + slow + even);
+    println!("corner at {corner:.2} mm/s: {:.5} s, S-curves {due:.5} s", run.time[0]);
+    assert!(run.time[0] >= due * (1.0 - 1e-6) && run.time[0] <= 1.1 * due, "{} {due}", run.time[0]);
+    assert!(run.time[0] > run.within_accelerations[0]);
+}
+
+#[test]
+fn less_jerk_takes_longer() {
+    let place = |k: i32| {
+        let t = f64::from(k) * 0.05;
+        ([30.0 * t.cos(), 20.0 * t.sin(), 3.0 * (2.0 * t).sin()], 0.6 + 0.2 * t.sin(), 0.8 * t, 0.05)
+    };
+    let stops: Vec<Stop> = (0..200).map(place).collect();
+    let mut last = 0.0;
+    for share in [16.0, 4.0, 1.0, 0.25] {
+        let run = ran(&with_jerk(50_000.0 * share, 200.0 * share), MoveKind::Cut, &stops);
+        println!("{share}: {:.4} s, without jerk {:.4} s", run.time[0], run.within_accelerations[0]);
+        assert!(run.time[0] > last && run.time[0] >= run.within_accelerations[0], "{share}: {run:?}");
+        assert!(run.jerk.iter().all(|j| j.value <= 1.0 + 1e-9), "{run:?}");
+        last = run.time[0];
+    }
+}
+
 #[test]
 fn other_rules_leave_the_motion_by_their_closed_forms() {
     let machine = support::machine();

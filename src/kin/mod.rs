@@ -4,6 +4,7 @@
 //! Rotary angles are in radians and in the ISO sense: the word describes the tool relative to the part, the table
 //! turns the other way. At (A, C) the tool axis in the part frame is (sin A sin C, -sin A cos C, cos A).
 
+pub mod feedrate;
 pub mod interpolation;
 pub mod machine;
 pub mod transform;

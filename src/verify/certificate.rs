@@ -276,20 +276,21 @@ impl Certificate {
         }
         writeln!(
             t,
-            "axes: used, travel, largest speed reached, largest acceleration asked for inside of blocks, of the limits"
+            "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached"
         )?;
         for a in &self.machine.axes {
             let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
             writeln!(
                 t,
-                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %  {:>5.1} %",
+                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
                 a.axis,
                 a.used[0],
                 a.used[1],
                 a.travel[0],
                 a.travel[1],
                 a.speed_share * 100.0,
-                a.acceleration_share * 100.0
+                a.acceleration_share * 100.0,
+                a.jerk_share * 100.0
             )?;
         }
         writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
@@ -332,28 +333,29 @@ impl Certificate {
     fn write_runs(&self, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
-            "motion between blocks: tip straight, A and C linear, within the accelerations of the axes. Slowest cutting block"
+            "motion between blocks: tip straight, A and C linear, within accelerations and jerks of the axes. Slowest cutting block"
         )?;
         writeln!(
             t,
-            "as a share of its feed; time without bounds on accelerations; how far tip or flutes leave the motion, um:"
+            "as a share of its feed; time without bounds on jerks, which is no longer than any run takes, and without bounds on"
         )?;
         writeln!(
             t,
-            "rounded corners, control cycle, both at one block, and the axis in deg; and how far they would by great circles,"
+            "accelerations; how far tip or flutes leave the motion, um: rounded corners, control cycle, both at one block, and the"
         )?;
-        writeln!(t, "and by linear joints without TCP")?;
+        writeln!(t, "axis in deg; and how far they would by great circles, and by linear joints without TCP")?;
         writeln!(
             t,
-            "  {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-            "operation", "slowest", "unbound", "corners", "cycle", "both", "axis", "circles", "no TCP"
+            "  {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "operation", "slowest", "no jerk", "unbound", "corners", "cycle", "both", "axis", "circles", "no TCP"
         )?;
         for ((o, run), other) in self.operations.iter().zip(&self.machine.runs).zip(&self.machine.other_rules) {
             writeln!(
                 t,
-                "  {:<12} {:>7.1} % {:>9} {:>9.2} {:>9.2} {:>9.2} {:>9.4} {:>9.2} {:>9.2}",
+                "  {:<12} {:>7.1} % {:>9} {:>9} {:>9.2} {:>9.2} {:>9.2} {:>9.4} {:>9.2} {:>9.2}",
                 o.name,
                 run.slowest.value * 100.0,
+                clock(run.within_accelerations.iter().sum()),
                 clock(run.programmed.iter().sum()),
                 run.corners.value * 1e3,
                 run.cycle.value * 1e3,

@@ -12,6 +12,11 @@
 //! more than the chord tolerance, which the posts give to the control, and that T fits between the middles of both
 //! blocks. A jump that both ends of a block have is curvature cut into chords: it counts as q'' of the block.
 //! The program of an operation begins and ends at rest.
+//!
+//! Where the axes have limits of jerk, the run is one below that, see [`jerk`]; the time without them stays as the bound
+//! that it cannot fall below.
+
+mod jerk;
 
 use super::sweep::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
@@ -49,8 +54,10 @@ impl Peak {
 /// How one operation runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Run {
-    /// Time of cutting, links and rapids with speeds and accelerations kept, s.
+    /// Time of cutting, links and rapids with speeds, accelerations and jerks kept, s.
     pub time: [f64; 3],
+    /// The same without bounds on jerks, s: no run of these blocks that keeps them is faster.
+    pub within_accelerations: [f64; 3],
     /// The same with accelerations without bounds, s.
     pub programmed: [f64; 3],
     /// Share of the programmed feed with which the slowest cutting block is run through, and that block.
@@ -60,6 +67,8 @@ pub struct Run {
     /// Largest acceleration of the axes inside of blocks that the programmed feed would take, as a share of the limit:
     /// above 1 the control slows down.
     pub asked: [Peak; 5],
+    /// Largest jerk of the axes in the run, as a share of the limit; zero where there is none.
+    pub jerk: [Peak; 5],
     /// How far tip or flutes leave the programmed corners at the speed reached, mm; not at rapid, nor the next figure.
     pub corners: Peak,
     /// How far the tool leaves the path between two positions that the control gives to its drives, mm.
@@ -122,7 +131,7 @@ struct BlockError {
 
 /// A piece of a block with even derivatives.
 #[derive(Clone, Copy)]
-struct Cell {
+pub(super) struct Cell {
     block: u32,
     kind: MoveKind,
     /// Programmed time, s.
@@ -141,17 +150,39 @@ struct Cell {
     tilting: f64,
     /// |q''| of the linear joints as a vector.
     sag: f64,
+    /// q'' with the curvature that is cut into chords, with their signs.
+    level: Joint5,
+    /// Jump of q' at the start of a block, in its own time, and the part of it that is such curvature.
+    jump: Joint5,
+    shared: Joint5,
+    /// How fast tip and flutes leave that corner for y = 1 before it, mm/s, and the time there is to round it.
+    flutes: f64,
+    room: f64,
+}
+
+/// A part of a cell as it is run through.
+pub(super) struct Part {
+    cell: usize,
+    /// Programmed time, and time, s.
+    width: f64,
+    time: f64,
+    /// y at its start, largest y.
+    from: f64,
+    peak: f64,
+    /// Largest jerk of each axis.
+    jerk: Joint5,
 }
 
 /// Limits that a run keeps.
-struct Limits {
+pub(super) struct Limits {
     speed: [f64; 5],
     acceleration: [f64; 5],
+    jerk: [f64; 5],
     chord: f64,
     height: f64,
 }
 
-type Joint5 = [f64; 5];
+pub(super) type Joint5 = [f64; 5];
 
 fn joints5(j: &Joints) -> Joint5 {
     [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
@@ -173,10 +204,12 @@ struct Block {
 pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let mut report = Run {
         time: [0.0; 3],
+        within_accelerations: [0.0; 3],
         programmed: [0.0; 3],
         slowest: Peak { value: 1.0, at: None },
         speed: [Peak::NONE; 5],
         asked: [Peak::NONE; 5],
+        jerk: [Peak::NONE; 5],
         corners: Peak::NONE,
         cycle: Peak::NONE,
         contour: Departure::NONE,
@@ -188,6 +221,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let limits = Limits {
         speed: machine.speeds(),
         acceleration: machine.accelerations(),
+        jerk: machine.jerks(),
         chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
         height: program.tools[declared.tool].solid.flute_length,
     };
@@ -207,42 +241,58 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     }
     let nodes = passes(&limits, &cells);
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
+    let number = |kind: MoveKind| match kind {
+        MoveKind::Cut => 0,
+        MoveKind::Link => 1,
+        MoveKind::Rapid => 2,
+    };
+    let trapezoids: Vec<Part> = cells
+        .iter()
+        .zip(&nodes)
+        .enumerate()
+        .map(|(i, (cell, [from, to]))| {
+            let (time, peak) = phases(&limits, cell, *from, *to);
+            report.within_accelerations[number(cell.kind)] += time;
+            Part { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
+        })
+        .collect();
+    let limited = limits.jerk.iter().any(|j| j.is_finite());
+    let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
     let (mut programmed, mut spent) = (0.0, 0.0);
     let mut errors: Vec<BlockError> = Vec::new();
-    for (i, (cell, [from, to])) in cells.iter().zip(nodes).enumerate() {
+    for (i, part) in parts.iter().enumerate() {
+        let cell = &cells[part.cell];
+        let first = i.checked_sub(1).is_none_or(|b| parts[b].cell != part.cell);
         let at = At { operation, index: cell.block };
-        let (time, peak) = phases(&limits, cell, from, to);
-        let kind = match cell.kind {
-            MoveKind::Cut => 0,
-            MoveKind::Link => 1,
-            MoveKind::Rapid => 2,
-        };
-        report.time[kind] += time;
-        report.programmed[kind] += cell.width;
+        let kind = number(cell.kind);
+        report.time[kind] += part.time;
+        report.programmed[kind] += part.width;
         for k in 0..5 {
-            report.speed[k].raise((peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
+            report.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
             report.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
+            report.jerk[k].raise(part.jerk[k] / limits.jerk[k], at);
         }
         // At rapid nothing is near that would mind.
         let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
         let mut corner = [0.0; 2];
-        if cell.ratio > 0.0 && !rapid(cell) && i.checked_sub(1).and_then(|b| cells.get(b)).is_some_and(|c| !rapid(c)) {
-            let rounded = from / (cell.ratio * cell.ratio);
-            report.corners.raise(rounded * cell.rounding, at);
-            corner = [rounded * cell.rounding, (rounded * cell.tilting).to_degrees()];
+        let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
+        if first && cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
+            let (away, lean) = jerk::rounding(&limits, behind, cell, part.from / (cell.ratio * cell.ratio));
+            report.corners.raise(away, at);
+            corner = [away, lean.to_degrees()];
         }
         if errors.last().is_none_or(|e| e.at != at) {
             errors.push(BlockError { at, corner, cycle: 0.0 });
         }
         if !rapid(cell) {
-            let cycle = cell.sag * peak * machine.cycle * machine.cycle / 8.0;
+            let cycle = cell.sag * part.peak * machine.cycle * machine.cycle / 8.0;
             report.cycle.raise(cycle, at);
             if let Some(error) = errors.last_mut() {
                 error.cycle = error.cycle.max(cycle);
             }
         }
-        (programmed, spent) = (programmed + cell.width, spent + time);
-        if cells.get(i + 1).is_none_or(|next| next.block != cell.block) {
+        (programmed, spent) = (programmed + part.width, spent + part.time);
+        if parts.get(i + 1).is_none_or(|next| cells[next.cell].block != cell.block) {
             if kind == 0 && programmed < report.slowest.value * spent {
                 report.slowest = Peak { value: programmed / spent, at: Some(at) };
             }
@@ -278,7 +328,8 @@ fn block(
             |f: &dyn Fn(f64, f64, f64) -> f64| -> Joint5 { std::array::from_fn(|k| f(q0[k], middle[k], end[k])) };
         let start_rate = each(&|a, b, c| (4.0 * b - 3.0 * a - c) / width);
         let end_rate = each(&|a, b, c| (a - 4.0 * b + 3.0 * c) / width);
-        let bend = each(&|a, b, c| (4.0 * (a - 2.0 * b + c)).abs() / (width * width));
+        let level = each(&|a, b, c| 4.0 * (a - 2.0 * b + c) / (width * width));
+        let bend = level.map(f64::abs);
         if cell == 0 {
             ends[0] = start_rate;
         }
@@ -295,6 +346,11 @@ fn block(
             rounding: 0.0,
             tilting: 0.0,
             sag: Vector3::new(bend[0], bend[1], bend[2]).norm(),
+            level,
+            jump: [0.0; 5],
+            shared: [0.0; 5],
+            flutes: 0.0,
+            room: f64::INFINITY,
         });
         q0 = end;
     }
@@ -318,19 +374,22 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
         finish(limits, before, &[0.0; 5], cells);
         return;
     }
-    let jump: Joint5 = std::array::from_fn(|k| (v2[k] * ratio - v1[k]).abs());
-    let rounded = (0..5).map(|k| jump[k] / limits.acceleration[k]).fold(0.0, f64::max);
+    let jump: Joint5 = std::array::from_fn(|k| v2[k] * ratio - v1[k]);
+    let rounded = (0..5).map(|k| jump[k].abs() / limits.acceleration[k]).fold(0.0, f64::max);
     let flutes = (block.tip * ratio - before.tip).norm() + limits.height * jump[3].hypot(jump[4]);
     let cell = &mut cells[at];
     cell.ratio = ratio;
     cell.rounding = rounded * flutes / 8.0;
     // A and C turn about axes at right angles: the tool turns by no more.
     cell.tilting = rounded * jump[3].hypot(jump[4]) / 8.0;
+    cell.flutes = flutes;
+    cell.room = 0.5 * (before.time + block.time / ratio);
     if rounded > 0.0 {
-        cell.corner = 0.5 * (before.time + block.time / ratio) / rounded;
+        cell.corner = cell.room / rounded;
         cell.corner = cell.corner.min(limits.chord / cell.rounding);
     }
     block.jump = jump.map(|j| j / ratio);
+    cell.jump = block.jump;
     finish(limits, before, &jump, cells);
 }
 
@@ -338,7 +397,12 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
 fn finish(limits: &Limits, block: &Block, jump: &Joint5, cells: &mut [Cell]) {
     for cell in &mut cells[block.cells.clone()] {
         for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
-            cell.bend[k] += start.min(*end) / block.time;
+            cell.bend[k] += start.abs().min(end.abs()) / block.time;
+            // Curvature only where both turn the same way.
+            if start * end > 0.0 {
+                cell.shared[k] = start.signum() * start.abs().min(end.abs());
+                cell.level[k] += cell.shared[k] / block.time;
+            }
             if cell.rate[k] > 0.0 {
                 cell.cap = cell.cap.min((limits.speed[k] / cell.rate[k]).powi(2));
             }

@@ -30,6 +30,8 @@ pub struct AxisRange {
     /// Largest acceleration inside of blocks that the programmed feeds would take, as a share of the limit: above 1 the
     /// control slows down.
     pub acceleration_share: f64,
+    /// Largest jerk that is reached, as a share of the limit; zero where there is none.
+    pub jerk_share: f64,
 }
 
 /// What an axis does wrong.
@@ -162,6 +164,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
                 travel: travel[k].map(|x| shown(k, x)),
                 speed_share: most(&|r| r.speed[k]),
                 acceleration_share: most(&|r| r.asked[k]),
+                jerk_share: most(&|r| r.jerk[k]),
             })
             .collect(),
         pole_distance: pole.to_degrees(),

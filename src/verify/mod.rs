@@ -12,9 +12,7 @@
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what happens to the stock, block by block? | [`stock`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
-//! | | what feed is reached, how far does the real motion leave the verified one? | [`dynamics`] |
-//!
-//! Not checked yet: jerk.
+//! | | what feed is reached within accelerations and jerks, how far does the real motion leave the verified one? | [`dynamics`] |
 
 pub mod alike;
 mod bounds;

@@ -1,0 +1,274 @@
+//! A run below a given one whose jerk keeps its limit.
+//!
+//! Along a path parameter s with y = (ds/dt)^2 the jerk of an axis is (q''' y + 3/2 q'' y' + q' y''/2) sqrt(y). Here y is
+//! a spline of degree two with a knot at every end of a span, so that y'' is even over a span and the bracket is a
+//! quadratic polynomial where q' is one. With upper bounds of y and |y'| in a span, what the first two terms may take at
+//! most leaves an upper bound of |y''| there. The largest such spline is found in three sweeps over its coefficients,
+//! which lie under the given run: forward and backward the slope grows no faster than y'' may (valleys), and the least
+//! convex change takes off what bends faster the other way (crests). Then the bounds are brought nearer to what was found.
+//!
+//! A run within its bounds keeps the rows by what the bounds mean; where it leaves them, the exact rows of the caller
+//! decide, and where those are broken the bounds are widened and the sweeps done again. What remains at last is taken off
+//! by slowing down the whole run, so that every run that is returned keeps every row.
+
+use super::ramp::Most;
+use super::{AXES, Axes, CURVATURE, Limits};
+use rayon::prelude::*;
+
+/// Sweeps at most: times in which bounds are brought nearer to the run that was found, or widened.
+const SWEEPS: usize = 10;
+
+/// Sweeps without a fault that are enough: what they gain falls to a quarter from one to the next.
+const ROUNDS: usize = 4;
+
+/// Share of the time below which another sweep is not worth it.
+const GAIN: f64 = 1e-3;
+
+/// By how much the slope may grow from one sweep to the next, and bounds that were broken over what broke them.
+const LEEWAY: f64 = 1.3;
+const WIDER: f64 = 1.02;
+
+/// Sweeps after which a fault takes from the share of the limits, and the factor.
+const STUBBORN: usize = 3;
+const SMALLER: f64 = 0.9;
+
+/// Spans that one thread judges at least.
+const CHUNK: usize = 4096;
+
+/// Bounds of the derivatives of y over a span.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Whether a run within them keeps the rows.
+    pub holds: bool,
+    /// Of |y'|.
+    pub slope: f64,
+    /// Of |y''|.
+    pub bend: f64,
+}
+
+/// Share of what curvature leaves of the jerk that is kept for a change of y'.
+const CHANGE: f64 = 0.2;
+
+impl Bounds {
+    /// Bounds that keep a share of acceleration and jerk in a span with these largest derivatives, where y is at most
+    /// `y` and |y'| at most `steep`.
+    pub fn new([rate, bend, twist]: &Most, limits: &Limits, y: f64, steep: f64, share: f64) -> Self {
+        let over = share / y.sqrt();
+        let left: Axes = std::array::from_fn(|k| limits.jerk[k] * over - twist[k] * y);
+        let mut slope = f64::INFINITY;
+        for k in 0..AXES {
+            slope = slope
+                .min(2.0 * (share * limits.acceleration[k] - bend[k] * y).max(0.0) / rate[k])
+                .min((1.0 - CHANGE) * left[k].max(0.0) / (1.5 * bend[k]));
+        }
+        // What a steady run takes leaves nothing: bounds of its changes say nothing then.
+        let steady = |k: usize| left[k] >= 0.0 && bend[k] * y <= share * limits.acceleration[k];
+        let holds = (0..AXES).all(steady);
+        let steep = steep.min(slope);
+        let change = |k: usize| 2.0 * (left[k] - 1.5 * bend[k] * steep).max(0.0) / rate[k];
+        Self { holds, slope, bend: (0..AXES).map(change).fold(f64::INFINITY, f64::min) }
+    }
+}
+
+/// Largest y of a steady run through a span with these largest derivatives.
+pub fn steady([_, bend, twist]: &Most, limits: &Limits) -> f64 {
+    let acceleration = (0..AXES).map(|k| limits.acceleration[k] / bend[k]).fold(f64::INFINITY, f64::min);
+    let jerk = (0..AXES).map(|k| limits.jerk[k] / twist[k]).fold(f64::INFINITY, f64::min);
+    acceleration.min((CURVATURE * jerk).cbrt().powi(2))
+}
+
+/// What a run has to keep, span by span.
+pub trait Rows: Sync {
+    /// Bounds that keep a share of acceleration and jerk where y is at most `most` and |y'| at most `steep` in a span.
+    fn bounds(&self, span: usize, most: f64, steep: f64, share: f64) -> Bounds;
+
+    /// Shares of the limits of acceleration and of jerk that the run takes at most in a span: `y` are the Bernstein
+    /// coefficients of y there.
+    fn shares(&self, span: usize, y: &[f64; 3]) -> [f64; 2];
+}
+
+/// Bernstein coefficients of the spline in a span: `c` has one coefficient more than spans at either end.
+pub fn over_span(widths: &[f64], c: &[f64], span: usize) -> [f64; 3] {
+    let knot = |j: usize| {
+        if j == 0 {
+            c[0]
+        } else if j == widths.len() {
+            c[j + 1]
+        } else {
+            // Between the middles of two spans.
+            let (a, b) = (widths[j - 1], widths[j]);
+            (c[j] * b + c[j + 1] * a) / (a + b)
+        }
+    };
+    [knot(span), c[span + 1], knot(span + 1)]
+}
+
+/// Time over a span in which y is quadratic and above zero, from its Bernstein coefficients.
+pub fn time(width: f64, [from, middle, to]: [f64; 3]) -> f64 {
+    let sum = from.sqrt() + to.sqrt();
+    // Half of y'', over the square of the sum.
+    let bend = (from - 2.0 * middle + to) / (sum * sum);
+    let root = bend.abs().sqrt();
+    // Area hyperbolic tangent or arc tangent, over its argument.
+    let shape = if root < 1e-3 {
+        1.0 + bend / 3.0 + bend * bend / 5.0
+    } else if bend > 0.0 {
+        root.atanh() / root
+    } else {
+        root.atan() / root
+    };
+    2.0 * width / sum * shape
+}
+
+/// Largest coefficients below `ceiling` whose slope grows no faster than `mass` and `slope` allow.
+fn grown(step: &[f64], ceiling: &[f64], mass: &[f64], slope: &[f64], backward: bool) -> Vec<f64> {
+    let n = ceiling.len();
+    let mut c = ceiling.to_vec();
+    let mut rising = 0.0_f64;
+    for i in 1..n {
+        let (here, next, gap) = if backward { (n - i, n - 1 - i, n - 1 - i) } else { (i - 1, i, i - 1) };
+        // From a valley half of the bend is for the other side.
+        let grow = if rising < 0.0 { 0.5 * mass[here] } else { rising + mass[here] };
+        c[next] = ceiling[next].min(c[here] + grow.min(slope[gap]) * step[gap]);
+        rising = (c[next] - c[here]) / step[gap];
+    }
+    c
+}
+
+/// Takes off crests that bend faster than `mass`: the largest sequence below `c` that does not.
+fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
+    /// A coefficient on the convex hull of c plus a function that bends by the mass. That function counts from the
+    /// coefficient before on the hull: `lift` over the line there, `turn` of its slope.
+    struct Kept {
+        at: usize,
+        way: f64,
+        lift: f64,
+        turn: f64,
+    }
+    let mut hull: Vec<Kept> = vec![Kept { at: 0, way: 0.0, lift: 0.0, turn: 0.0 }];
+    for i in 1..c.len() {
+        let mut next = Kept { at: i, way: step[i - 1], lift: 0.0, turn: mass[i] };
+        while let [.., before, last] = &hull[..] {
+            let slope_in = (c[last.at] - c[before.at] + last.lift) / last.way;
+            let slope_out = (c[i] - c[last.at] + next.lift) / next.way + last.turn;
+            if slope_out >= slope_in {
+                break;
+            }
+            next.lift += last.lift + last.turn * next.way;
+            next.way += last.way;
+            next.turn += last.turn;
+            hull.pop();
+        }
+        hull.push(next);
+    }
+    for pair in hull.windows(2) {
+        let [from, to] = pair else { continue };
+        let slope = (c[to.at] - c[from.at] + to.lift) / to.way;
+        let (start, mut way, mut lift, mut turn) = (c[from.at], 0.0, 0.0, 0.0);
+        for i in from.at + 1..to.at {
+            lift += turn * step[i - 1];
+            way += step[i - 1];
+            turn += mass[i];
+            c[i] = c[i].min(start + slope * way - lift);
+        }
+    }
+}
+
+/// Coefficients of y, one a span and one at either end, below `ceiling` (largest y of each span). At both ends y is
+/// `edge` and y' zero; `edge` must lie below every ceiling. `guess` is about the largest y of each span in the run.
+pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &impl Rows) -> Vec<f64> {
+    let n = widths.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    let place = |c: usize| if c == 0 { 0.0 } else { widths[c - 1] };
+    // Way between two coefficients, which stand in the middles of their spans.
+    let step: Vec<f64> = (0..=n).map(|i| 0.5 * (place(i) + widths.get(i).copied().unwrap_or(0.0))).collect();
+    let mut top = vec![edge; n + 2];
+    for j in 1..n.saturating_sub(1) {
+        top[j + 1] = ceiling[j].max(edge);
+    }
+    let mut most: Vec<f64> = guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect();
+    let mut steep = vec![f64::INFINITY; n];
+    let mut share = vec![1.0_f64; n];
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut last = top.clone();
+    let (mut rounds, mut before) = (0, f64::INFINITY);
+    for sweep in 0..SWEEPS {
+        let bounds: Vec<Bounds> =
+            (0..n).into_par_iter().with_min_len(CHUNK).map(|j| rows.bounds(j, most[j], steep[j], share[j])).collect();
+        last = swept(widths, &step, &top, &bounds);
+        let c = &last;
+        // What a span holds: largest y and |y'|, and whether rows are broken.
+        let held: Vec<([f64; 2], bool)> = (0..n)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|j| {
+                let y = over_span(widths, c, j);
+                let found = y[0].max(y[1]).max(y[2]);
+                let slope = (y[1] - y[0]).abs().max((y[2] - y[1]).abs()) * 2.0 / widths[j];
+                let inside = bounds[j].holds && found <= most[j] && slope <= bounds[j].slope.min(steep[j]);
+                let broken = !inside && rows.shares(j, &y).iter().any(|s| *s > 1.0);
+                ([found, slope], broken)
+            })
+            .collect();
+        let broken = held.iter().any(|h| h.1);
+        if !broken {
+            rounds += 1;
+            let spent: f64 = (0..n).map(|j| time(widths[j], over_span(widths, c, j))).sum();
+            if best.as_ref().is_none_or(|(time, _)| spent < *time) {
+                best = Some((spent, c.clone()));
+            }
+            if rounds == ROUNDS || spent > (1.0 - GAIN) * before {
+                break;
+            }
+            before = spent;
+        }
+        // The sweep before the last without a run goes back to bounds that nothing can leave.
+        let retreat = best.is_none() && sweep + 2 == SWEEPS;
+        for (j, ([found, slope], fault)) in held.into_iter().enumerate() {
+            (most[j], steep[j]) = if retreat {
+                (ceiling[j].max(edge), f64::INFINITY)
+            } else if fault {
+                // Widened bounds did not help: a smaller share of the limits does.
+                if sweep >= STUBBORN {
+                    for s in &mut share[j.saturating_sub(1)..(j + 2).min(n)] {
+                        *s *= SMALLER;
+                    }
+                }
+                (most[j].max(WIDER * found), steep[j].max(LEEWAY * slope))
+            } else if broken {
+                (most[j], steep[j])
+            } else {
+                ((most[j] * found).sqrt().max(found), LEEWAY * slope)
+            };
+        }
+    }
+    if let Some((_, c)) = best {
+        return c;
+    }
+    // Acceleration falls with y, jerk with its power 3/2.
+    let over = |j: usize| {
+        let [acceleration, jerk] = rows.shares(j, &over_span(widths, &last, j));
+        acceleration.max(jerk.cbrt().powi(2))
+    };
+    let slower = (0..n).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
+    last.iter().map(|c| c / slower).collect()
+}
+
+/// The three sweeps: the largest coefficients below `top` within the bounds of the spans.
+fn swept(widths: &[f64], step: &[f64], top: &[f64], bounds: &[Bounds]) -> Vec<f64> {
+    let n = widths.len();
+    let mut mass = vec![0.0; n + 2];
+    for j in 0..n {
+        mass[j + 1] = bounds[j].bend * widths[j];
+    }
+    let side = |j: Option<usize>| j.and_then(|j| bounds.get(j)).map_or(f64::INFINITY, |b| b.slope);
+    let slope: Vec<f64> = (0..=n).map(|i| side(i.checked_sub(1)).min(side(Some(i)))).collect();
+    let mut c = grown(step, top, &mass, &slope, false);
+    for (c, back) in c.iter_mut().zip(grown(step, top, &mass, &slope, true)) {
+        *c = c.min(back);
+    }
+    rounded(step, &mut c, &mass);
+    c
+}

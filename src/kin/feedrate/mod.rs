@@ -1,0 +1,375 @@
+//! Fastest run of five axes through stations, within speed, acceleration and jerk of every axis and never above the
+//! process feed.
+//!
+//! **What a feasible feed of a block is.** A block may be given the feed F when the axes can run through all blocks of
+//! the operation, from rest to rest, with corners rounded by no more than the tolerance that the control is given, so
+//! that in this block the tip reaches F and no axis exceeds its speed, acceleration or jerk anywhere. F is the largest
+//! feed of the block in that run; where the run is slower inside of the block, the control slows down by its own
+//! look-ahead.
+//!
+//! 1. [`path`]: corners are rounded in a closed form; between knots joints are cubic polynomials.
+//! 2. [`passes`]: the time-optimal run within speed and acceleration, by two passes over the knots.
+//! 3. [`jerk`]: a run below it that keeps the jerk, proved over each span by Bernstein coefficients.
+//!
+//! Methods: Pham and Pham, TOPP-RA, 2018 (two passes); the rows of jerk with sqrt(y) bounded from above as in the feed
+//! scheduling by linear programs of Fan, Gao, Zhang and Erkorkmaz. The time of 2 is a lower bound of that of 3.
+
+mod bound;
+pub mod jerk;
+mod passes;
+mod path;
+pub mod ramp;
+
+use jerk::{Bounds, Rows};
+use path::{Path, Span};
+use ramp::{Creep, Even, Most, Ramp};
+use rayon::prelude::*;
+
+/// Axes: X, Y, Z, A, C.
+pub const AXES: usize = 5;
+
+/// A value for each axis: mm or radians, with seconds in speeds, accelerations and jerks.
+pub type Axes = [f64; AXES];
+
+/// Spans that one thread prepares at least.
+const CHUNK: usize = 4096;
+
+/// Share of the jerk that the curvature of a steady run may take at most.
+const CURVATURE: f64 = 0.8;
+
+/// A place that the axes run through.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    /// Joints.
+    pub joints: Axes,
+    /// Tip on the part, mm.
+    pub tip: [f64; 3],
+    /// Least time from the station before, s: that of the process feed.
+    pub time: f64,
+}
+
+/// Limits of the axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Speed.
+    pub speed: Axes,
+    /// Acceleration.
+    pub acceleration: Axes,
+    /// Jerk; infinite where there is no limit.
+    pub jerk: Axes,
+}
+
+/// How far corners may be rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding {
+    /// Largest way of tip or flutes from the corner, mm.
+    pub tolerance: f64,
+    /// Length of the flutes, mm.
+    pub height: f64,
+}
+
+/// How a segment between two stations is run through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Time, s.
+    pub time: f64,
+    /// Largest speed, as a share of that of the least time.
+    pub share: f64,
+}
+
+/// A span of the run.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg {
+    /// Segment: index of the station at its end.
+    pub segment: u32,
+    /// Where it begins and its length, in the parameter s of the path.
+    pub from: f64,
+    /// As above.
+    pub width: f64,
+    /// Bernstein coefficients of the first derivatives of the joints by s.
+    pub rate: [Axes; 3],
+    /// Bernstein coefficients of (ds/dt)^2.
+    pub y: [f64; 3],
+}
+
+/// The run.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// By segment; the first is that before the first station and stands still.
+    pub segments: Vec<Segment>,
+    /// Time in all, s.
+    pub time: f64,
+    /// Time within speeds and accelerations alone, s: no run with a limit of jerk along this path is faster.
+    pub least: f64,
+    /// Largest share of the limits of speed, acceleration and jerk that is taken by each axis, by bounds over whole spans.
+    pub shares: [Axes; 3],
+    /// Spans in order, without the first and the last part of the way, in which the axes get moving and come to rest.
+    pub legs: Vec<Leg>,
+    /// Length of those two parts, s of the path, and the time that each takes.
+    pub creep: [[f64; 2]; 2],
+}
+
+/// The spans of a run as rows of the jerk.
+struct SpanRows<'a> {
+    spans: &'a [Span],
+    limits: &'a Limits,
+    /// Of each span and axis: largest |q'|, |q''| and |q'''|.
+    most: Vec<Most>,
+}
+
+impl<'a> SpanRows<'a> {
+    fn new(spans: &'a [Span], limits: &'a Limits) -> Self {
+        let most = |s: &Span| {
+            let bends: [[f64; 2]; AXES] = std::array::from_fn(|k| s.bend(k));
+            [
+                std::array::from_fn(|k| s.most_rate(k)),
+                bends.map(|[a, b]| a.abs().max(b.abs())),
+                bends.map(|[a, b]| ((b - a) / s.width).abs()),
+            ]
+        };
+        Self { spans, limits, most: spans.par_iter().with_min_len(CHUNK).map(most).collect() }
+    }
+}
+
+impl SpanRows<'_> {
+    /// Largest acceleration and jerk of an axis over a span.
+    fn largest(&self, span: usize, k: usize, y: &[f64; 3]) -> [f64; 2] {
+        let s = &self.spans[span];
+        let r = s.rate.map(|r| r[k]);
+        let [bend, end] = s.bend(k);
+        let twist = (end - bend) / s.width;
+        let [slope, last] = [2.0 * (y[1] - y[0]) / s.width, 2.0 * (y[2] - y[1]) / s.width];
+        let turn = (last - slope) / s.width;
+        // q'' y + q' y'/2, of degree three.
+        let a = [
+            bend * y[0] + 0.5 * r[0] * slope,
+            (end * y[0] + 2.0 * bend * y[1]) / 3.0 + 0.5 * (r[0] * last + 2.0 * r[1] * slope) / 3.0,
+            (2.0 * end * y[1] + bend * y[2]) / 3.0 + 0.5 * (2.0 * r[1] * last + r[2] * slope) / 3.0,
+            end * y[2] + 0.5 * r[2] * last,
+        ];
+        // q''' y + 3/2 q'' y' + q' y''/2, of degree two.
+        let j = [
+            twist * y[0] + 1.5 * bend * slope + 0.5 * r[0] * turn,
+            twist * y[1] + 0.75 * (bend * last + end * slope) + 0.5 * r[1] * turn,
+            twist * y[2] + 1.5 * end * last + 0.5 * r[2] * turn,
+        ];
+        let most = |all: &[f64]| all.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        [most(&a), most(&j) * most(y).sqrt()]
+    }
+}
+
+impl Rows for SpanRows<'_> {
+    fn bounds(&self, span: usize, most: f64, steep: f64, share: f64) -> Bounds {
+        Bounds::new(&self.most[span], self.limits, most, steep, share)
+    }
+
+    fn shares(&self, span: usize, y: &[f64; 3]) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for k in 0..AXES {
+            let [acceleration, jerk] = self.largest(span, k, y);
+            most[0] = most[0].max(acceleration / self.limits.acceleration[k]);
+            most[1] = most[1].max(jerk / self.limits.jerk[k]);
+        }
+        // Sums of products that meet their bound do so to the last digits only.
+        most.map(|m| if m < 1.0 + 1e-9 { m.min(1.0) } else { m })
+    }
+}
+
+/// Squares of the largest rate of the parameter in a span, by process feed and speeds.
+fn cap(span: &Span, feed: f64, speed: &Axes) -> f64 {
+    (0..AXES).map(|k| speed[k] / span.most_rate(k)).fold(feed, f64::min).powi(2)
+}
+
+/// Largest y at each knot, from those of the spans beside it.
+fn knot_caps(caps: &[f64]) -> Vec<f64> {
+    let side = |j: Option<usize>| j.and_then(|j| caps.get(j)).copied().unwrap_or(f64::INFINITY);
+    (0..=caps.len()).map(|i| side(i.checked_sub(1)).min(side(Some(i)))).collect()
+}
+
+/// Knots with the spans between them.
+struct Grid {
+    knots: Vec<(f64, u32)>,
+    spans: Vec<Span>,
+    caps: Vec<f64>,
+}
+
+impl Grid {
+    fn new(path: &Path, knots: Vec<(f64, u32)>, speed: &Axes) -> Self {
+        let spans: Vec<Span> =
+            knots.par_windows(2).with_min_len(CHUNK).map(|pair| path.span(pair[1].1, pair[0].0, pair[1].0)).collect();
+        let caps = spans.iter().zip(&knots[1..]).map(|(s, k)| cap(s, path.rate[k.1 as usize], speed)).collect();
+        Self { knots, spans, caps }
+    }
+
+    fn places(&self) -> Vec<f64> {
+        self.knots.iter().map(|k| k.0).collect()
+    }
+
+    /// Knots with those that changes of speed need, and these.
+    fn resolved(&self, y: &[f64], limits: &Limits) -> (Vec<(f64, u32)>, Vec<Ramp>) {
+        let even = |(span, cap): (&Span, &f64)| {
+            let least = |most: &Axes| (0..AXES).map(|k| most[k] / span.most_rate(k)).fold(f64::INFINITY, f64::min);
+            Even { cap: *cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
+        };
+        let spans: Vec<Even> = self.spans.iter().zip(&self.caps).map(even).collect();
+        let (mut knots, ramps) = ramp::resolve(&self.places(), y, &spans);
+        for knot in &mut knots {
+            knot.1 = self.knots[knot.1 as usize + 1].1;
+        }
+        (knots, ramps)
+    }
+
+    /// Lowers the largest y of each span to what acceleration and jerk allow of a steady run.
+    fn keep_steady(&mut self, limits: &Limits) {
+        let rows = SpanRows::new(&self.spans, limits);
+        for (i, cap) in self.caps.iter_mut().enumerate() {
+            *cap = cap.min(jerk::steady(&rows.most[i], limits));
+        }
+    }
+}
+
+/// Plans the fastest run from rest to rest through stations. Stations that lie where the one before lies take their least
+/// time and no way. Every time must be above zero.
+pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profile {
+    let mut profile = Profile {
+        segments: stations.iter().map(|s| Segment { time: s.time, share: 1.0 }).collect(),
+        time: 0.0,
+        least: 0.0,
+        shares: [[0.0; AXES]; 3],
+        legs: Vec::new(),
+        creep: [[0.0; 2]; 2],
+    };
+    // A standstill divides the way: the run comes to rest there.
+    let stands = |i: usize| stations[i].joints == stations[i - 1].joints;
+    let mut first = 0;
+    for i in 1..=stations.len() {
+        if i == stations.len() || stands(i) {
+            if i - first > 1 {
+                moving(&stations[first..i], limits, rounding, first, &mut profile);
+            }
+            if i < stations.len() {
+                profile.time += stations[i].time;
+                profile.least += stations[i].time;
+            }
+            first = i;
+        }
+    }
+    if let Some(segment) = profile.segments.first_mut() {
+        *segment = Segment { time: 0.0, share: 0.0 };
+    }
+    profile
+}
+
+/// Plans the run through stations of which each differs from the one before.
+fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usize, profile: &mut Profile) {
+    let path = Path::new(stations, &limits.acceleration, rounding);
+    let mut grid = Grid::new(&path, path.knots(), &limits.speed);
+    let limited = limits.jerk.iter().any(|j| j.is_finite());
+    if limited {
+        grid.keep_steady(limits);
+    }
+    let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
+    let (knots, ramps) = grid.resolved(&y, limits);
+    grid = Grid::new(&path, knots, &limits.speed);
+    if limited {
+        grid.keep_steady(limits);
+    }
+    let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
+    profile.least += {
+        let feeds: Vec<f64> = grid.knots[1..].iter().map(|k| path.rate[k.1 as usize].powi(2)).collect();
+        bound::least_time(&grid.spans, limits, &feeds)
+    };
+    let mut legs: Vec<Leg> = Vec::with_capacity(grid.spans.len());
+    if !limited {
+        for (i, span) in grid.spans.iter().enumerate() {
+            let y = [y[i], 0.5 * (y[i] + y[i + 1]), y[i + 1]];
+            legs.push(Leg {
+                segment: grid.knots[i + 1].1,
+                from: grid.knots[i].0,
+                width: span.width,
+                rate: span.rate,
+                y,
+            });
+        }
+        profile.creep = [[0.0; 2]; 2];
+    } else {
+        profile.creep = smooth(&path, grid, &y, &ramps, limits, &mut legs);
+    }
+    settle(&legs, limits, &path, first, profile);
+}
+
+/// The run with the jerk kept: its legs, and way and time to get moving and to come to rest.
+fn smooth(
+    path: &Path,
+    mut grid: Grid,
+    y: &[f64],
+    ramps: &[Ramp],
+    limits: &Limits,
+    legs: &mut Vec<Leg>,
+) -> [[f64; 2]; 2] {
+    let n = grid.spans.len();
+    // Both spans at a knot share its bound.
+    let caps = knot_caps(&grid.caps);
+    let ceiling: Vec<f64> = (0..n).map(|i| (0.5 * (y[i] + y[i + 1])).min(caps[i]).min(caps[i + 1])).collect();
+    let guess = ramp::guess(&grid.places(), &ceiling, ramps);
+    let slowest = ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+    let half = if n == 1 { 0.25 } else { 0.5 };
+    let rows = SpanRows::new(&grid.spans, limits);
+    let creep = |i: usize, rate: f64| Creep::new(&rows.most[i], limits, rate, half * grid.spans[i].width);
+    let rate = creep(0, 0.9 * slowest).rate.min(creep(n - 1, 0.9 * slowest).rate);
+    let [start, end] = [creep(0, rate), creep(n - 1, rate)];
+    let rate = start.rate.min(end.rate);
+    // The ways in which the axes get moving and come to rest are no part of the spline.
+    let last = grid.knots[n];
+    grid.knots[0].0 += start.way;
+    grid.knots[n] = (last.0 - end.way, last.1);
+    for i in [0, n - 1] {
+        grid.spans[i] = path.span(grid.knots[i + 1].1, grid.knots[i].0, grid.knots[i + 1].0);
+    }
+    let widths: Vec<f64> = grid.spans.iter().map(|s| s.width).collect();
+    let rows = SpanRows::new(&grid.spans, limits);
+    let c = jerk::limit(&widths, &ceiling, &guess, rate * rate, &rows);
+    for (i, span) in grid.spans.iter().enumerate() {
+        let y = jerk::over_span(&widths, &c, i);
+        legs.push(Leg { segment: grid.knots[i + 1].1, from: grid.knots[i].0, width: span.width, rate: span.rate, y });
+    }
+    // Slower than asked for where the whole run had to slow down: the way stays, the time grows.
+    let slower = rate / c.first().copied().unwrap_or(rate * rate).sqrt();
+    [[start.way, start.time * slower], [end.way, end.time * slower]]
+}
+
+/// Times, speeds and shares of legs.
+fn settle(legs: &[Leg], limits: &Limits, path: &Path, first: usize, profile: &mut Profile) {
+    let spans: Vec<Span> = legs.iter().map(|l| Span { width: l.width, rate: l.rate }).collect();
+    let rows = SpanRows::new(&spans, limits);
+    for segment in &mut profile.segments[first + 1..first + path.at.len()] {
+        *segment = Segment { time: 0.0, share: 0.0 };
+    }
+    for (i, leg) in legs.iter().enumerate() {
+        let most = leg.y.iter().fold(0.0_f64, |a, b| a.max(*b)).sqrt();
+        let time = jerk::time(leg.width, leg.y);
+        let segment = &mut profile.segments[first + leg.segment as usize];
+        segment.time += time;
+        segment.share = segment.share.max((most / path.rate[leg.segment as usize]).min(1.0));
+        for k in 0..AXES {
+            let [acceleration, jerk] = rows.largest(i, k, &leg.y);
+            let shares = [
+                most * rows.spans[i].most_rate(k) / limits.speed[k],
+                acceleration / limits.acceleration[k],
+                jerk / limits.jerk[k],
+            ];
+            for (most, share) in profile.shares.iter_mut().zip(shares) {
+                most[k] = most[k].max(share);
+            }
+        }
+        profile.time += time;
+    }
+    let ends = [legs.first(), legs.last()];
+    for (leg, [_, time]) in ends.into_iter().flatten().zip(profile.creep) {
+        profile.segments[first + leg.segment as usize].time += time;
+        profile.time += time;
+    }
+    profile
+        .legs
+        .extend(legs.iter().map(|leg| Leg { segment: leg.segment + u32::try_from(first).unwrap_or(0), ..*leg }));
+}

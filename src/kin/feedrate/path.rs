@@ -1,0 +1,129 @@
+//! The path that a control follows through stations: straight between them, with every corner rounded.
+
+use super::{AXES, Axes, Rounding, Station};
+
+/// Distances below this share of a segment are one knot.
+const SAME_KNOT: f64 = 1e-9;
+
+/// The rounded path. Its parameter s is the length of the joint polygon, each axis weighed by its acceleration limit.
+///
+/// At a corner the derivative jumps by D. The jump is spread over [s - l, s + l] by a triangle of the second derivative,
+/// D/l (1 - |x|/l), so that position, first and second derivative are continuous and the path leaves the corner by
+/// |D| l/6. Where l is the whole of two equal segments, the path is the cubic B-spline of the stations.
+pub(super) struct Path {
+    /// Parameter of every station.
+    pub(super) at: Vec<f64>,
+    /// Derivative of the joints on the segment that ends at a station; the first is unused.
+    slope: Vec<Axes>,
+    /// Half of the length over which the corner at a station is rounded; zero at both ends.
+    half: Vec<f64>,
+    /// Largest rate of the parameter on the segment that ends at a station, from its own time.
+    pub(super) rate: Vec<f64>,
+}
+
+/// Derivatives of the joints over a span of the path, in which they are polynomials.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// Length of the parameter.
+    pub(super) width: f64,
+    /// Bernstein coefficients of the first derivative, which is quadratic.
+    pub(super) rate: [Axes; 3],
+}
+
+impl Span {
+    /// Second derivative at both ends; between them it is linear.
+    pub(super) fn bend(&self, k: usize) -> [f64; 2] {
+        let [a, b, c] = self.rate.map(|r| r[k]);
+        [2.0 * (b - a) / self.width, 2.0 * (c - b) / self.width]
+    }
+
+    /// Largest first derivative.
+    pub(super) fn most_rate(&self, k: usize) -> f64 {
+        self.rate.iter().fold(0.0, |most, r| r[k].abs().max(most))
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+impl Path {
+    /// The path through stations that differ from one to the next; `weight` divides each axis in the length.
+    pub(super) fn new(stations: &[Station], weight: &Axes, rounding: &Rounding) -> Self {
+        let n = stations.len();
+        let mut path = Self { at: vec![0.0; n], slope: vec![[0.0; AXES]; n], half: vec![0.0; n], rate: vec![0.0; n] };
+        let mut tips = vec![[0.0; 3]; n];
+        for i in 1..n {
+            let (a, b) = (&stations[i - 1], &stations[i]);
+            let length = (0..AXES).map(|k| ((b.joints[k] - a.joints[k]) / weight[k]).powi(2)).sum::<f64>().sqrt();
+            path.at[i] = path.at[i - 1] + length;
+            path.slope[i] = std::array::from_fn(|k| (b.joints[k] - a.joints[k]) / length);
+            tips[i] = std::array::from_fn(|k| (b.tip[k] - a.tip[k]) / length);
+            path.rate[i] = length / b.time;
+        }
+        for i in 1..n.saturating_sub(1) {
+            let turn = |k: usize| path.slope[i + 1][k] - path.slope[i][k];
+            let away = distance(&tips[i], &tips[i + 1]) + rounding.height * turn(3).hypot(turn(4));
+            let room = (path.at[i] - path.at[i - 1]).min(path.at[i + 1] - path.at[i]);
+            path.half[i] = if away * room > 6.0 * rounding.tolerance { 6.0 * rounding.tolerance / away } else { room };
+        }
+        // Half of the derivative of a neighbour comes into a segment at its corner: the tip keeps the feed there too.
+        let speed = |tip: &[f64; 3]| distance(tip, &[0.0; 3]);
+        let own: Vec<f64> = path.rate.clone();
+        for i in 1..n {
+            let neighbours = [i - 1, i + 1].into_iter().filter(|k| *k > 0 && *k < n).map(|k| speed(&tips[k]));
+            let (mine, most) = (speed(&tips[i]), neighbours.fold(0.0, f64::max));
+            if most > mine && mine > 0.0 {
+                path.rate[i] = own[i] * mine / (0.5 * (mine + most));
+            }
+        }
+        path
+    }
+
+    /// Places between which the derivatives are polynomials, each with the segment that ends there; the first is the start.
+    pub(super) fn knots(&self) -> Vec<(f64, u32)> {
+        let mut knots = Vec::with_capacity(2 * self.at.len());
+        knots.push((0.0, 1));
+        for i in 1..self.at.len() {
+            let (from, to) = (self.at[i - 1], self.at[i]);
+            let segment = u32::try_from(i).unwrap_or(u32::MAX);
+            let (a, b) = (from + self.half[i - 1], to - self.half[i]);
+            let same = SAME_KNOT * (to - from);
+            for place in [a.min(b), a.max(b), to] {
+                let last = knots.last().map_or(0.0, |k| k.0);
+                if place - last > same && (place == to || to - place > same) {
+                    knots.push((place, segment));
+                }
+            }
+        }
+        knots
+    }
+
+    /// First and second derivative at a place of a segment.
+    fn derivatives(&self, segment: usize, s: f64) -> [Axes; 2] {
+        let mut rate = self.slope[segment];
+        let mut bend = [0.0; AXES];
+        // The corner behind takes from the derivative, the one ahead gives to it.
+        let corners = [(segment - 1, s - self.at[segment - 1], -1.0), (segment, self.at[segment] - s, 1.0)];
+        for (corner, away, sign) in corners {
+            let half = self.half[corner];
+            if half > away {
+                let rest = 1.0 - away.max(0.0) / half;
+                for k in 0..AXES {
+                    let jump = self.slope[corner + 1][k] - self.slope[corner][k];
+                    rate[k] += sign * 0.5 * jump * rest * rest;
+                    bend[k] += jump / half * rest;
+                }
+            }
+        }
+        [rate, bend]
+    }
+
+    /// The span between two places of one segment without a knot between them.
+    pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> Span {
+        let width = to - from;
+        let [rate, bend] = self.derivatives(segment as usize, from);
+        let [end, _] = self.derivatives(segment as usize, to);
+        Span { width, rate: [rate, std::array::from_fn(|k| rate[k] + 0.5 * width * bend[k]), end] }
+    }
+}

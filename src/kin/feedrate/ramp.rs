@@ -1,0 +1,240 @@
+//! Changes of speed as S-curves alone: where a run has to be resolved, and about how fast it is there.
+
+use super::{AXES, CURVATURE, Limits};
+
+/// Steps of time in which a change of speed is resolved.
+const RAMP: usize = 32;
+
+/// Steps behind such a change, each half as long again as the one before.
+const LEVEL: usize = 8;
+
+/// How far a guess of the square of the speed lies over that of an S-curve.
+const LOOSE: f64 = 1.2;
+
+/// A change of the square of the speed below this is none.
+const SLIGHT: f64 = 1.05;
+
+/// Knots nearer to each other than this share of a span are one.
+const NEAR: f64 = 1e-6;
+
+/// A change of speed alone: an S-curve within an acceleration and a jerk.
+#[derive(Clone, Copy)]
+pub struct Ramp {
+    /// Where it begins, and whether it runs against the way.
+    at: f64,
+    backward: bool,
+    /// Rate of the parameter at its start and end.
+    from: f64,
+    to: f64,
+    jerk: f64,
+    /// Times in which the acceleration grows, and in which it is even.
+    rise: f64,
+    even: f64,
+}
+
+impl Ramp {
+    fn new(from: f64, to: f64, acceleration: f64, jerk: f64) -> Self {
+        let change = to - from;
+        let (rise, even) = if jerk.is_finite() {
+            let rise = (acceleration / jerk).min((change / jerk).sqrt());
+            (rise, (change / (rise * jerk) - rise).max(0.0))
+        } else {
+            (0.0, change / acceleration)
+        };
+        Self { at: 0.0, backward: false, from, to, jerk, rise, even }
+    }
+
+    /// To the highest speed that is reached over a way.
+    fn within(from: f64, to: f64, acceleration: f64, jerk: f64, way: f64) -> Self {
+        let ramp = |to: f64| Self::new(from, to, acceleration, jerk);
+        let fits = |r: &Self| r.after(r.time())[0] <= way;
+        let whole = ramp(to);
+        if fits(&whole) {
+            return whole;
+        }
+        let (mut low, mut high) = (from, to);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            (low, high) = if fits(&ramp(middle)) { (middle, high) } else { (low, middle) };
+        }
+        ramp(high)
+    }
+
+    /// Way and speed after a time.
+    fn after(&self, t: f64) -> [f64; 2] {
+        if self.rise <= 0.0 {
+            let gained = (self.to - self.from) * t / self.even;
+            return [(self.from + 0.5 * gained) * t, self.from + gained];
+        }
+        // The jerk changes where the acceleration begins and ends to be even.
+        let since = [t, t - self.rise, t - self.rise - self.even].map(|t| t.max(0.0));
+        let sum = |power: i32| since[0].powi(power) - since[1].powi(power) - since[2].powi(power);
+        [self.from * t + self.jerk * sum(3) / 6.0, self.from + self.jerk * sum(2) / 2.0]
+    }
+
+    fn time(&self) -> f64 {
+        2.0 * self.rise + self.even
+    }
+
+    /// Ways from its start at even steps of its time, and then at growing steps up to `most`.
+    fn places(&self, mut place: impl FnMut(f64), most: f64) {
+        let (steps, level) = if self.to > 2.0 * self.from { (RAMP, LEVEL) } else { (RAMP / 8, LEVEL / 4) };
+        let mut before = 0.0;
+        let mut way = 0.0;
+        for step in 1..=steps {
+            before = way;
+            way = self.after(self.time() * step as f64 / steps as f64)[0];
+            place(way);
+        }
+        let mut gap = way - before;
+        for _ in 0..level {
+            way += gap;
+            if way >= most {
+                break;
+            }
+            place(way);
+            gap *= 1.5;
+        }
+    }
+}
+
+/// Spans in which bounds are even, for [`resolve`]: the largest y, half of the largest |y'|, and the largest third
+/// derivative of the parameter by time.
+#[derive(Clone, Copy, Debug)]
+pub struct Even {
+    /// Largest y.
+    pub cap: f64,
+    /// Largest acceleration of the parameter.
+    pub acceleration: f64,
+    /// Largest jerk of the parameter.
+    pub jerk: f64,
+}
+
+/// Further knots where a run speeds up or slows down: at even steps of time of an S-curve alone. `at` are the knots, `y`
+/// the run there. Gives all knots, each with the span that ends there (the first with span 0), and the S-curves.
+pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<Ramp>) {
+    let n = spans.len();
+    let (mut places, mut ramps): (Vec<f64>, Vec<Ramp>) = (Vec::new(), Vec::new());
+    for backward in [false, true] {
+        // Knot and span in the order of the way.
+        let knot = |i: usize| if backward { n - i } else { i };
+        let span = |i: usize| if backward { n - 1 - i } else { i };
+        let width = |i: usize| (at[knot(i + 1)] - at[knot(i)]).abs();
+        let slope = |i: usize| 2.0 * spans[span(i)].acceleration;
+        let end = at[knot(n)];
+        let mut i = 0;
+        while i < n {
+            let (from, start) = (y[knot(i)], at[knot(i)]);
+            // Speed is gained from here to the place where it is highest.
+            let (mut top, mut to, mut room) = (i, from, 0.0);
+            while top < n {
+                let [a, b] = [y[knot(top)], y[knot(top + 1)]];
+                let inside = (0.5 * (a + b + slope(top) * width(top))).min(spans[span(top)].cap);
+                to = to.max(inside).max(b);
+                room = (at[knot(top)] - start).abs()
+                    + 0.5 * (width(top) + ((b - a) / slope(top)).max(-width(top)).min(width(top)));
+                if inside > b * 1.001 || b <= a * 1.001 {
+                    break;
+                }
+                top += 1;
+            }
+            if to > SLIGHT * from {
+                let first = &spans[span(i)];
+                let ramp = Ramp::within(from.sqrt(), to.sqrt(), first.acceleration, first.jerk, room);
+                ramp.places(|way| places.push(if backward { start - way } else { start + way }), (end - start).abs());
+                ramps.push(Ramp { at: start, backward, ..ramp });
+            }
+            i = top + 1;
+        }
+    }
+    places.sort_by(f64::total_cmp);
+    let mut all = Vec::with_capacity(at.len() + places.len());
+    let mut places = places.into_iter().peekable();
+    all.push((at[0], 0));
+    for (i, pair) in at.windows(2).enumerate() {
+        let (from, to) = (pair[0], pair[1]);
+        let span = u32::try_from(i).unwrap_or(u32::MAX);
+        let mut last = from;
+        while let Some(place) = places.next_if(|p| *p < to) {
+            let near = NEAR * (to - from);
+            if place - last > near && to - place > near {
+                all.push((place, span));
+                last = place;
+            }
+        }
+        all.push((to, span));
+    }
+    (all, ramps)
+}
+
+/// About the largest y of each span between knots `at`: the ceiling, or what S-curves let of it.
+pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
+    let mut most = ceiling.to_vec();
+    let n = most.len();
+    for ramp in ramps {
+        let first = at.partition_point(|k| *k < ramp.at - 1e-12 * ramp.at.abs());
+        let (mut t, all) = (0.0, ramp.time());
+        for i in 0..n {
+            // The far end of the next span.
+            let (span, far) = if ramp.backward {
+                let Some(span) = first.checked_sub(1 + i) else { break };
+                (span, ramp.at - at[span])
+            } else {
+                let span = first + i;
+                if span >= n {
+                    break;
+                }
+                (span, at[span + 1] - ramp.at)
+            };
+            while t < all && ramp.after(t)[0] < far {
+                t += all / (4 * RAMP) as f64;
+            }
+            if t >= all {
+                break;
+            }
+            most[span] = most[span].min(LOOSE * ramp.after(t)[1].powi(2));
+        }
+    }
+    most
+}
+
+/// Largest |q'|, |q''| and |q'''| of each axis over a span, by the parameter.
+pub type Most = [[f64; AXES]; 3];
+
+/// Getting moving from rest: the rate of the parameter that is reached without acceleration at its end, way and time.
+#[derive(Clone, Copy, Debug)]
+pub struct Creep {
+    /// Rate.
+    pub rate: f64,
+    /// Way.
+    pub way: f64,
+    /// Time, s.
+    pub time: f64,
+}
+
+impl Creep {
+    /// Within a span with these derivatives, at most at a rate and over a way.
+    pub fn new(most: &Most, limits: &Limits, rate: f64, way: f64) -> Self {
+        let [first, bend, twist] = most;
+        let jerk = (0..AXES).map(|k| limits.jerk[k] / first[k]).fold(f64::INFINITY, f64::min);
+        // Curvature takes its share besides.
+        let jerk = CURVATURE * jerk;
+        let mut rate = rate.min((way * jerk.sqrt()).cbrt().powi(2));
+        let fits = |rate: f64| {
+            let rise = (rate * jerk).sqrt();
+            (0..AXES).all(|k| {
+                first[k] * rise + bend[k] * rate * rate <= limits.acceleration[k]
+                    && first[k] * jerk + 3.0 * bend[k] * rate * rise + twist[k] * rate.powi(3) <= limits.jerk[k]
+            })
+        };
+        // Fits at last, since all but the first term of the jerk fall with the rate.
+        for _ in 0..100 {
+            if fits(rate) {
+                break;
+            }
+            rate *= 0.5;
+        }
+        let time = 2.0 * (rate / jerk).sqrt();
+        Self { rate, way: 0.5 * rate * time, time }
+    }
+}

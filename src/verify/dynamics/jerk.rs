@@ -1,0 +1,251 @@
+//! The run with the jerk of every axis kept, and corners with it.
+//!
+//! In a cell |q'| and |q''| are those of its bounds, and |q'''| is what q'' changes by from the middle of one cell to
+//! that of the next, curvature that is cut into chords included. The run keeps |q''| y + |q'| |y'|/2 <= acceleration and
+//! (|q'''| y + 3/2 |q''| |y'| + |q'| |y''|/2) sqrt(y) <= jerk over every part of a cell.
+//!
+//! The part of a corner that is not such curvature is rounded by a pulse of acceleration that grows and falls with the
+//! jerk: a change of speed v takes v/a + a/j where the acceleration a is reached, 2 sqrt(v/j) otherwise. As without
+//! limits of jerk the rounding stays within the chord tolerance and between the middles of both blocks.
+
+use super::{Cell, Joint5, Limits, Part};
+use crate::kin::feedrate::jerk::{self, Bounds, Rows};
+use crate::kin::feedrate::ramp::{self, Creep, Even, Most};
+use crate::kin::feedrate::{self as feedrate};
+
+/// Halvings in the search of the speed at which a corner can be rounded.
+const HALVINGS: usize = 40;
+
+/// A cell, or a part of one, by a parameter that goes on evenly over corners.
+#[derive(Clone)]
+struct Span {
+    cell: usize,
+    /// Parameter over programmed time.
+    scale: f64,
+    width: f64,
+    most: Most,
+    cap: f64,
+}
+
+/// Time to change each speed of an axis at most by `change`, s.
+fn pulse(limits: &Limits, change: &Joint5) -> f64 {
+    let one = |k: usize| {
+        let (v, a, j) = (change[k].abs(), limits.acceleration[k], limits.jerk[k]);
+        if v * j >= a * a { v / a + a / j } else { 2.0 * (v / j).sqrt() }
+    };
+    (0..5).filter(|k| limits.jerk[*k].is_finite()).map(one).fold(0.0, f64::max)
+}
+
+/// What of a corner is no curvature, by the time of the block behind it.
+fn excess(before: &Cell, cell: &Cell) -> Joint5 {
+    std::array::from_fn(|k| {
+        let jump = cell.jump[k] * cell.ratio;
+        jump - 0.5 * (before.shared[k] + cell.shared[k] * cell.ratio)
+    })
+}
+
+/// How far tip or flutes (mm) and the tool axis (radians) leave a corner that is run through with y before it.
+pub(super) fn rounding(limits: &Limits, before: Option<&Cell>, cell: &Cell, y: f64) -> (f64, f64) {
+    let root = y.sqrt();
+    let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
+    let lean = (cell.jump[3] * cell.ratio).hypot(cell.jump[4] * cell.ratio) * root * time / 8.0;
+    ((cell.flutes * root * time / 8.0).max(y * cell.rounding), lean.max(y * cell.tilting))
+}
+
+/// Largest y before a corner.
+fn corner(limits: &Limits, before: &Cell, cell: &Cell) -> f64 {
+    let excess = excess(before, cell);
+    let fits = |y: f64| {
+        let root = y.sqrt();
+        let time = pulse(limits, &excess.map(|e| e * root));
+        time * root <= cell.room && cell.flutes * root * time / 8.0 <= limits.chord
+    };
+    let most = cell.corner.min(before.cap).min(cell.cap / (cell.ratio * cell.ratio));
+    if fits(most) {
+        return most;
+    }
+    let (mut low, mut high) = (0.0, most);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        (low, high) = if fits(middle) { (middle, high) } else { (low, middle) };
+    }
+    // Never a stop: at half of what a search can tell apart everything fits.
+    low.max(0.5 * (high - low))
+}
+
+/// Largest change of q'' by the time of a cell, from the middles of its neighbours; none beyond a stop.
+fn twist(cells: &[Cell], i: usize) -> Joint5 {
+    let cell = &cells[i];
+    let mut most = [0.0_f64; 5];
+    let behind = i.checked_sub(1).filter(|_| cell.ratio > 0.0).map(|b| (&cells[b], 1.0 / cell.ratio));
+    let ahead = cells.get(i + 1).filter(|n| n.ratio > 0.0).map(|n| (n, n.ratio));
+    for (other, ratio) in behind.into_iter().chain(ahead) {
+        let way = 0.5 * (cell.width + other.width / ratio);
+        for k in 0..5 {
+            most[k] = most[k].max((other.level[k] * ratio * ratio - cell.level[k]).abs() / way);
+        }
+    }
+    most
+}
+
+/// Bounds of the spans as the engine takes them, and judged by sums of absolute values.
+struct SpanRows<'a> {
+    spans: &'a [Span],
+    limits: feedrate::Limits,
+}
+
+impl SpanRows<'_> {
+    /// Largest acceleration and jerk of each axis.
+    fn largest(&self, span: usize, y: &[f64; 3]) -> [Joint5; 2] {
+        let Span { width, most: [rate, bend, twist], .. } = &self.spans[span];
+        let top = y[0].max(y[1]).max(y[2]);
+        let [first, last] = [2.0 * (y[1] - y[0]) / width, 2.0 * (y[2] - y[1]) / width];
+        let (slope, turn) = (first.abs().max(last.abs()), ((last - first) / width).abs());
+        [
+            std::array::from_fn(|k| bend[k] * top + 0.5 * rate[k] * slope),
+            std::array::from_fn(|k| (twist[k] * top + 1.5 * bend[k] * slope + 0.5 * rate[k] * turn) * top.sqrt()),
+        ]
+    }
+}
+
+impl Rows for SpanRows<'_> {
+    fn bounds(&self, span: usize, most: f64, steep: f64, share: f64) -> Bounds {
+        Bounds::new(&self.spans[span].most, &self.limits, most, steep, share)
+    }
+
+    fn shares(&self, span: usize, y: &[f64; 3]) -> [f64; 2] {
+        let [acceleration, jerk] = self.largest(span, y);
+        let share = |found: &Joint5, limit: &Joint5| (0..5).map(|k| found[k] / limit[k]).fold(0.0, f64::max);
+        let all = [share(&acceleration, &self.limits.acceleration), share(&jerk, &self.limits.jerk)];
+        // Sums that meet their bound do so to the last digits only.
+        all.map(|s| if s < 1.0 + 1e-9 { s.min(1.0) } else { s })
+    }
+}
+
+/// The run through cells, from stop to stop.
+pub(super) fn run(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
+    let mut parts = Vec::with_capacity(cells.len());
+    let mut first = 0;
+    while first < cells.len() {
+        let stop = (first + 1..cells.len()).find(|i| cells[*i].ratio <= 0.0).unwrap_or(cells.len());
+        moving(limits, cells, first..stop, &mut parts);
+        first = stop;
+    }
+    parts
+}
+
+/// Largest y that is reached from y over a span, within the acceleration.
+fn rise(limits: &Limits, span: &Span, y: f64) -> f64 {
+    let [rate, bend, _] = &span.most;
+    (0..5)
+        .filter(|k| rate[*k] > 0.0)
+        .map(|k| {
+            let way = 2.0 * span.width / rate[k];
+            (y + way * limits.acceleration[k]) / (1.0 + way * bend[k])
+        })
+        .fold(span.cap, f64::min)
+}
+
+/// Largest y at the knots within accelerations.
+fn within_accelerations(limits: &Limits, spans: &[Span], knots: &[f64]) -> Vec<f64> {
+    let n = spans.len();
+    let mut y = knots.to_vec();
+    (y[0], y[n]) = (0.0, 0.0);
+    for i in 0..n {
+        y[i + 1] = y[i + 1].min(rise(limits, &spans[i], y[i]));
+    }
+    for i in (0..n).rev() {
+        y[i] = y[i].min(rise(limits, &spans[i], y[i + 1]));
+    }
+    y
+}
+
+/// The run from one stop to the next.
+fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts: &mut Vec<Part>) {
+    let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
+    let mut spans: Vec<Span> = Vec::with_capacity(range.len());
+    // Largest y at the knots, corners included.
+    let mut knots = vec![f64::INFINITY];
+    let mut scale = 1.0;
+    for i in range.clone() {
+        let cell = &cells[i];
+        if i > range.start {
+            knots.push(corner(limits, &cells[i - 1], cell) * scale * scale);
+            scale /= cell.ratio;
+        }
+        let most: Most = [cell.rate, cell.bend, twist(cells, i)];
+        let cap = cell.cap.min(jerk::steady(&most, &axes)) * scale * scale;
+        let by = |d: usize, power: i32| most[d].map(|m| m / scale.powi(power));
+        spans.push(Span { cell: i, scale, width: cell.width * scale, most: [by(0, 1), by(1, 2), by(2, 3)], cap });
+    }
+    knots.push(f64::INFINITY);
+    let capped = |spans: &[Span], i: usize| {
+        let side = |j: Option<usize>| j.and_then(|j| spans.get(j)).map_or(f64::INFINITY, |s| s.cap);
+        side(i.checked_sub(1)).min(side(Some(i)))
+    };
+    for (i, knot) in knots.iter_mut().enumerate() {
+        *knot = knot.min(capped(&spans, i));
+    }
+    let places = |spans: &[Span]| {
+        let mut at = vec![0.0];
+        for s in spans {
+            at.push(at.last().copied().unwrap_or(0.0) + s.width);
+        }
+        at
+    };
+    let y = within_accelerations(limits, &spans, &knots);
+    let even = |s: &Span| {
+        let least = |most: &Joint5| (0..5).map(|k| most[k] / s.most[0][k]).fold(f64::INFINITY, f64::min);
+        Even { cap: s.cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
+    };
+    let at = places(&spans);
+    let (fine, ramps) = ramp::resolve(&at, &y, &spans.iter().map(even).collect::<Vec<_>>());
+    // Parts of the cells; a knot inside of a cell has its cap.
+    let mut divided: Vec<Span> = Vec::with_capacity(fine.len());
+    let mut bounds = vec![knots[0]];
+    for pair in fine.windows(2) {
+        let whole = &spans[pair[1].1 as usize];
+        divided.push(Span { width: pair[1].0 - pair[0].0, ..whole.clone() });
+        let end = pair[1].1 as usize + 1;
+        bounds.push(if pair[1].0 >= at[end] { knots[end] } else { whole.cap });
+    }
+    let (mut spans, knots) = (divided, bounds);
+    let at: Vec<f64> = fine.iter().map(|k| k.0).collect();
+    let y = within_accelerations(limits, &spans, &knots);
+    let n = spans.len();
+    let ceiling: Vec<f64> =
+        (0..n).map(|i| (0.5 * (y[i] + y[i + 1])).min(knots[i]).min(knots[i + 1]).min(spans[i].cap)).collect();
+    let guess = ramp::guess(&at, &ceiling, &ramps);
+    // Getting moving and coming to rest.
+    let slowest = 0.9 * ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+    let half = if n == 1 { 0.25 } else { 0.5 };
+    let creep = |i: usize, rate: f64| Creep::new(&spans[i].most, &axes, rate, half * spans[i].width);
+    let rate = creep(0, slowest).rate.min(creep(n - 1, slowest).rate);
+    let ends = [creep(0, rate), creep(n - 1, rate)];
+    let rate = ends[0].rate.min(ends[1].rate);
+    spans[0].width -= ends[0].way;
+    spans[n - 1].width -= ends[1].way;
+    let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
+    let rows = SpanRows { spans: &spans, limits: axes };
+    let c = jerk::limit(&widths, &ceiling, &guess, rate * rate, &rows);
+    let slower = rate / c[0].sqrt();
+    for (i, span) in spans.iter().enumerate() {
+        let y = jerk::over_span(&widths, &c, i);
+        let square = span.scale * span.scale;
+        let mut part = Part {
+            cell: span.cell,
+            width: span.width / span.scale,
+            time: jerk::time(span.width, y),
+            from: y[0] / square,
+            peak: y[0].max(y[1]).max(y[2]) / square,
+            jerk: rows.largest(i, &y)[1],
+        };
+        for (at, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
+            if i == at {
+                part.width += end.way / span.scale;
+                part.time += end.time * slower;
+            }
+        }
+        parts.push(part);
+    }
+}
