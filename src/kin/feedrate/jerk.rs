@@ -175,11 +175,24 @@ fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
 }
 
 /// Coefficients of y, one a span and one at either end, below `ceiling` (largest y of each span). At both ends y is
-/// `edge` and y' zero; `edge` must lie below every ceiling. `guess` is about the largest y of each span in the run.
-pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &impl Rows) -> Vec<f64> {
+/// `edge`, which must lie below every ceiling, and the acceleration y'/2 is that of `accelerations` as one goes away from
+/// the end. `guess` is about the largest y of each span. `None` where the run cannot go on from these accelerations; from
+/// zero it always can.
+pub fn limit(
+    widths: &[f64],
+    ceiling: &[f64],
+    guess: &[f64],
+    edge: f64,
+    accelerations: [f64; 2],
+    rows: &impl Rows,
+) -> Option<Vec<f64>> {
     let n = widths.len();
+    let asked = accelerations != [0.0; 2];
     if n == 0 {
-        return Vec::new();
+        return Some(Vec::new());
+    }
+    if asked && n < 4 {
+        return None;
     }
     let place = |c: usize| if c == 0 { 0.0 } else { widths[c - 1] };
     // Way between two coefficients, which stand in the middles of their spans.
@@ -188,6 +201,16 @@ pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &i
     for j in 1..n.saturating_sub(1) {
         top[j + 1] = ceiling[j].max(edge);
     }
+    let ends = [(1, widths[0] * accelerations[0]), (n, widths[n - 1] * accelerations[1])];
+    if asked {
+        for (c, rise) in ends {
+            top[c] = edge + rise;
+            if top[c] > ceiling[c - 1] {
+                return None;
+            }
+        }
+    }
+    let first = [2.0 * accelerations[0], 2.0 * accelerations[1]];
     let mut most: Vec<f64> = guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect();
     let mut steep = vec![f64::INFINITY; n];
     let mut share = vec![1.0_f64; n];
@@ -197,8 +220,11 @@ pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &i
     for sweep in 0..SWEEPS {
         let bounds: Vec<Bounds> =
             (0..n).into_par_iter().with_min_len(CHUNK).map(|j| rows.bounds(j, most[j], steep[j], share[j])).collect();
-        last = swept(widths, &step, &top, &bounds);
+        last = swept(widths, &step, &top, &bounds, first);
         let c = &last;
+        if ends.iter().any(|(k, _)| c[*k] < top[*k] * (1.0 - 1e-12)) {
+            return None;
+        }
         // What a span holds: largest y and |y'|, and whether rows are broken.
         let held: Vec<([f64; 2], bool)> = (0..n)
             .into_par_iter()
@@ -245,7 +271,10 @@ pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &i
         }
     }
     if let Some((_, c)) = best {
-        return c;
+        return Some(c);
+    }
+    if asked {
+        return None;
     }
     // Acceleration falls with y, jerk with its power 3/2.
     let over = |j: usize| {
@@ -253,13 +282,15 @@ pub fn limit(widths: &[f64], ceiling: &[f64], guess: &[f64], edge: f64, rows: &i
         acceleration.max(jerk.cbrt().powi(2))
     };
     let slower = (0..n).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
-    last.iter().map(|c| c / slower).collect()
+    Some(last.iter().map(|c| c / slower).collect())
 }
 
 /// The three sweeps: the largest coefficients below `top` within the bounds of the spans.
-fn swept(widths: &[f64], step: &[f64], top: &[f64], bounds: &[Bounds]) -> Vec<f64> {
+fn swept(widths: &[f64], step: &[f64], top: &[f64], bounds: &[Bounds], first: [f64; 2]) -> Vec<f64> {
     let n = widths.len();
     let mut mass = vec![0.0; n + 2];
+    // Slopes with which the run comes in at both ends.
+    (mass[0], mass[n + 1]) = (first[0], first[1]);
     for j in 0..n {
         mass[j + 1] = bounds[j].bend * widths[j];
     }

@@ -124,7 +124,7 @@ impl<'a> SpanRows<'a> {
             [
                 std::array::from_fn(|k| s.most_rate(k)),
                 bends.map(|[a, b]| a.abs().max(b.abs())),
-                bends.map(|[a, b]| ((b - a) / s.width).abs()),
+                std::array::from_fn(|k| s.twist(k).abs()),
             ]
         };
         Self { spans, limits, most: spans.par_iter().with_min_len(CHUNK).map(most).collect() }
@@ -137,7 +137,7 @@ impl SpanRows<'_> {
         let s = &self.spans[span];
         let r = s.rate.map(|r| r[k]);
         let [bend, end] = s.bend(k);
-        let twist = (end - bend) / s.width;
+        let twist = s.twist(k);
         let [slope, last] = [2.0 * (y[1] - y[0]) / s.width, 2.0 * (y[2] - y[1]) / s.width];
         let turn = (last - slope) / s.width;
         // q'' y + q' y'/2, of degree three.
@@ -299,14 +299,7 @@ fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usi
 }
 
 /// The run with the jerk kept: its legs, and way and time to get moving and to come to rest.
-fn smooth(
-    path: &Path,
-    mut grid: Grid,
-    y: &[f64],
-    ramps: &[Ramp],
-    limits: &Limits,
-    legs: &mut Vec<Leg>,
-) -> [[f64; 2]; 2] {
+fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, legs: &mut Vec<Leg>) -> [[f64; 2]; 2] {
     let n = grid.spans.len();
     // Both spans at a knot share its bound.
     let caps = knot_caps(&grid.caps);
@@ -314,33 +307,37 @@ fn smooth(
     let guess = ramp::guess(&grid.places(), &ceiling, ramps);
     let slowest = ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     let half = if n == 1 { 0.25 } else { 0.5 };
-    let rows = SpanRows::new(&grid.spans, limits);
-    let creep = |i: usize, rate: f64| Creep::new(&rows.most[i], limits, rate, half * grid.spans[i].width);
-    let rate = creep(0, 0.9 * slowest).rate.min(creep(n - 1, 0.9 * slowest).rate);
-    let [start, end] = [creep(0, rate), creep(n - 1, rate)];
-    let rate = start.rate.min(end.rate);
-    // The ways in which the axes get moving and come to rest are no part of the spline.
-    let last = grid.knots[n];
-    grid.knots[0].0 += start.way;
-    grid.knots[n] = (last.0 - end.way, last.1);
-    for i in [0, n - 1] {
-        grid.spans[i] = path.span(grid.knots[i + 1].1, grid.knots[i].0, grid.knots[i + 1].0);
+    for still in [false, true] {
+        let rows = SpanRows::new(&grid.spans, limits);
+        let creep = |i: usize, rate: f64| Creep::new(&rows.most[i], limits, rate, half * grid.spans[i].width, still);
+        let rate = creep(0, 0.9 * slowest).rate.min(creep(n - 1, 0.9 * slowest).rate);
+        let [start, end] = [creep(0, rate), creep(n - 1, rate)];
+        // The ways in which the axes get moving and come to rest are no part of the spline.
+        let (knots, mut spans) = (&grid.knots, grid.spans.clone());
+        let (from, to) = (knots[0].0 + start.way, knots[n].0 - end.way);
+        spans[0] = path.span(knots[1].1, from, if n == 1 { to } else { knots[1].0 });
+        if n > 1 {
+            spans[n - 1] = path.span(knots[n].1, knots[n - 1].0, to);
+        }
+        let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
+        let rows = SpanRows::new(&spans, limits);
+        let accelerations = [start.acceleration, end.acceleration];
+        let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
+        for (i, span) in spans.iter().enumerate() {
+            let y = jerk::over_span(&widths, &c, i);
+            let from = if i == 0 { from } else { knots[i].0 };
+            legs.push(Leg { segment: knots[i + 1].1, from, width: span.width, rate: span.rate, y });
+        }
+        // Slower than asked for where the whole run had to slow down: the way stays, the time grows.
+        let slower = rate / c[0].sqrt();
+        return [[start.way, start.time * slower], [end.way, end.time * slower]];
     }
-    let widths: Vec<f64> = grid.spans.iter().map(|s| s.width).collect();
-    let rows = SpanRows::new(&grid.spans, limits);
-    let c = jerk::limit(&widths, &ceiling, &guess, rate * rate, &rows);
-    for (i, span) in grid.spans.iter().enumerate() {
-        let y = jerk::over_span(&widths, &c, i);
-        legs.push(Leg { segment: grid.knots[i + 1].1, from: grid.knots[i].0, width: span.width, rate: span.rate, y });
-    }
-    // Slower than asked for where the whole run had to slow down: the way stays, the time grows.
-    let slower = rate / c.first().copied().unwrap_or(rate * rate).sqrt();
-    [[start.way, start.time * slower], [end.way, end.time * slower]]
+    [[0.0; 2]; 2]
 }
 
 /// Times, speeds and shares of legs.
 fn settle(legs: &[Leg], limits: &Limits, path: &Path, first: usize, profile: &mut Profile) {
-    let spans: Vec<Span> = legs.iter().map(|l| Span { width: l.width, rate: l.rate }).collect();
+    let spans: Vec<Span> = legs.iter().map(|l| path.span(l.segment, l.from, l.from + l.width)).collect();
     let rows = SpanRows::new(&spans, limits);
     for segment in &mut profile.segments[first + 1..first + path.at.len()] {
         *segment = Segment { time: 0.0, share: 0.0 };

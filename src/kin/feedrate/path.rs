@@ -7,16 +7,19 @@ const SAME_KNOT: f64 = 1e-9;
 
 /// The rounded path. Its parameter s is the length of the joint polygon, each axis weighed by its acceleration limit.
 ///
-/// At a corner the derivative jumps by D. The jump is spread over [s - l, s + l] by a triangle of the second derivative,
-/// D/l (1 - |x|/l), so that position, first and second derivative are continuous and the path leaves the corner by
-/// |D| l/6. Where l is the whole of two equal segments, the path is the cubic B-spline of the stations.
+/// At a corner the derivative jumps by D. The jump is spread over l before and r behind the corner by a triangle of the
+/// second derivative, 2 D/(l + r) at the corner, so that first and second derivative are continuous. Where the tolerance
+/// allows it, l and r are the whole of both segments: then the second derivative is straight between stations, as with
+/// the cubic B-spline of even stations. Elsewhere l = r, and the path leaves the corner by |D| l/6. Where segments differ in
+/// length the path of the triangles goes beside the polygon by up to |D| (r - l)/3, less than the chords leave the curve
+/// that they stand for; only its derivatives are used.
 pub(super) struct Path {
     /// Parameter of every station.
     pub(super) at: Vec<f64>,
     /// Derivative of the joints on the segment that ends at a station; the first is unused.
     slope: Vec<Axes>,
-    /// Half of the length over which the corner at a station is rounded; zero at both ends.
-    half: Vec<f64>,
+    /// Lengths before and behind a station over which its corner is rounded; zero at both ends.
+    sides: Vec<[f64; 2]>,
     /// Largest rate of the parameter on the segment that ends at a station, from its own time.
     pub(super) rate: Vec<f64>,
 }
@@ -28,13 +31,21 @@ pub(super) struct Span {
     pub(super) width: f64,
     /// Bernstein coefficients of the first derivative, which is quadratic.
     pub(super) rate: [Axes; 3],
+    /// Second derivative at both ends; between them it is straight.
+    bend: [Axes; 2],
+    /// Third derivative.
+    twist: Axes,
 }
 
 impl Span {
-    /// Second derivative at both ends; between them it is linear.
+    /// Second derivative at both ends.
     pub(super) fn bend(&self, k: usize) -> [f64; 2] {
-        let [a, b, c] = self.rate.map(|r| r[k]);
-        [2.0 * (b - a) / self.width, 2.0 * (c - b) / self.width]
+        [self.bend[0][k], self.bend[1][k]]
+    }
+
+    /// Third derivative.
+    pub(super) fn twist(&self, k: usize) -> f64 {
+        self.twist[k]
     }
 
     /// Largest first derivative.
@@ -51,7 +62,8 @@ impl Path {
     /// The path through stations that differ from one to the next; `weight` divides each axis in the length.
     pub(super) fn new(stations: &[Station], weight: &Axes, rounding: &Rounding) -> Self {
         let n = stations.len();
-        let mut path = Self { at: vec![0.0; n], slope: vec![[0.0; AXES]; n], half: vec![0.0; n], rate: vec![0.0; n] };
+        let mut path =
+            Self { at: vec![0.0; n], slope: vec![[0.0; AXES]; n], sides: vec![[0.0; 2]; n], rate: vec![0.0; n] };
         let mut tips = vec![[0.0; 3]; n];
         for i in 1..n {
             let (a, b) = (&stations[i - 1], &stations[i]);
@@ -64,8 +76,10 @@ impl Path {
         for i in 1..n.saturating_sub(1) {
             let turn = |k: usize| path.slope[i + 1][k] - path.slope[i][k];
             let away = distance(&tips[i], &tips[i + 1]) + rounding.height * turn(3).hypot(turn(4));
-            let room = (path.at[i] - path.at[i - 1]).min(path.at[i + 1] - path.at[i]);
-            path.half[i] = if away * room > 6.0 * rounding.tolerance { 6.0 * rounding.tolerance / away } else { room };
+            let lengths = [path.at[i] - path.at[i - 1], path.at[i + 1] - path.at[i]];
+            let allowed = 6.0 * rounding.tolerance / away;
+            let [short, long] = [lengths[0].min(lengths[1]), lengths[0].max(lengths[1])];
+            path.sides[i] = if allowed >= long { lengths } else { [allowed.min(short); 2] };
         }
         // Half of the derivative of a neighbour comes into a segment at its corner: the tip keeps the feed there too.
         let speed = |tip: &[f64; 3]| distance(tip, &[0.0; 3]);
@@ -87,7 +101,7 @@ impl Path {
         for i in 1..self.at.len() {
             let (from, to) = (self.at[i - 1], self.at[i]);
             let segment = u32::try_from(i).unwrap_or(u32::MAX);
-            let (a, b) = (from + self.half[i - 1], to - self.half[i]);
+            let (a, b) = (from + self.sides[i - 1][1], to - self.sides[i][0]);
             let same = SAME_KNOT * (to - from);
             for place in [a.min(b), a.max(b), to] {
                 let last = knots.last().map_or(0.0, |k| k.0);
@@ -99,31 +113,36 @@ impl Path {
         knots
     }
 
-    /// First and second derivative at a place of a segment.
-    fn derivatives(&self, segment: usize, s: f64) -> [Axes; 2] {
-        let mut rate = self.slope[segment];
-        let mut bend = [0.0; AXES];
+    /// First, second and third derivative at a place of a segment; the third towards `inside`.
+    fn derivatives(&self, segment: usize, s: f64, inside: f64) -> [Axes; 3] {
+        let mut found = [self.slope[segment], [0.0; AXES], [0.0; AXES]];
         // The corner behind takes from the derivative, the one ahead gives to it.
-        let corners = [(segment - 1, s - self.at[segment - 1], -1.0), (segment, self.at[segment] - s, 1.0)];
-        for (corner, away, sign) in corners {
-            let half = self.half[corner];
-            if half > away {
-                let rest = 1.0 - away.max(0.0) / half;
+        let corners = [(segment - 1, 1, self.at[segment - 1], -1.0), (segment, 0, self.at[segment], 1.0)];
+        for (corner, side, at, sign) in corners {
+            let [before, behind] = self.sides[corner];
+            let (length, away) = (self.sides[corner][side], (s - at).abs());
+            let peak = 2.0 / (before + behind);
+            // At the very end of the triangle the place inside decides.
+            let within = (inside - at).abs() < length;
+            if within {
+                let rest = (1.0 - away / length).max(0.0);
                 for k in 0..AXES {
                     let jump = self.slope[corner + 1][k] - self.slope[corner][k];
-                    rate[k] += sign * 0.5 * jump * rest * rest;
-                    bend[k] += jump / half * rest;
+                    found[0][k] += sign * 0.5 * jump * peak * length * rest * rest;
+                    found[1][k] += jump * peak * rest;
+                    found[2][k] += sign * jump * peak / length;
                 }
             }
         }
-        [rate, bend]
+        found
     }
 
     /// The span between two places of one segment without a knot between them.
     pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> Span {
-        let width = to - from;
-        let [rate, bend] = self.derivatives(segment as usize, from);
-        let [end, _] = self.derivatives(segment as usize, to);
-        Span { width, rate: [rate, std::array::from_fn(|k| rate[k] + 0.5 * width * bend[k]), end] }
+        let (width, inside) = (to - from, 0.5 * (from + to));
+        let [start, bend, twist] = self.derivatives(segment as usize, from, inside);
+        let [end, last, _] = self.derivatives(segment as usize, to, inside);
+        let middle = std::array::from_fn(|k| start[k] + 0.5 * width * bend[k]);
+        Span { width, rate: [start, middle, end], bend: [bend, last], twist }
     }
 }

@@ -15,7 +15,7 @@ const LOOSE: f64 = 1.2;
 const SLIGHT: f64 = 1.05;
 
 /// Knots nearer to each other than this share of a span are one.
-const NEAR: f64 = 1e-6;
+const NEAR: f64 = 1e-5;
 
 /// A change of speed alone: an S-curve within an acceleration and a jerk.
 #[derive(Clone, Copy)]
@@ -81,7 +81,9 @@ impl Ramp {
         let (steps, level) = if self.to > 2.0 * self.from { (RAMP, LEVEL) } else { (RAMP / 8, LEVEL / 4) };
         let mut before = 0.0;
         let mut way = 0.0;
-        for step in 1..=steps {
+        // Getting moving from rest takes the first of them.
+        let first = if self.from > 0.0 { 1 } else { steps / 8 };
+        for step in first..=steps {
             before = way;
             way = self.after(self.time() * step as f64 / steps as f64)[0];
             place(way);
@@ -201,11 +203,13 @@ pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
 /// Largest |q'|, |q''| and |q'''| of each axis over a span, by the parameter.
 pub type Most = [[f64; AXES]; 3];
 
-/// Getting moving from rest: the rate of the parameter that is reached without acceleration at its end, way and time.
+/// Getting moving from rest: the rate and the acceleration of the parameter at its end, way and time.
 #[derive(Clone, Copy, Debug)]
 pub struct Creep {
     /// Rate.
     pub rate: f64,
+    /// Acceleration.
+    pub acceleration: f64,
     /// Way.
     pub way: f64,
     /// Time, s.
@@ -213,18 +217,28 @@ pub struct Creep {
 }
 
 impl Creep {
-    /// Within a span with these derivatives, at most at a rate and over a way.
-    pub fn new(most: &Most, limits: &Limits, rate: f64, way: f64) -> Self {
+    /// Within a span with these derivatives, at most at a rate and over a way. The jerk is even up to the end, or, to be
+    /// `still` there, positive in the first half of the time and negative in the second.
+    pub fn new(most: &Most, limits: &Limits, rate: f64, way: f64, still: bool) -> Self {
         let [first, bend, twist] = most;
         let jerk = (0..AXES).map(|k| limits.jerk[k] / first[k]).fold(f64::INFINITY, f64::min);
         // Curvature takes its share besides.
-        let jerk = CURVATURE * jerk;
-        let mut rate = rate.min((way * jerk.sqrt()).cbrt().powi(2));
+        let straight = bend.iter().chain(twist).all(|x| *x == 0.0);
+        let jerk = if straight { jerk } else { CURVATURE * jerk };
+        let reach = |rate: f64| {
+            let time = if still { 2.0 * (rate / jerk).sqrt() } else { (2.0 * rate / jerk).sqrt() };
+            let (most, end) = if still { (0.5 * jerk * time, 0.0) } else { (jerk * time, jerk * time) };
+            let way = if still { 0.5 * rate * time } else { rate * time / 3.0 };
+            (most, Self { rate, acceleration: end, way, time })
+        };
+        let over = if still { way * jerk.sqrt() } else { 3.0 * way * (0.5 * jerk).sqrt() };
+        let mut rate = rate.min(over.cbrt().powi(2));
         let fits = |rate: f64| {
-            let rise = (rate * jerk).sqrt();
+            let (rise, _) = reach(rate);
             (0..AXES).all(|k| {
                 first[k] * rise + bend[k] * rate * rate <= limits.acceleration[k]
-                    && first[k] * jerk + 3.0 * bend[k] * rate * rise + twist[k] * rate.powi(3) <= limits.jerk[k]
+                    && first[k] * jerk + 3.0 * bend[k] * rate * rise + twist[k] * rate.powi(3)
+                        <= limits.jerk[k] * (1.0 + 1e-12)
             })
         };
         // Fits at last, since all but the first term of the jerk fall with the rate.
@@ -234,7 +248,6 @@ impl Creep {
             }
             rate *= 0.5;
         }
-        let time = 2.0 * (rate / jerk).sqrt();
-        Self { rate, way: 0.5 * rate * time, time }
+        reach(rate).1
     }
 }

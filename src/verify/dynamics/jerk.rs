@@ -219,33 +219,38 @@ fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts:
     // Getting moving and coming to rest.
     let slowest = 0.9 * ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     let half = if n == 1 { 0.25 } else { 0.5 };
-    let creep = |i: usize, rate: f64| Creep::new(&spans[i].most, &axes, rate, half * spans[i].width);
-    let rate = creep(0, slowest).rate.min(creep(n - 1, slowest).rate);
-    let ends = [creep(0, rate), creep(n - 1, rate)];
-    let rate = ends[0].rate.min(ends[1].rate);
-    spans[0].width -= ends[0].way;
-    spans[n - 1].width -= ends[1].way;
-    let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
-    let rows = SpanRows { spans: &spans, limits: axes };
-    let c = jerk::limit(&widths, &ceiling, &guess, rate * rate, &rows);
-    let slower = rate / c[0].sqrt();
-    for (i, span) in spans.iter().enumerate() {
-        let y = jerk::over_span(&widths, &c, i);
-        let square = span.scale * span.scale;
-        let mut part = Part {
-            cell: span.cell,
-            width: span.width / span.scale,
-            time: jerk::time(span.width, y),
-            from: y[0] / square,
-            peak: y[0].max(y[1]).max(y[2]) / square,
-            jerk: rows.largest(i, &y)[1],
-        };
-        for (at, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
-            if i == at {
-                part.width += end.way / span.scale;
-                part.time += end.time * slower;
+    let whole = spans.clone();
+    for still in [false, true] {
+        let creep = |i: usize, rate: f64| Creep::new(&whole[i].most, &axes, rate, half * whole[i].width, still);
+        let rate = creep(0, slowest).rate.min(creep(n - 1, slowest).rate);
+        let ends = [creep(0, rate), creep(n - 1, rate)];
+        spans.clone_from(&whole);
+        spans[0].width -= ends[0].way;
+        spans[n - 1].width -= ends[1].way;
+        let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
+        let rows = SpanRows { spans: &spans, limits: axes };
+        let accelerations = [ends[0].acceleration, ends[1].acceleration];
+        let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
+        let slower = rate / c[0].sqrt();
+        for (i, span) in spans.iter().enumerate() {
+            let y = jerk::over_span(&widths, &c, i);
+            let square = span.scale * span.scale;
+            let mut part = Part {
+                cell: span.cell,
+                width: span.width / span.scale,
+                time: jerk::time(span.width, y),
+                from: y[0] / square,
+                peak: y[0].max(y[1]).max(y[2]) / square,
+                jerk: rows.largest(i, &y)[1],
+            };
+            for (at, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
+                if i == at {
+                    part.width += end.way / span.scale;
+                    part.time += end.time * slower;
+                }
             }
+            parts.push(part);
         }
-        parts.push(part);
+        return;
     }
 }
