@@ -26,13 +26,13 @@ struct Edge {
 fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
     let mut upper = (most, Edge { offset: most, slope: 0.0 });
     let mut lower = (0.0, Edge { offset: 0.0, slope: 0.0 });
-    for k in 0..AXES {
+    for (k, limit) in limit.iter().enumerate() {
         for [start, end] in rows(span, k) {
             if end == 0.0 {
                 continue;
             }
             // |start y + end z| <= limit
-            let (middle, wide) = (-start / end, limit[k] / end.abs());
+            let (middle, wide) = (-start / end, limit / end.abs());
             let (top, bottom) = (wide + middle * y, middle * y - wide);
             if top < upper.0 {
                 upper = (top, Edge { offset: wide, slope: middle });
@@ -49,10 +49,10 @@ fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
 fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
     let mut y = cap;
     // Half-planes that do not ask for the end.
-    for k in 0..AXES {
+    for (k, limit) in limit.iter().enumerate() {
         for [start, end] in rows(span, k) {
             if end == 0.0 && start != 0.0 {
-                y = y.min(limit[k] / start.abs());
+                y = y.min(limit / start.abs());
             }
         }
     }

@@ -126,11 +126,11 @@ impl Path {
             let within = (inside - at).abs() < length;
             if within {
                 let rest = (1.0 - away / length).max(0.0);
-                for k in 0..AXES {
-                    let jump = self.slope[corner + 1][k] - self.slope[corner][k];
-                    found[0][k] += sign * 0.5 * jump * peak * length * rest * rest;
-                    found[1][k] += jump * peak * rest;
-                    found[2][k] += sign * jump * peak / length;
+                let factors = [sign * 0.5 * peak * length * rest * rest, peak * rest, sign * peak / length];
+                for (found, factor) in found.iter_mut().zip(factors) {
+                    for (k, found) in found.iter_mut().enumerate() {
+                        *found += factor * (self.slope[corner + 1][k] - self.slope[corner][k]);
+                    }
                 }
             }
         }

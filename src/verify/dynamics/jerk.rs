@@ -81,8 +81,8 @@ fn twist(cells: &[Cell], i: usize) -> Joint5 {
     let ahead = cells.get(i + 1).filter(|n| n.ratio > 0.0).map(|n| (n, n.ratio));
     for (other, ratio) in behind.into_iter().chain(ahead) {
         let way = 0.5 * (cell.width + other.width / ratio);
-        for k in 0..5 {
-            most[k] = most[k].max((other.level[k] * ratio * ratio - cell.level[k]).abs() / way);
+        for (k, most) in most.iter_mut().enumerate() {
+            *most = most.max((other.level[k] * ratio * ratio - cell.level[k]).abs() / way);
         }
     }
     most
