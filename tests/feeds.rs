@@ -261,8 +261,8 @@ fn brute(profile: &Profile, limits: &Limits, cap: f64, levels: usize) -> f64 {
             })
             .unwrap();
         let mut next = vec![FREE; levels + 1];
-        for from in 0..=levels {
-            if best[from] == FREE {
+        for (from, &so_far) in best.iter().enumerate() {
+            if so_far == FREE {
                 continue;
             }
             for (to, next) in next.iter_mut().enumerate() {
@@ -276,7 +276,7 @@ fn brute(profile: &Profile, limits: &Limits, cap: f64, levels: usize) -> f64 {
                     (0..AXES).all(|k| (place[k].1 * here + 0.5 * place[k].0 * slope).abs() <= limits.acceleration[k])
                 });
                 if keeps {
-                    *next = next.min(best[from] + 2.0 * leg.width / (y.sqrt() + z.sqrt()));
+                    *next = next.min(so_far + 2.0 * leg.width / (y.sqrt() + z.sqrt()));
                 }
             }
         }
