@@ -49,3 +49,100 @@ impl AxisMethod {
         }
     }
 }
+
+/// How the side of a cutter finishes a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlankMethod {
+    /// The axis path whose swept envelope comes nearest to the face, and of those in the bounds the smoothest.
+    Minimax,
+    /// Offsets of both ends of each ruling, joined (Wei 10 to 12).
+    TwoPoint,
+    /// The offset of the middle of each ruling, the axis along the ruling (Liu 1995).
+    OnePoint,
+}
+
+impl FlankMethod {
+    /// All of them, the default first.
+    pub const ALL: [Self; 3] = [Self::Minimax, Self::TwoPoint, Self::OnePoint];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Minimax => "minimax",
+            Self::TwoPoint => "two-point",
+            Self::OnePoint => "one-point",
+        }
+    }
+}
+
+/// On which side of a face the deviation of `minimax` may lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorSide {
+    /// On both.
+    Both,
+    /// On that of excess: no gouge.
+    Excess,
+}
+
+impl ErrorSide {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::Both, Self::Excess];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Both => "both",
+            Self::Excess => "excess",
+        }
+    }
+}
+
+/// What gives way where a pass of `minimax` cannot keep the bounds of gouge and excess.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conflict {
+    /// Both bounds, evenly.
+    Balance,
+    /// The bound of excess alone.
+    GougeFree,
+    /// The bounds between both edges of a band; the tool touches the edges.
+    ContactBoth,
+}
+
+impl Conflict {
+    /// All of them, the default first.
+    pub const ALL: [Self; 3] = [Self::Balance, Self::GougeFree, Self::ContactBoth];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Balance => "balance",
+            Self::GougeFree => "gouge-free",
+            Self::ContactBoth => "contact-both",
+        }
+    }
+}
+
+/// How a flank operation works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flank {
+    /// Method.
+    pub method: FlankMethod,
+    /// Bands along the ruling; `None` takes the fewest that keep the contracts.
+    pub strips: Option<u32>,
+    /// Side of the deviation, of `minimax` alone.
+    pub side: ErrorSide,
+    /// What gives way, of `minimax` alone.
+    pub conflict: Conflict,
+}
+
+impl Flank {
+    /// A method that places every ruling by itself, with so many bands.
+    pub fn by_ruling(method: FlankMethod, strips: u32) -> Self {
+        Self { method, strips: Some(strips), side: ErrorSide::Both, conflict: Conflict::Balance }
+    }
+
+    /// Number of bands in words.
+    pub fn strips_text(&self) -> String {
+        self.strips.map_or_else(|| "auto".to_owned(), |n| n.to_string())
+    }
+}

@@ -121,8 +121,8 @@ fn huge_numbers() {
     job("15.0578", "1e300").fails_with("IMP0304");
     job("15.0578", "1e300 * 1e300").fails_with("IMP0215");
     job("fillet 3 mm", "fillet 1e300 mm").fails_with("IMP0209");
-    job("strips 6", "strips 1e18").fails_with("IMP0209");
-    job("scallop 10 um", "scallop 1e-300 mm").fails_with("IMP0209");
+    job("strips auto", "strips 1e18").fails_with("IMP0209");
+    job("scallop 12 um", "scallop 1e-300 mm").fails_with("IMP0209");
     job("depth 1.5 mm", "depth 1e-300 mm").fails_with("IMP0209");
 }
 

@@ -55,7 +55,7 @@ fn errors(name: &str, surface: &Surface, radius: f64, sign: f64) -> [f64; 2] {
     let tool = cylinder(radius);
     let coarse = targets(surface, 80, 20);
     let fit = least_squares(&start(surface, radius, sign), &tool, &coarse);
-    let best = minimax(&fit, &tool, &coarse);
+    let best = minimax(&fit, &tool, &coarse, 5e-4);
     let fine = targets(surface, 200, 40);
     let [gouge, excess] = Measured::new(&best.curve, &tool, &fine).lack(&fine).map(|x| x * 1e3);
     println!("{name} R{radius}: -{gouge:.3} +{excess:.3} um, {} steps", best.steps);
@@ -175,7 +175,7 @@ fn easing_lessens_the_motion_and_keeps_the_bounds() {
     let tool = cylinder(3.0);
     let band: Vec<Target> = targets(&pressure, 80, 20).into_iter().map(|t| t.widened(0.001, 0.012)).collect();
     let fit = least_squares(&start(&pressure, 3.0, sign), &tool, &band);
-    let kept = minimax(&fit, &tool, &band);
+    let kept = minimax(&fit, &tool, &band, 5e-4);
     assert!(kept.widening <= 1e-6, "{}", kept.widening);
     let rotary = |axis: &Vector3<f64>| {
         let radial = axis.x.hypot(axis.y);
@@ -183,7 +183,7 @@ fn easing_lessens_the_motion_and_keeps_the_bounds() {
         let turn = Vector3::new(-axis.y, axis.x, 0.0) / (radial * radial);
         [(radial.atan2(axis.z), tilt), (axis.x.atan2(-axis.y), turn)]
     };
-    let eased = ease(&kept.curve, &tool, &band, &rotary, 3.0, 1e-4);
+    let eased = ease(&kept.curve, &tool, &band, &rotary, 3.0, 1e-4, 16);
     println!("motion {:?} in {} steps", eased.motion, eased.steps);
     assert!(eased.motion[1] < 0.3 * eased.motion[0]);
     let [below, above] = eased.measured.lack(&band);

@@ -7,7 +7,7 @@ mod support;
 
 use impellerc::diag::Sink;
 use impellerc::ir::{Motion, MoveKind, OperationKind, Program, Side};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::{Certificate, certify};
@@ -155,7 +155,8 @@ fn a_dropped_strip_is_found() {
     let mut program = support::flank_only(&[0]);
     for (id, _) in program.operations.clone().iter() {
         let mut operation = program.operations[id].clone();
-        operation.kind = OperationKind::Flank { faces: vec![Side::Pressure], strips: 4 };
+        operation.kind =
+            OperationKind::Flank { faces: vec![Side::Pressure], flank: Flank::by_ruling(FlankMethod::TwoPoint, 4) };
         program.operations = impellerc::entity::PrimaryMap::new();
         program.operations.push(operation);
     }

@@ -80,13 +80,13 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
     assert_eq!(job.operations[0].speed.get(), 4500.0);
     assert_eq!(job.operations[0].feed.get(), 150.0);
-    let scallop = impellerc::units::Mm(0.01);
+    let scallop = impellerc::units::Mm(0.012);
     assert_eq!(
         job.operations[5].kind,
-        OperationKind::Channel { scallop, spacing: Spacing::EqualDivision, method: AxisMethod::Blend }
+        OperationKind::Channel { scallop, spacing: Spacing::ConstantScallop, method: AxisMethod::Blend }
     );
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
-    assert_eq!((job.chord.get(), job.clearance.get()), (0.001, 0.5));
+    assert_eq!((job.chord.get(), job.clearance.get()), (0.00025, 0.5));
     assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
     assert!((job.machine.turn.speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
     assert_eq!(job.post.0, "siemens-840d");
@@ -117,9 +117,9 @@ fn spacing_is_named_and_has_a_default() {
         OperationKind::Channel { spacing, .. } => spacing,
         ref other => panic!("{other:?}"),
     };
-    assert_eq!(spacing(&changed("spacing equal-division", "")), Spacing::ConstantScallop);
+    assert_eq!(spacing(&changed("spacing constant-scallop", "")), Spacing::ConstantScallop);
     for named in Spacing::ALL {
-        assert_eq!(spacing(&changed("equal-division", named.name())), named);
+        assert_eq!(spacing(&changed("constant-scallop", named.name())), named);
     }
 }
 
@@ -141,9 +141,9 @@ fn methods_of_tool_axes_are_named_and_have_a_default() {
 #[test]
 fn independent_faults_are_reported_in_one_run() {
     let text = changed("fillet 3 mm", "fillet 3")
-        .replacen("scallop 10 um", "scalop 10 um", 1)
+        .replacen("scallop 12 um", "scalop 12 um", 1)
         .replacen("tool t1  speed 4500 rpm", "tool t9  speed 4500 rpm", 1)
-        .replacen("strips 6", "strips = 6", 1)
+        .replacen("strips auto", "strips = auto", 1)
         .replacen("require rest      <= 1 mm", "require rest      >= 1 mm", 1);
     let mut ids: Vec<&str> = read(&text).sink.diags().iter().map(|d| d.code.id()).collect();
     ids.sort_unstable();
@@ -155,7 +155,7 @@ fn independent_faults_are_reported_in_one_run() {
 fn fixes_mend_what_they_are_offered_for() {
     let cases = [
         ("fillet 3 mm", "fillet 3", codes::job::NO_UNIT),
-        ("scallop 10 um", "scalop 10 um", codes::job::UNKNOWN_PROPERTY),
+        ("scallop 12 um", "scalop 12 um", codes::job::UNKNOWN_PROPERTY),
         ("operation flank", "opration flank", codes::syntax::UNKNOWN_ITEM),
         ("edition 2026", "edition 2027", codes::job::EDITION),
         ("require gouge     <=", "require gouge     >=", codes::job::RELATION),
@@ -163,7 +163,7 @@ fn fixes_mend_what_they_are_offered_for() {
         ("holder \"er16-mini\"", "holder \"er16mini\"", codes::job::UNKNOWN_NAME),
         ("diameter 8 mm", "diameter 8 nm", codes::job::UNKNOWN_UNIT),
         ("feed 150 mm/min", "feed 150", codes::job::NO_UNIT),
-        ("equal-division", "equl-division", codes::job::UNKNOWN_NAME),
+        ("constant-scallop", "constant-scalop", codes::job::UNKNOWN_NAME),
     ];
     for (right, wrong, code) in cases {
         let text = changed(right, wrong);
@@ -329,13 +329,13 @@ fn printed_contracts_read_back() {
 #[test]
 fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
     let wrong = [
-        ("scallop 10 um", "scallop 10 um  rest over -0.05 mm", "-0.05 mm"),
-        ("scallop 10 um", "scallop 10 um  rest over - 50 um", "- 50 um"),
-        ("scallop 10 um", "scallop 10 um  rest over -(0.1 mm + 0.2 mm)", "-(0.1 mm + 0.2 mm)"),
-        ("scallop 10 um", "scallop 10 um  rest over 0.1 mm - 0.2 mm", "0.1 mm - 0.2 mm"),
-        ("scallop 10 um", "scallop 10 um  rest over 0.1 mm - (0.2 mm) // too thick", "0.1 mm - (0.2 mm)"),
-        ("scallop 10 um", "scallop 10 um  rest over -vane_allowance", "-vane_allowance"),
-        ("scallop 10 um", "scallop -10 um", "-10 um"),
+        ("scallop 12 um", "scallop 12 um  rest over -0.05 mm", "-0.05 mm"),
+        ("scallop 12 um", "scallop 12 um  rest over - 50 um", "- 50 um"),
+        ("scallop 12 um", "scallop 12 um  rest over -(0.1 mm + 0.2 mm)", "-(0.1 mm + 0.2 mm)"),
+        ("scallop 12 um", "scallop 12 um  rest over 0.1 mm - 0.2 mm", "0.1 mm - 0.2 mm"),
+        ("scallop 12 um", "scallop 12 um  rest over 0.1 mm - (0.2 mm) // too thick", "0.1 mm - (0.2 mm)"),
+        ("scallop 12 um", "scallop 12 um  rest over -vane_allowance", "-vane_allowance"),
+        ("scallop 12 um", "scallop -12 um", "-12 um"),
         ("lead-in 12 mm", "lead-in -12 mm", "-12 mm"),
         ("lead-out 12 mm", "lead-out -12 mm", "-12 mm"),
         ("residual 1 mm", "residual -1 mm", "-1 mm"),
@@ -349,9 +349,9 @@ fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
         ("flute 30 mm", "flute -30 mm", "-30 mm"),
         ("reach 50 mm", "reach -50 mm", "-50 mm"),
         ("reach 50 mm", "reach 50 mm  shank -8 mm", "-8 mm"),
-        ("chord 1 um", "chord -1 um", "-1 um"),
+        ("chord 0.25 um", "chord -1 um", "-1 um"),
         ("rough 50 um", "rough -50 um", "-50 um"),
-        ("require gouge     <= 7 um", "require gouge <= -7 um", "-7 um"),
+        ("require gouge     <= 1 um", "require gouge <= -1 um", "-1 um"),
         ("require clearance >= 0.5 mm", "require clearance >= -0.5 mm", "-0.5 mm"),
     ];
     for (right, wrong, place) in wrong {
@@ -363,10 +363,10 @@ fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
         assert!(diag.message.contains(" must be ") && diag.help.is_some(), "{} for {wrong}", diag.message);
     }
     // A name behind the label is its value; no value is a wrong form, with the label that is due.
-    let job = read(&changed("scallop 10 um", "scallop 10 um  rest over vane_allowance")).job.unwrap();
+    let job = read(&changed("scallop 12 um", "scallop 12 um  rest over vane_allowance")).job.unwrap();
     assert_eq!(job.operations[5].rest.map(|r| r.get()), Some(0.2));
     for wrong in ["rest over", "rest 0.05 mm", "rest -0.05 mm"] {
-        let read = read(&changed("scallop 10 um", &format!("scallop 10 um  {wrong}")));
+        let read = read(&changed("scallop 12 um", &format!("scallop 12 um  {wrong}")));
         assert_eq!(read.codes(), [codes::job::WRONG_FORM], "for {wrong}");
         assert!(read.sink.diags()[0].message.contains("(over)"), "{}", read.sink.diags()[0].message);
     }
@@ -406,7 +406,6 @@ fn contracts_that_contradict_themselves_are_refused() {
 #[test]
 fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
-        ("method two-point", "method minimax", "two-point"),
         ("operation channel", "operation splitter", "groove, expand, flank, channel"),
         ("stock turned", "stock casting", "turned"),
         ("pressure ruled", "pressure lofted", "ruled"),
@@ -422,7 +421,7 @@ fn what_is_not_built_is_refused_by_name() {
 #[test]
 fn an_open_block_does_not_swallow_the_next_item() {
     let text =
-        changed("scallop 10 um\n  lead-in 8 mm  lead-out 8 mm\n}", "scallop 10 um\n  lead-in 8 mm  lead-out 8 mm\n");
+        changed("scallop 12 um\n  lead-in 8 mm  lead-out 8 mm\n}", "scallop 12 um\n  lead-in 8 mm  lead-out 8 mm\n");
     let read = read(&text);
     assert_eq!(read.codes(), [codes::syntax::BRACKET_OPEN]);
 }

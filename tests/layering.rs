@@ -23,7 +23,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("job", &["syntax"]),
     ("ir", &["geom", "kin", "collide"]),
     ("lower", &["job", "ir", "geom", "kin", "collide"]),
-    ("analysis", &["ir", "geom", "kin", "collide"]),
+    ("analysis", &["envelope", "ir", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope", "orient"]),
     ("verify", &["ir", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),

@@ -3,6 +3,7 @@
 
 pub mod channel;
 pub mod ends;
+pub mod flank;
 pub mod outliers;
 pub mod reach;
 pub mod throat;
@@ -63,6 +64,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Facts {
             .note(format!("the rulings are {:.1} to {:.1} mm long", twist.ruling[0], twist.ruling[1])),
         );
     }
+    flank::report(program, sink);
     let reaches = reach::check(program, &throat, sink);
     Facts { throat, twists, ends, outliers, reaches }
 }

@@ -33,9 +33,6 @@ const STATIONS: usize = 120;
 /// Rows of an axis: speeds between stations, then accelerations at those that have two neighbours.
 const ROWS: usize = 2 * STATIONS - 1;
 
-/// Steps at most.
-const STEPS: usize = 16;
-
 /// Trust region to begin with and to stop at, mm.
 const TRUST: [f64; 2] = [0.15, 2e-3];
 
@@ -46,7 +43,8 @@ const GAIN: f64 = 2e-2;
 const CORRECTIONS: usize = 2;
 
 /// The curves near `start` with the least motion; `reach` in mm weighs speeding up against turning. No bound is broken
-/// by more than `slack`, mm, nor by more than it was at the start.
+/// by more than `slack`, mm, nor by more than it was at the start. At `most` so many steps are made; some ten take most
+/// of the motion away.
 pub fn ease(
     start: &DualCurve,
     tool: &Mounted,
@@ -54,6 +52,7 @@ pub fn ease(
     rotary: &Rotary<'_>,
     reach: f64,
     slack: f64,
+    most: usize,
 ) -> Eased {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
@@ -64,7 +63,7 @@ pub fn ease(
     let mut trust = TRUST[0];
     let mut steps = 0;
     let mut kept = Vec::new();
-    while steps < STEPS && trust > TRUST[1] {
+    while steps < most && trust > TRUST[1] {
         steps += 1;
         let change = now.change(&curve);
         let (hessian, slope) = (change.tr_mul(&change), change.tr_mul(&now.residual));

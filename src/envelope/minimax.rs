@@ -28,14 +28,12 @@ const TRUST: f64 = 0.05;
 /// Trust regions to stop at, mm.
 const NARROW: f64 = 1e-4;
 
-/// Gain of a step, as a share, to stop at.
-const GAIN: f64 = 5e-4;
-
 /// A widening that is none, mm.
 const NONE: f64 = 1e-6;
 
-/// The curves near `start` with the least widening of all bounds. The start must keep the bounds that do not give way.
-pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target]) -> Best {
+/// The curves near `start` with the least widening of all bounds, until a step gains no more than `gain`, as a share.
+/// The start must keep the bounds that do not give way.
+pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target], gain: f64) -> Best {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
     let mut now = measured.widening(targets);
@@ -68,7 +66,7 @@ pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target]) -> Best {
             }
         }
         if then >= now {
-            if now - promised < 2.0 * GAIN * now {
+            if now - promised < 2.0 * gain * now {
                 break;
             }
             trust *= 0.35;
@@ -82,9 +80,9 @@ pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target]) -> Best {
         } else {
             1.0
         };
-        let gain = now - then;
+        let gained = now - then;
         (curve, measured, now) = (next, found, then);
-        if gain < GAIN * now {
+        if gained < gain * now {
             break;
         }
     }

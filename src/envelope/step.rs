@@ -194,6 +194,7 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
         .tol_gap_rel(1e-4)
         .tol_gap_abs(1e-5)
         .tol_feas(1e-7)
+        .iterative_refinement_max_iter(2)
         .build()
         .ok()?;
     let (p, a) = (p.matrix(unknowns, unknowns), a.matrix(count, unknowns));

@@ -29,6 +29,13 @@ impl DualCurve {
     /// The curves on even knots that come nearest to pairs of points at evenly spaced parameters in [0, 1], by least
     /// squares. `None` for fewer pairs than control points, or fewer than four of these.
     pub fn through(pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
+        let last = pairs.len().saturating_sub(1).max(1) as f64;
+        let parameters: Vec<f64> = (0..pairs.len()).map(|i| i as f64 / last).collect();
+        Self::fitted(&parameters, pairs, control)
+    }
+
+    /// The same at parameters of their own. `None` as well where a span of the knots has too few of them.
+    pub fn fitted(parameters: &[f64], pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
         if control <= DEGREE || pairs.len() < control {
             return None;
         }
@@ -36,11 +43,10 @@ impl DualCurve {
         let mut knots = vec![0.0; DEGREE];
         knots.extend((0..=spans).map(|i| i as f64 / spans as f64));
         knots.extend([1.0; DEGREE]);
-        let last = (pairs.len() - 1) as f64;
         let mut normal = nalgebra::DMatrix::<f64>::zeros(control, control);
         let mut right = nalgebra::DMatrix::<f64>::zeros(control, 6);
-        for (i, pair) in pairs.iter().enumerate() {
-            let basis = basis::evaluate(&knots, DEGREE, i as f64 / last, 0);
+        for (t, pair) in parameters.iter().zip(pairs) {
+            let basis = basis::evaluate(&knots, DEGREE, *t, 0);
             for (j, a) in basis.values[0].iter().enumerate() {
                 for (k, b) in basis.values[0].iter().enumerate() {
                     normal[(basis.first + j, basis.first + k)] += a * b;

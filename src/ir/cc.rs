@@ -1,5 +1,6 @@
 //! Cutter contact plan: where each pass runs on the part, before the tool has an axis.
 
+use crate::geom::DualCurve;
 use crate::ir::part::Side;
 use crate::ir::program::OperationId;
 use nalgebra::{Point3, Vector3};
@@ -33,6 +34,9 @@ pub struct CcPass {
     pub drive: Drive,
     /// Stations in cutting order.
     pub points: Vec<CcPoint>,
+    /// Path of the tool axis, where the pass was found as such: the lower curve is that of the tip. The stations lie at
+    /// even parameters; the first and the last are the ends of the leads.
+    pub path: Option<DualCurve>,
 }
 
 /// What drives the tool of a pass.

@@ -398,7 +398,7 @@ fn guide_length_at(part: &Part, side: Side, nu: usize) -> f64 {
 }
 
 /// Normal of the hub at the foot of a point.
-pub(super) fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
+pub fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
     let r = at.x.hypot(at.y);
     let (u, _) = part.hub.closest(Vector2::new(r, at.z));
     let n = part.hub.meridian_normal(u);

@@ -105,9 +105,10 @@ fn kind(kind: &OperationKind) -> String {
         OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
             format!("expand depth {depth} vane {allowance_vane} hub {allowance_hub} residual {residual}")
         }
-        OperationKind::Flank { faces, strips } => {
+        OperationKind::Flank { faces, flank } => {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
-            format!("flank two-point {} strips {strips}", faces.join(" "))
+            let (method, strips) = (flank.method.name(), flank.strips_text());
+            format!("flank {method} {} strips {strips}", faces.join(" "))
         }
         OperationKind::Channel { scallop, spacing, method } => {
             format!("channel {} scallop {scallop} axes {}", spacing.name(), method.name())
@@ -169,7 +170,10 @@ pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
             }
             Detail::Summary => {
                 for pass in &operation.passes {
-                    let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
+                    let path = pass.path.as_ref();
+                    let path =
+                        path.map_or_else(String::new, |p| format!(", dual NURBS of {} points", p.control_count()));
+                    let _ = writeln!(t, "  pass {}: {} points{path}", pass.label, pass.points.len());
                     for i in shown(pass.points.len(), detail) {
                         let _ = writeln!(t, "    {i} {}", location(&pass.points[i]));
                     }

@@ -8,7 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
-use crate::method::{AxisMethod, Spacing};
+use crate::method::{AxisMethod, Flank, Spacing};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
 use nalgebra::Point3;
@@ -201,12 +201,12 @@ pub enum OperationKind {
         /// Height left between neighbouring lines (h of formula 9).
         residual: Mm,
     },
-    /// Vane faces with the side of the cutter (Wei 3.2, formulas 10 to 12: `two-point`).
+    /// Vane faces with the side of the cutter (Wei 3.2).
     Flank {
         /// Faces to finish.
         faces: Vec<Side>,
-        /// Bands along the ruling.
-        strips: u32,
+        /// How.
+        flank: Flank,
     },
     /// Hub between the vanes by streamlines (Wei 3.3).
     Channel {

@@ -2,7 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::method::{AxisMethod, Spacing};
+use crate::method::{AxisMethod, Flank, Spacing};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -287,8 +287,8 @@ pub enum OperationKind {
         pressure: bool,
         /// Finish the suction side.
         suction: bool,
-        /// Bands along the ruling.
-        strips: u32,
+        /// How.
+        flank: Flank,
     },
     /// Channel floor.
     Channel {

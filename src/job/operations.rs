@@ -8,7 +8,7 @@ use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::{AxisMethod, Spacing};
+use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Spacing};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -117,7 +117,7 @@ impl Reader<'_> {
         let own: &[&str] = match kind.text.as_str() {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
-            "flank" => &["faces", "method", "strips"],
+            "flank" => &["faces", "method", "strips", "side", "conflict"],
             _ => &["scallop", "spacing", "method"],
         };
         let known = [&COMMON, own].concat();
@@ -178,7 +178,9 @@ impl Reader<'_> {
         let declared = self.tools.get(at)?;
         let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
         let needed: &[&str] = match kind.text.as_str() {
-            "flank" => &["ball"],
+            // Offsets of rulings are those of a cylinder that ends in a ball.
+            "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
+            "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
             // Only the ball touches the floor.
             "channel" => &["ball", "lollipop"],
             _ => &["flat", "ball", "bull"],
@@ -361,19 +363,24 @@ impl Reader<'_> {
 
 /// How lines over a floor are spaced.
 fn spacing(p: &mut Properties<'_, '_>) -> Option<Spacing> {
-    let example = "spacing constant-scallop";
-    let [default, _] = Spacing::ALL;
-    if !p.has("spacing") {
+    named(p, "spacing", &Spacing::ALL, Spacing::name)
+}
+
+/// A property that takes one of some names; the first is the default.
+fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
+    let default = *all.first()?;
+    if !p.has(property) {
         return Some(default);
     }
-    let words = p.words("spacing", example)?;
+    let example = format!("{property} {}", name(default));
+    let words = p.words(property, &example)?;
     let [word] = words.as_slice() else {
-        p.wrong_form(words.first()?.span, "spacing", "one name", example);
+        p.wrong_form(words.first()?.span, property, "one name", &example);
         return None;
     };
-    let found = Spacing::ALL.into_iter().find(|s| s.name() == word.text);
+    let found = all.iter().copied().find(|x| name(*x) == word.text);
     if found.is_none() {
-        p.sink.push(unknown(&word.text, word.span, "spacing", Spacing::ALL.into_iter().map(Spacing::name)));
+        p.sink.push(unknown(&word.text, word.span, property, all.iter().map(|x| name(*x))));
     }
     found
 }
@@ -424,16 +431,29 @@ fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
     } else {
         (pressure, suction) = (true, true);
     }
-    if p.has("method") {
-        for word in p.words("method", "method two-point")? {
-            if word.text != "two-point" {
-                let message = format!("flank milling by `{}` is not in the language", word.text);
-                let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
-                p.sink.push(suggest(diag, &word.text, word.span, "method", &["two-point"]));
-                return None;
-            }
+    let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
+    let optimised = method == FlankMethod::Minimax;
+    for property in ["side", "conflict"] {
+        if p.has(property) && !optimised {
+            let span = p.words(property, property)?.first()?.span;
+            p.sink.push(
+                Diag::error(codes::WRONG_FORM, format!("`{property}` is a choice of `method minimax` alone"))
+                    .label(span, format!("`method {}` places every ruling by itself", method.name()))
+                    .help(format!("take `{property}` out, or choose `method minimax`")),
+            );
+            return None;
         }
     }
-    let strips = if p.has("strips") { p.count("strips", 1, 100, "strips 6")?.0 } else { 1 };
-    Some(OperationKind::Flank { pressure, suction, strips })
+    let side = named(p, "side", &ErrorSide::ALL, ErrorSide::name)?;
+    let conflict = named(p, "conflict", &Conflict::ALL, Conflict::name)?;
+    let strips = if p.is_word("strips", "auto") && optimised {
+        p.take("strips");
+        None
+    } else if p.has("strips") {
+        Some(p.count("strips", 1, 100, "strips 2")?.0)
+    } else {
+        (!optimised).then_some(1)
+    };
+    let flank = Flank { method, strips, side, conflict };
+    Some(OperationKind::Flank { pressure, suction, flank })
 }

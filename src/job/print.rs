@@ -1,6 +1,7 @@
 //! Text form of the job: every default written out.
 
 use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
+use crate::method::FlankMethod;
 use crate::units::trim;
 use std::fmt::Write;
 
@@ -123,10 +124,14 @@ fn operations(out: &mut String, job: &Job) {
                 layers(out, l);
                 let _ = writeln!(out, "  residual {residual}");
             }
-            OperationKind::Flank { pressure, suction, strips } => {
+            OperationKind::Flank { pressure, suction, flank } => {
                 let faces = [(*pressure, "pressure"), (*suction, "suction")];
                 let faces: Vec<_> = faces.iter().filter(|f| f.0).map(|f| f.1).collect();
-                let _ = writeln!(out, "  faces {}\n  method two-point\n  strips {strips}", faces.join(", "));
+                let (method, strips) = (flank.method.name(), flank.strips_text());
+                let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
+                if flank.method == FlankMethod::Minimax {
+                    let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
+                }
             }
             OperationKind::Channel { scallop, spacing, method } => {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());

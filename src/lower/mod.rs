@@ -147,10 +147,10 @@ fn operation(spec: &model::OperationSpec) -> Operation {
             allowance_hub: l.allowance_hub,
             residual: *residual,
         },
-        model::OperationKind::Flank { pressure, suction, strips } => {
+        model::OperationKind::Flank { pressure, suction, flank } => {
             let sides = [(*pressure, Side::Pressure), (*suction, Side::Suction)];
             let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
-            OperationKind::Flank { faces, strips: *strips }
+            OperationKind::Flank { faces, flank: *flank }
         }
         model::OperationKind::Channel { scallop, spacing, method } => {
             OperationKind::Channel { scallop: *scallop, spacing: *spacing, method: *method }

@@ -7,11 +7,13 @@ mod axis_room;
 mod axis_way;
 mod chart;
 mod constant_scallop;
+mod flank_sweep;
 mod layers;
 mod obstacles;
 
 pub mod assign_feeds;
 pub mod avoid_collision;
+pub mod fit_curves;
 pub mod link_moves;
 pub mod orient_tool;
 pub mod pipeline;

@@ -6,10 +6,11 @@ use super::chart::Chart;
 use super::layers::Roughing;
 use super::pipeline::PassContext;
 use crate::diag::Aborted;
+use crate::geom::DualCurve;
 use crate::ir::{
     CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program, Side,
 };
-use crate::method::AxisMethod;
+use crate::method::{AxisMethod, Flank, FlankMethod};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
@@ -34,11 +35,15 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
         .passes
         .par_iter()
         .map(|pass| ClPass {
+            path: pass.path.clone(),
             label: pass.label.clone(),
             sector: pass.sector,
             points: match pass.drive {
                 Drive::Channel => roughing.as_ref().map_or_else(Vec::new, |r| channel_points(program, r, pass)),
-                Drive::Face { side, .. } => flank_points(program, operation, pass, side),
+                Drive::Face { side, .. } => match &pass.path {
+                    Some(path) => path_points(path, pass),
+                    None => flank_points(program, operation, pass, side),
+                },
                 Drive::Hub => hub_points(program, operation, pass, lean(operation)),
             },
         })
@@ -56,10 +61,30 @@ fn channel_points(program: &Program, roughing: &Roughing<'_>, pass: &CcPass) -> 
         .collect()
 }
 
-/// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12). The first and the last station
+/// A pass that was found as a path of the axis: its stations at even parameters, with the leads, on which the tool
+/// shifts without turning.
+fn path_points(path: &DualCurve, pass: &CcPass) -> Vec<ClPoint> {
+    let count = pass.points.len().saturating_sub(3).max(1) as f64;
+    let [enters, on_path @ .., leaves] = pass.points.as_slice() else { return Vec::new() };
+    let ends = [(enters, 0.0), (leaves, 1.0)].map(|(p, end)| ClPoint {
+        tip: p.position,
+        axis: path.at(end).axis,
+        contact: None,
+    });
+    let stations = on_path.iter().enumerate().map(|(i, p)| {
+        let at = path.at(i as f64 / count);
+        let on_face = (0.0..=1.0).contains(&p.u);
+        ClPoint { tip: at.lower, axis: at.axis, contact: on_face.then_some(p.position) }
+    });
+    std::iter::once(ends[0]).chain(stations).chain(std::iter::once(ends[1])).collect()
+}
+
+/// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12), or the offset of its middle with
+/// the axis along the ruling (Liu 1995). The first and the last station
 /// lie on the lead, where the tool shifts along its path without turning.
 fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: Side) -> Vec<ClPoint> {
     let part = &program.part;
+    let OperationKind::Flank { flank: Flank { method, .. }, .. } = operation.kind else { return Vec::new() };
     let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
     let face = part.face(side);
@@ -68,8 +93,15 @@ fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: S
     let mut points: Vec<ClPoint> = on_face
         .iter()
         .map(|p| {
-            let (low, high) = (offset(p.u, p.v), offset(p.u, p.w));
-            let axis = (high - low).normalize();
+            let (low, axis) = if method == FlankMethod::OnePoint {
+                let middle = 0.5 * (p.v + p.w);
+                let axis = face.surface.ruling(p.u);
+                let reach = face.surface.point(p.u, middle) - face.surface.point(p.u, p.v);
+                (offset(p.u, middle) - reach, axis)
+            } else {
+                let (low, high) = (offset(p.u, p.v), offset(p.u, p.w));
+                (low, (high - low).normalize())
+            };
             ClPoint {
                 tip: turn * (low - axis * radius),
                 axis: turn * axis,

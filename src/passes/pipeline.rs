@@ -2,8 +2,8 @@
 
 use super::layers::Roughing;
 use super::{
-    Obstacles, assign_feeds, avoid_collision, link_moves, orient_tool, plan_channel, plan_expand, plan_flank,
-    plan_groove, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics, time_feeds,
+    Obstacles, assign_feeds, avoid_collision, fit_curves, link_moves, orient_tool, plan_channel, plan_expand,
+    plan_flank, plan_groove, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics, time_feeds,
 };
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
@@ -59,6 +59,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
     ("orient-tool", "tip and axis of every station", "first value with an axis"),
     ("avoid-collision", "axes turned until tool, shank and holder are clear", "needs axes; before anything is thinned"),
     ("smooth-axis", "A and C run smoothly inside the corridor of clear axes", "needs the way through it"),
+    ("fit-curves", "dual NURBS of the finishing passes", "after the last change of an axis, before stations go"),
     (
         "sample-to-tolerance",
         "stations that the machine's interpolation makes needless go",
@@ -91,6 +92,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
     smooth_axis::run(&mut cx, &cc, &mut cl)?;
+    fit_curves::run(&cx, &mut cl);
     sample_to_tolerance::run(&cx, &mut cl);
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;

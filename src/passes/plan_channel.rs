@@ -101,6 +101,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         let turn = part.sector_rotation(*sector);
         for (j, points) in lines.iter().enumerate() {
             passes.push(CcPass {
+                path: None,
                 label: format!("sector {} line {}", sector + 1, j + 1),
                 sector: *sector,
                 drive: Drive::Hub,

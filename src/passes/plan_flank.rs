@@ -1,26 +1,54 @@
-//! `plan-flank`: bands along the rulings of the vane faces (Wei 3.2).
+//! `plan-flank`: bands of the vane faces for the side of the cutter (Wei 3.2).
 //!
 //! Before: an operation. After: per face and band a pass from inlet to outlet, from the top band to the root. The
-//! lowest band ends where the ball of the tool, rolling in the fillet, touches the face.
+//! lowest band ends where the ball of the tool, rolling in the fillet, touches the face. `minimax` finds the path of
+//! the tool axis as well, since only both together say what is left on the face; `two-point` and `one-point` place every
+//! ruling by itself, and leave the axis to `orient-tool`.
 
+use super::flank_sweep::{self, Sweep, Task};
 use super::pipeline::PassContext;
+use crate::analysis::flank::{self, Band, LEAVE, Surroundings};
+use crate::collide::Cutter;
 use crate::diag::{Aborted, Diag, codes::planning};
-use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
+use crate::ir::design::SurfaceKind;
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
+use crate::method::{Flank, FlankMethod};
+use crate::units::length;
+use rayon::prelude::*;
 
 /// Stations along a face: a dense set that `sample-to-tolerance` thins. At 400 a station lies about 0.15 mm from the
 /// next, so that the chord between two is below 0.1 um for the radii of a vane.
 pub(super) const STATIONS: usize = 400;
 
-/// Cutter radii beyond inlet and outlet for which the pass follows the continued face. From there a shift that parts
-/// from the tangents by less than 45 deg only takes the tool away from the edge.
-const LEAVE: f64 = 1.0;
+/// Most bands that `strips auto` tries.
+const MOST_STRIPS: u32 = 8;
+
+/// Rounds in which the heights of bands are evened out.
+const EVENINGS: usize = 3;
+
+/// Share of the room that a quick search may miss and the full one still finds.
+const NEARLY: f64 = 1.1;
+
+/// Share of the room from which evening out the heights further will not help.
+const HOPEFUL: f64 = 1.5;
+
+/// A lack that is none, mm.
+const NO_LACK: f64 = 5e-5;
+
+/// A band of a face in sector 0, ready to be turned into the sectors.
+struct Planned {
+    side: Side,
+    strip: u32,
+    points: Vec<CcPoint>,
+    sweep: Option<Sweep>,
+}
 
 /// Plans a flank operation.
 ///
 /// # Errors
-/// The ball of the tool does not fit the fillet; the diagnostic is in the sink.
+/// The ball of the tool does not fit the fillet; no number of bands keeps the contracts. The diagnostic is in the sink.
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Flank { ref faces, strips } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let tool = &cx.program.tools[operation.tool];
     let radius = tool.solid.cutter.tip_radius();
@@ -37,6 +65,197 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         );
         return Err(Aborted);
     }
+    let (bands, notes) = match flank.method {
+        FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
+        FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
+    };
+    let mut passes = Vec::new();
+    for sector in &operation.sectors {
+        let turn = part.sector_rotation(*sector);
+        for band in &bands {
+            passes.push(CcPass {
+                label: format!("sector {} {} strip {}", sector + 1, band.side.name(), band.strip + 1),
+                sector: *sector,
+                drive: Drive::Face { side: band.side, strip: band.strip },
+                points: band
+                    .points
+                    .iter()
+                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
+                    .collect(),
+                path: band.sweep.as_ref().map(|s| s.path.turned(&turn)),
+            });
+        }
+    }
+    Ok(CcOperation { operation: id, passes, notes })
+}
+
+fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: Side, rolling: f64) -> Aborted {
+    cx.sink.push(
+        Diag::error(
+            planning::NO_FILLET,
+            format!("a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling", side.name()),
+        )
+        .label(operation.span, "this operation rolls the ball in the fillet")
+        .help("take a smaller ball, or a smaller fillet"),
+    );
+    Aborted
+}
+
+/// Bands of one face.
+enum Bands {
+    /// Their paths, from the root; with a number of bands that the job gives, they may miss the bounds.
+    Found(Vec<Sweep>),
+    /// Not even so many bands keep the bounds.
+    Never { strips: u32, lacks: f64 },
+}
+
+/// The paths of the bands of a face. `None` where no ball rolls along the root.
+fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter) -> Option<Bands> {
+    let sweeps =
+        |bands: &[(Band<'_>, f64)]| bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>();
+    if let Some(strips) = task.choices.strips {
+        return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found);
+    }
+    let Some([below, above]) = task.room(SurfaceKind::Face(side), side) else {
+        // Nothing is asked for.
+        return sweeps(&flank::bands(around, side, 1, cutter, 0)?).map(Bands::Found);
+    };
+    // The least error lies evenly on both sides: it needs as much room.
+    let needed = 0.5 * (below + above);
+    let mut lacks = 0.0;
+    for strips in 1..=MOST_STRIPS {
+        let worst = |bands: &[(Band<'_>, f64)]| bands.iter().fold(0.0_f64, |worst, b| worst.max(b.1));
+        let mut bands = flank::bands(around, side, strips, cutter, usize::from(strips > 1))?;
+        let mut error = worst(&bands);
+        if strips > 1 && error > needed && error < HOPEFUL * needed {
+            bands = flank::bands(around, side, strips, cutter, EVENINGS)?;
+            error = worst(&bands);
+        }
+        lacks = error - needed;
+        if error > NEARLY * needed {
+            continue;
+        }
+        let found = sweeps(&bands)?;
+        lacks = found.iter().fold(0.0_f64, |worst, s| worst.max(s.lacks));
+        if lacks <= NO_LACK {
+            return Some(Bands::Found(found));
+        }
+    }
+    Some(Bands::Never { strips: MOST_STRIPS, lacks })
+}
+
+/// Bands of both faces with the paths that keep the contracts, or come nearest to it.
+fn optimised(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    faces: &[Side],
+    choices: Flank,
+) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+    let program = cx.program;
+    let tool = &program.tools[operation.tool];
+    let around = Surroundings::new(&program.part);
+    let task = Task { program, operation: id, choices };
+    let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
+    let found: Vec<Option<Bands>> =
+        faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();
+    drop(work);
+    let mut bands = Vec::new();
+    let mut notes = Vec::new();
+    let mut failed = false;
+    for (side, found) in faces.iter().zip(found) {
+        let sweeps = match found {
+            Some(Bands::Found(sweeps)) => sweeps,
+            Some(Bands::Never { strips, lacks }) => {
+                failed = true;
+                lacking(cx, operation, *side, strips, lacks, true);
+                continue;
+            }
+            None => {
+                let rolling = program.part.fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.get());
+                return Err(no_ball(cx, operation, *side, rolling));
+            }
+        };
+        let strips = sweeps.len() as u32;
+        let worst =
+            sweeps.iter().fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.lacks)]);
+        notes.push(format!(
+            "{} face: {strips} band{} by minimax, planned within {} of gouge and {} of excess",
+            side.name(),
+            if strips == 1 { "" } else { "s" },
+            length(worst[0]),
+            length(worst[1])
+        ));
+        if worst[2] > NO_LACK {
+            lacking(cx, operation, *side, strips, worst[2], false);
+        }
+        for (strip, sweep) in (0..strips).zip(sweeps).rev() {
+            bands.push(Planned {
+                side: *side,
+                strip,
+                points: stations(&program.part, *side, &sweep),
+                sweep: Some(sweep),
+            });
+        }
+    }
+    if failed { Err(Aborted) } else { Ok((bands, notes)) }
+}
+
+/// Says by how much the contracts are missed: an error when the number of bands was left to the compiler.
+fn lacking(cx: &mut PassContext<'_>, operation: &Operation, side: Side, strips: u32, lacks: f64, fails: bool) {
+    let tool = &cx.program.tools[operation.tool];
+    let message = format!(
+        "{strips} band{} of {} miss the bounds on the {} face by {}",
+        if strips == 1 { "" } else { "s" },
+        tool.name,
+        side.name(),
+        length(lacks)
+    );
+    let diag = if fails {
+        Diag::error(planning::NOT_FLANK_MILLABLE, message)
+            .help("a smaller cutter, wider contracts on this face, or point milling")
+    } else {
+        Diag::warning(planning::NOT_FLANK_MILLABLE, message)
+            .help("more bands (`strips auto` finds how many), a smaller cutter, or wider contracts on this face")
+    };
+    cx.sink.push(
+        diag.label(operation.span, "in this operation")
+            .label(tool.span, "with this cutter")
+            .note("the error of a band grows with the radius of the cutter, and with the cube of the band's height"),
+    );
+}
+
+/// Contact stations of an optimised band, with the ends of both leads.
+fn stations(part: &Part, side: Side, sweep: &Sweep) -> Vec<CcPoint> {
+    let face = part.face(side);
+    let at = |t: f64| {
+        let tip = sweep.path.at(t).lower;
+        let Some([u, v]) = flank_sweep::contact(&sweep.contacts, t) else {
+            // Beyond inlet and outlet nothing is touched.
+            let u = if t < 0.5 { -1.0 } else { 2.0 };
+            return CcPoint { u, v: 0.0, w: 1.0, position: tip, normal: nalgebra::Vector3::zeros() };
+        };
+        let [low, high] = sweep.span;
+        // The ruling goes on from the lower edge of the band.
+        let upper = v + (1.0 - v) * (high - low) / (1.0 - low);
+        CcPoint { u, v, w: upper, position: face.surface.point(u, v), normal: face.normal(u, v) }
+    };
+    let path = (0..=STATIONS).map(|i| at(i as f64 / STATIONS as f64));
+    let [enters, leaves] = [0, 1].map(|end| CcPoint { position: sweep.leads[end], ..at(end as f64) });
+    std::iter::once(enters).chain(path).chain(std::iter::once(leaves)).collect()
+}
+
+/// Bands along the rulings, each ruling by itself.
+fn by_ruling(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    faces: &[Side],
+    flank: Flank,
+) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+    let part = &cx.program.part;
+    let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
+    let rolling = part.fillet.map_or(radius, |f| f.get());
+    let strips = flank.strips.unwrap_or(1);
     let mut bands = Vec::new();
     for side in faces {
         let face = part.face(*side);
@@ -47,20 +266,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
             .map(|u| part.fillet_tangent(*side, u, rolling).map(|v| (u, v)))
             .collect();
-        let Some(lowest) = lowest else {
-            cx.sink.push(
-                Diag::error(
-                    planning::NO_FILLET,
-                    format!(
-                        "a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling",
-                        side.name()
-                    ),
-                )
-                .label(operation.span, "this operation rolls the ball in the fillet")
-                .help("take a smaller ball, or a smaller fillet"),
-            );
-            return Err(Aborted);
-        };
+        let Some(lowest) = lowest else { return Err(no_ball(cx, operation, *side, rolling)) };
         // What is left of the lead: there the tool only shifts.
         let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
         let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
@@ -79,26 +285,13 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             let mut points = vec![point(from - before, first)];
             points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
             points.push(point(to + after, last));
-            bands.push((*side, strip, points));
+            bands.push(Planned { side: *side, strip, points, sweep: None });
         }
     }
-    let notes = vec![format!(
-        "{strips} bands a face by two-point offsets (formulas 10 to 12), ball radius {radius} mm, fillet {rolling} mm"
-    )];
-    let mut passes = Vec::new();
-    for sector in &operation.sectors {
-        let turn = part.sector_rotation(*sector);
-        for (side, strip, points) in &bands {
-            passes.push(CcPass {
-                label: format!("sector {} {} strip {}", sector + 1, side.name(), strip + 1),
-                sector: *sector,
-                drive: Drive::Face { side: *side, strip: *strip },
-                points: points
-                    .iter()
-                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
-                    .collect(),
-            });
-        }
-    }
-    Ok(CcOperation { operation: id, passes, notes })
+    let law = match flank.method {
+        FlankMethod::OnePoint => "one-point offsets along the rulings",
+        _ => "two-point offsets (formulas 10 to 12)",
+    };
+    let notes = vec![format!("{strips} bands a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
+    Ok((bands, notes))
 }

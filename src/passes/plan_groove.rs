@@ -128,6 +128,7 @@ pub(super) fn per_sector(cx: &PassContext<'_>, operation: &Operation, lines: &[(
         let turn = cx.program.part.sector_rotation(*sector);
         for (label, points) in lines {
             passes.push(CcPass {
+                path: None,
                 label: format!("sector {} {label}", sector + 1),
                 sector: *sector,
                 drive: Drive::Channel,

@@ -215,7 +215,9 @@ fn reduce(
             let label = if several { format!("{} rest {}", pass.label, k + 1) } else { pass.label.clone() };
             let inside = stations[run.start..=run.end].iter().enumerate();
             let ends = inside.filter(|(i, s)| s.planned || *i == 0 || *i == run.end - run.start);
-            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect() });
+            let whole = run.start == 0 && run.end + 1 == stations.len();
+            let path = pass.path.clone().filter(|_| whole);
+            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect(), path });
         }
     }
     if kept.is_empty() {

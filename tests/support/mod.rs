@@ -11,7 +11,7 @@ use impellerc::ir::{
     Stock, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
@@ -174,7 +174,13 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     operations.push(operation("groove2", groove(1.5), t2, sectors.clone(), 12.0));
     operations.push(operation("expand2", expand(1.5, 0.4), t2, sectors.clone(), 12.0));
     let faces = vec![Side::Pressure, Side::Suction];
-    operations.push(operation("flank", OperationKind::Flank { faces, strips: 6 }, t2, sectors.clone(), 15.0));
+    operations.push(operation(
+        "flank",
+        OperationKind::Flank { faces, flank: Flank::by_ruling(FlankMethod::TwoPoint, 6) },
+        t2,
+        sectors.clone(),
+        15.0,
+    ));
     operations.push(operation(
         "channel",
         OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision, method: AxisMethod::Blend },
@@ -204,7 +210,7 @@ pub fn flank_only(sectors: &[u32]) -> Program {
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations = PrimaryMap::new();
     let faces = vec![Side::Pressure, Side::Suction];
-    let kind = OperationKind::Flank { faces, strips: 2 };
+    let kind = OperationKind::Flank { faces, flank: Flank::by_ruling(FlankMethod::TwoPoint, 2) };
     program.operations.push(operation("flank", kind, tool, sectors.to_vec(), 15.0));
     program
 }

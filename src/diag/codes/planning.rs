@@ -34,5 +34,11 @@ memory can hold.\n\nWay out: a bigger thickness after `rest over`, or no rest ma
 rests on both sides of the line that it is to cut, and cuts there.\n\nExample: a meridian that turns from axial to \
 radial over 2 mm, with a ball of 6 mm diameter.\n\n\
 Way out: the help line gives the diameter to stay below; or a hub without the sharp turn.";
+    NOT_FLANK_MILLABLE = "IMP0409", "the side of the cutter does not fit the face",
+        "`method minimax` finds the axis path whose swept envelope comes nearest to a band of the face. Even that leaves \
+more than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one band with a 10 mm cutter on \
+a vane whose normal turns by 33 deg along its rulings, and `require gouge <= 1 um`.\n\n\
+Way out: more bands (the error falls with the cube of their height), a smaller cutter (it falls with the radius), wider \
+contracts on this face, or point milling.";
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }

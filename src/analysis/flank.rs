@@ -1,0 +1,345 @@
+//! How well the side of a cutter fits a face: what flank milling is asked for at points of the part, where it starts
+//! from, and the least error that is left at one, two and three bands.
+
+use crate::collide::Cutter;
+use crate::diag::codes::geometry as codes;
+use crate::diag::{Diag, Sink};
+use crate::envelope::{Deviation, Measured, Mounted, Target, least_squares, minimax};
+use crate::geom::DualCurve;
+use crate::ir::chart::{self, Chart, Shape};
+use crate::ir::design::{self, SurfaceKind};
+use crate::ir::{OperationKind, Part, Program, Side};
+use crate::method::FlankMethod;
+use crate::units::length;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Control points of a guide curve: 14 are enough for the paper's vane (algorithms reference, 1.4).
+pub const CONTROL: usize = 14;
+
+/// Cutter radii beyond inlet and outlet for which a pass follows the continued face. From there a shift that parts
+/// from the tangents by less than 45 deg only takes the tool away from the edge.
+pub const LEAVE: f64 = 1.0;
+
+/// The same where the path is free beyond the edges, so that it may part from the tangents further.
+const LEAVE_FREE: f64 = 1.5;
+
+/// Distance that the cutter keeps from the neighbouring vane, mm.
+const SIDE_CLEARANCE: f64 = 0.1;
+
+/// Columns and rows of targets on the face, and on each of the other surfaces.
+const FACE: [usize; 2] = [100, 15];
+const FILLET: [usize; 2] = [100, 8];
+const HUB: [usize; 2] = [60, 16];
+const NEIGHBOUR: [usize; 2] = [30, 8];
+
+/// A part with the charts of its surfaces, made once.
+pub struct Surroundings<'a> {
+    part: &'a Part,
+    charts: Vec<Chart<'a>>,
+}
+
+impl<'a> Surroundings<'a> {
+    /// The surroundings of the vane of sector 0.
+    pub fn new(part: &'a Part) -> Self {
+        Self { part, charts: chart::charts(part) }
+    }
+}
+
+/// One band of a face for one cutter.
+pub struct Band<'a> {
+    around: &'a Surroundings<'a>,
+    /// Face.
+    pub side: Side,
+    /// Shares of the height of the face between which it lies.
+    pub span: [f64; 2],
+    cutter: Cutter,
+}
+
+/// A target with the place of the design that it stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    /// What is asked there.
+    pub target: Target,
+    /// Surface.
+    pub kind: SurfaceKind,
+    /// Parameters of the surface.
+    pub parameters: [f64; 2],
+    /// Share of the height of the face; zero on other surfaces.
+    pub height: f64,
+}
+
+/// Where something begins to hold that does not hold at `from` and holds at `to`: the side on which it holds.
+fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
+    for _ in 0..20 {
+        let middle = 0.5 * (from + to);
+        if holds(middle) { to = middle } else { from = middle }
+    }
+    to
+}
+
+/// Radius of the ball that rolls between face and hub: that of the fillet, or that of the tool at a sharp root.
+fn rolling(part: &Part, cutter: &Cutter) -> f64 {
+    part.fillet.map_or(cutter.tip_radius(), |f| f.get())
+}
+
+impl<'a> Band<'a> {
+    /// A band.
+    pub fn new(around: &'a Surroundings<'a>, side: Side, span: [f64; 2], cutter: Cutter) -> Self {
+        Self { around, side, span, cutter }
+    }
+
+    /// The cutter on the curves: the lower one is the path of its tip.
+    pub fn tool(&self) -> Mounted {
+        Mounted { cutter: self.cutter, height: 0.0 }
+    }
+
+    /// True when this pass also makes the fillet: its ball has the radius of the fillet.
+    fn makes_fillet(&self) -> bool {
+        let same = |f: f64| (f - self.cutter.tip_radius()).abs() < 1e-9;
+        self.span[0] == 0.0 && self.around.part.fillet.is_some_and(|f| same(f.get()))
+    }
+
+    /// What the pass is asked for: to touch its band, to cut nothing else, to keep off the neighbouring vane.
+    /// `fineness` divides the spacing of the points: at one, those of the face are some half a millimetre apart along a
+    /// vane of 50 mm.
+    pub fn targets(&self, fineness: f64) -> Vec<Placed> {
+        let part = self.around.part;
+        let first = self.side == part.first_wall;
+        // The channel before this face, and the vane beyond it.
+        let (to_channel, to_vane) = if first { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
+        let (to_channel, to_vane) = (part.sector_rotation(to_channel), part.sector_rotation(to_vane));
+        let [low, high] = self.span;
+        let sharp = part.fillet.is_none();
+        let mut out = Vec::new();
+        for chart in &self.around.charts {
+            let [columns, rows] = match chart.kind {
+                SurfaceKind::Face(side) if side == self.side => FACE,
+                SurfaceKind::Fillet(side) if side == self.side => FILLET,
+                SurfaceKind::Hub => HUB,
+                _ => NEIGHBOUR,
+            }
+            .map(|n| (n as f64 * fineness).round().max(2.0) as usize);
+            let mut add = |x: f64, y: f64| {
+                let place = chart.place(x, y);
+                // Under a sharp root the ball reaches no lower than where it touches the hub.
+                let reached = || {
+                    let asked = sharp && chart.kind == SurfaceKind::Face(self.side);
+                    asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
+                };
+                let touched = |asked: bool| match asked {
+                    true => Target::touched(place.position),
+                    false => Target::clear(place.position, 0.0),
+                };
+                let target = match chart.kind {
+                    SurfaceKind::Face(side) if side == self.side => {
+                        let in_band = (low - 1e-9..=high + 1e-9).contains(&y);
+                        touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
+                    }
+                    // On beyond the part as well, so that the pass begins and ends as smoothly as it runs.
+                    SurfaceKind::Fillet(side) if side == self.side => {
+                        touched(self.makes_fillet() && chart.is_milled(&place.position))
+                    }
+                    SurfaceKind::Hub => Target::clear(to_channel * place.position, 0.0),
+                    _ => Target::clear(to_vane * place.position, SIDE_CLEARANCE),
+                };
+                let height = if chart.kind == SurfaceKind::Face(self.side) { y } else { 0.0 };
+                out.push(Placed { target, kind: chart.kind, parameters: place.parameters, height });
+            };
+            let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
+            let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
+            let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
+            if chart.kind == SurfaceKind::Hub {
+                // Densest where the ball leaves the hub, which it touches with a curvature of its own.
+                let from_wall = heights.iter().map(|y| 0.6 * y * y);
+                heights = if first { from_wall.collect() } else { from_wall.map(|y| 1.0 - y).collect() };
+            }
+            if chart.kind == SurfaceKind::Face(self.side) {
+                // Where one band meets the next, the ball leaves the face within a few tenths of a millimetre.
+                const BESIDE: [f64; 7] = [-0.05, -0.025, -0.01, 0.0, 0.01, 0.025, 0.05];
+                let inner = self.span.iter().filter(|e| **e > 0.0 && **e < 1.0);
+                heights.extend(inner.flat_map(|e| BESIDE.iter().map(move |b| e + b)));
+            }
+            for y in heights {
+                let mut before = None;
+                for i in 0..=columns {
+                    let x = i as f64 / columns as f64;
+                    let now = milled(x, y);
+                    if before.is_some_and(|b| b != now) {
+                        let last = x - 1.0 / columns as f64;
+                        let ends = if now { (last, x) } else { (x, last) };
+                        add(border(|x| milled(x, y), ends.0, ends.1), y);
+                    }
+                    if now || goes_on {
+                        add(x, y);
+                    }
+                    before = Some(now);
+                }
+            }
+        }
+        out
+    }
+
+    /// Those of some targets that a path near `start` may touch or cut.
+    pub fn near<T>(&self, start: &DualCurve, placed: Vec<T>, target: impl Fn(&T) -> Target) -> Vec<T> {
+        /// Farther than any path strays from its start, mm.
+        const FAR: f64 = 2.0;
+        let targets: Vec<Target> = placed.iter().map(&target).collect();
+        let measured = Measured::new(start, &self.tool(), &targets);
+        let near = |(d, t): (&Deviation, &Target)| t.high.is_finite() || d.value - t.low < FAR;
+        let keep: Vec<bool> = measured.at.iter().zip(&targets).map(near).collect();
+        placed.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| p).collect()
+    }
+
+    /// u at which a pass begins and ends: where the cutter has left inlet and outlet behind.
+    pub fn extent(&self) -> [f64; 2] {
+        let beyond = LEAVE_FREE * self.cutter.tip_radius().max(self.cutter.widest_below(self.cutter.tip_radius()));
+        let part = self.around.part;
+        [-part.root_step(self.side, 0.0, beyond), 1.0 + part.root_step(self.side, 1.0, beyond)]
+    }
+
+    /// Normals of the face and of the hub where the root of the face begins (0) or ends (1).
+    pub fn normals(&self, u: f64) -> [Vector3<f64>; 2] {
+        let face = self.around.part.face(self.side);
+        [face.normal(u, 0.0), design::hub_normal(self.around.part, &face.surface.point(u, 0.0))]
+    }
+
+    /// Where optimisation starts: the cutter rolls between face and hub, or stands on the lower edge of the band, and
+    /// its axis goes through the offset of a point below the upper edge. `None` where no ball rolls there.
+    pub fn start(&self) -> Option<DualCurve> {
+        /// Points of the curves that are fitted.
+        const POINTS: usize = 300;
+        /// Share of the band's height whose offset the axis goes through.
+        const AIMED: f64 = 0.85;
+        let part = self.around.part;
+        let face = part.face(self.side);
+        let length =
+            (0..=8).map(|i| f64::from(i) / 8.0).map(|u| face.surface.point(u, 1.0) - face.surface.point(u, 0.0));
+        let length = length.map(|r| r.norm_squared().sqrt()).fold(0.0, f64::max);
+        // Where the cutter touches the lower edge: the end of its rounding, or the largest circle of a barrel.
+        let touches = self.cutter.barrel_height().unwrap_or(self.cutter.tip_radius());
+        let radius = |height: f64| self.cutter.radius_at(height.max(1e-9));
+        let [low, high] = self.span;
+        let [from, to] = self.extent();
+        let pairs: Option<Vec<[Point3<f64>; 2]>> = (0..=POINTS)
+            .map(|i| {
+                let u = from + (to - from) * i as f64 / POINTS as f64;
+                let root = part.fillet_tangent(self.side, u, rolling(part, &self.cutter))?;
+                let at = |share: f64| root + (1.0 - root) * share;
+                let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
+                let upper = at(low + AIMED * (high - low));
+                let below = offset(at(low), radius(touches));
+                let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
+                let axis = (offset(upper, radius(touches + between)) - below).normalize();
+                let tip = below - axis * touches;
+                Some([tip, tip + axis * length])
+            })
+            .collect();
+        DualCurve::through(&pairs?, CONTROL)
+    }
+
+    /// The least largest error of this band, mm: on both sides even, nothing else being cut deeper. `None` where there
+    /// is no start.
+    pub fn least_error(&self) -> Option<f64> {
+        /// Errors to a few per cent need no more points.
+        const FINENESS: f64 = 0.6;
+        const GAIN: f64 = 0.02;
+        let start = self.start()?;
+        let targets: Vec<Target> = self.targets(FINENESS).into_iter().map(|p| p.target).collect();
+        let targets = self.near(&start, targets, |t| *t);
+        let fit = least_squares(&start, &self.tool(), &targets);
+        let best = minimax(&fit, &self.tool(), &targets, GAIN);
+        let [below, above] = Measured::new(&best.curve, &self.tool(), &targets).lack(&targets);
+        Some(below.max(above))
+    }
+}
+
+/// Bands of a face with errors as even as their heights can make them, from the root, with the least error of each, mm.
+/// The error of a band grows with the cube of its height (algorithms reference, 1.2), but the lowest one has to fit the
+/// floor as well, so that even heights are not the best; they are evened out in `rounds`. `None` where no ball rolls along the root.
+pub fn bands<'a>(
+    around: &'a Surroundings<'a>,
+    side: Side,
+    strips: u32,
+    cutter: Cutter,
+    rounds: usize,
+) -> Option<Vec<(Band<'a>, f64)>> {
+    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, f64)>> {
+        let spans = borders.par_windows(2).map(|b| Band::new(around, side, [b[0], b[1]], cutter));
+        spans.map(|band| band.least_error().map(|error| (band, error))).collect()
+    };
+    let even: Vec<f64> = (0..=strips).map(|k| f64::from(k) / f64::from(strips)).collect();
+    let first = measured(&even)?;
+    if strips < 2 {
+        return Some(first);
+    }
+    let worst = |bands: &[(Band<'_>, f64)]| bands.iter().fold(0.0_f64, |w, b| w.max(b.1));
+    let mut best = first;
+    for _ in 0..rounds {
+        // As high as the cube law makes all errors the same.
+        let even = |(band, error): &(Band<'_>, f64)| (band.span[1] - band.span[0]) * error.max(1e-6).powf(-1.0 / 3.0);
+        let heights: Vec<f64> = best.iter().map(even).collect();
+        let whole: f64 = heights.iter().sum();
+        let mut borders = vec![0.0];
+        let mut sum = 0.0;
+        for height in &heights[..heights.len() - 1] {
+            sum += height / whole;
+            borders.push(sum);
+        }
+        borders.push(1.0);
+        let next = measured(&borders)?;
+        if worst(&next) >= worst(&best) {
+            break;
+        }
+        best = next;
+    }
+    Some(best)
+}
+
+/// The least errors of a face, mm: with one, two and three bands, the worst band each.
+pub fn least_errors(around: &Surroundings<'_>, side: Side, cutter: Cutter) -> [Option<f64>; 3] {
+    [1, 2, 3].map(|strips| bands(around, side, strips, cutter, 1).map(|b| b.iter().fold(0.0, |w, x| f64::max(w, x.1))))
+}
+
+/// Tells how well the cutters of `minimax` operations fit their faces.
+pub fn report(program: &Program, sink: &mut Sink) {
+    let around = Surroundings::new(&program.part);
+    let mut asked: Vec<(Side, Cutter, String)> = Vec::new();
+    for (_, operation) in program.operations.iter() {
+        let OperationKind::Flank { faces, flank } = &operation.kind else { continue };
+        let tool = &program.tools[operation.tool];
+        if flank.method != FlankMethod::Minimax {
+            continue;
+        }
+        for side in faces {
+            if !asked.iter().any(|(s, c, _)| s == side && *c == tool.solid.cutter) {
+                asked.push((*side, tool.solid.cutter, tool.name.clone()));
+            }
+        }
+    }
+    let found: Vec<_> = asked.par_iter().map(|(side, cutter, _)| least_errors(&around, *side, *cutter)).collect();
+    for ((side, _, tool), errors) in asked.iter().zip(found) {
+        let [Some(one), Some(two), Some(three)] = errors else { continue };
+        let verdict = if three > POINT_MILLED {
+            "the face is better point milled"
+        } else {
+            "half of it is gouge where both sides may have it, none with `side excess`, which doubles the excess"
+        };
+        sink.push(
+            Diag::remark(
+                codes::FLANK_FIT,
+                format!(
+                    "flank milling leaves {} on the {} face with {tool} in one band, {} in two, {} in three",
+                    length(one),
+                    side.name(),
+                    length(two),
+                    length(three)
+                ),
+            )
+            .note(verdict),
+        );
+    }
+}
+
+/// Error with three bands over which a face is better point milled, mm: what a finish allows.
+const POINT_MILLED: f64 = 0.02;

@@ -1,0 +1,105 @@
+//! Flank milling by `minimax`: contracts that are kept as a proof, planning and verification together.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]
+
+mod support;
+
+use impellerc::collide::Cutter;
+use impellerc::contract::{Scope, SurfaceClass};
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{Contract, ContractKind, OperationKind, Program, Side};
+use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
+use impellerc::passes::pipeline;
+use impellerc::units::Mm;
+use impellerc::verify::certify;
+
+/// The paper's part with one flank operation on both faces of all vanes, and contracts on faces and fillets, um.
+fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) -> Program {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
+    let kind = OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank: choices };
+    program.operations.push(support::operation("flank", kind, tool, (0..8).collect(), 15.0));
+    program.tolerances.chord = Mm(chord * 1e-3);
+    let surfaces = vec![SurfaceClass::Pressure, SurfaceClass::Suction, SurfaceClass::Fillet];
+    let contract = |kind, bound: f64| Contract {
+        scope: Scope { operations: Vec::new(), surfaces: surfaces.clone() },
+        ..Contract::whole(kind, bound * 1e-3)
+    };
+    program.contracts = vec![contract(ContractKind::Gouge, gouge), contract(ContractKind::Excess, excess)];
+    program
+}
+
+fn minimax(strips: Option<u32>) -> Flank {
+    Flank { method: FlankMethod::Minimax, strips, side: ErrorSide::Both, conflict: Conflict::Balance }
+}
+
+const BALL: Cutter = Cutter::Ball { radius: 3.0 };
+
+/// Plans and verifies; the passes of a vane, and whether all contracts are kept.
+fn run(program: &Program) -> (usize, bool) {
+    let mut sink = Sink::default();
+    let plan = pipeline::run(program, &mut sink);
+    let plan = plan.unwrap_or_else(|_| panic!("{:?}", sink.diags().iter().map(|d| &d.message).collect::<Vec<_>>()));
+    for note in &plan.cl.operations[0].notes {
+        println!("{note}");
+    }
+    let certificate = certify(program, &plan.motion, &mut sink);
+    let kept = certificate.is_ok() && !sink.has_errors();
+    for d in sink.diags() {
+        println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
+    }
+    for pass in &plan.cl.operations[0].passes {
+        let path = pass.path.as_ref().expect("dual NURBS");
+        // The stations lie on the curves that are kept.
+        let [_, inner @ .., _] = pass.points.as_slice() else { panic!("a pass") };
+        for point in inner {
+            let near = (0..=4000).map(|i| path.at(f64::from(i) / 4000.0));
+            let gap = near.map(|at| (at.lower - point.tip).norm()).fold(f64::INFINITY, f64::min);
+            assert!(gap < 0.03, "{gap}");
+        }
+    }
+    (plan.cl.operations[0].passes.len() / 8, kept)
+}
+
+#[test]
+fn one_pass_a_face_keeps_a_micrometre_of_gouge_and_twelve_of_excess() {
+    let (passes, kept) = run(&program(BALL, minimax(None), 1.0, 12.0, 0.25));
+    assert_eq!(passes, 2);
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn two_bands_keep_two_micrometres_on_both_sides() {
+    let (passes, kept) = run(&program(BALL, minimax(None), 2.0, 2.0, 0.1));
+    assert_eq!(passes, 4);
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn all_error_on_the_side_of_excess_leaves_next_to_no_gouge() {
+    let choices = Flank { side: ErrorSide::Excess, ..minimax(Some(1)) };
+    let (_, kept) = run(&program(BALL, choices, 0.8, 12.0, 0.25));
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn a_cutter_that_does_not_fit_in_any_number_of_bands_is_refused() {
+    let mut program = program(BALL, minimax(None), 0.1, 0.1, 0.25);
+    program.operations = {
+        let mut operations = PrimaryMap::new();
+        for (_, operation) in program.operations.iter() {
+            let mut operation = operation.clone();
+            operation.sectors = vec![0];
+            operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(None) };
+            operations.push(operation);
+        }
+        operations
+    };
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&program, &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the reason");
+    println!("{} {:?}", found.message, found.notes);
+}
