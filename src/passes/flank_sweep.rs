@@ -231,8 +231,7 @@ fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]
                 least_convex(distance) >= (t.low - SLACK).min(distance(0.0))
             })
         };
-        let tried = BENDS.iter().map(direction);
-        tried.clone().find(|d| clear(d)).or_else(|| tried.last()).unwrap_or(straight)
+        BENDS.iter().map(direction).find(clear).unwrap_or(straight)
     })
 }
 
