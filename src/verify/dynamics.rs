@@ -13,7 +13,7 @@
 //! blocks. A jump that both ends of a block have is curvature cut into chords: it counts as q'' of the block.
 //! The program of an operation begins and ends at rest.
 //!
-//! Where the axes have limits of jerk, the run is one below that, see [`jerk`]; the time without them stays as the bound
+//! Where the axes have limits of jerk, the run is one below that, see `jerk`; the time without them stays as the bound
 //! that it cannot fall below.
 
 mod jerk;

@@ -7,8 +7,8 @@
 //! feed of the block in that run; where the run is slower inside of the block, the control slows down by its own
 //! look-ahead.
 //!
-//! 1. [`path`]: corners are rounded in a closed form; between knots joints are cubic polynomials.
-//! 2. [`passes`]: the time-optimal run within speed and acceleration, by two passes over the knots.
+//! 1. `path`: corners are rounded in a closed form; between knots joints are cubic polynomials.
+//! 2. `passes`: the time-optimal run within speed and acceleration, by two passes over the knots.
 //! 3. [`jerk`]: a run below it that keeps the jerk, proved over each span by Bernstein coefficients.
 //!
 //! Methods: Pham and Pham, TOPP-RA, 2018 (two passes); the rows of jerk with sqrt(y) bounded from above as in the feed
