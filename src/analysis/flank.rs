@@ -249,14 +249,15 @@ impl<'a> Band<'a> {
         let targets = self.near(&start, targets, |t| *t);
         let fit = least_squares(&start, &self.tool(), &targets);
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
-        let [below, above] = Measured::new(&best.curve, &self.tool(), &targets).lack(&targets);
+        let [below, above] = best.measured.lack(&targets);
         Some(below.max(above))
     }
 }
 
 /// Bands of a face with errors as even as their heights can make them, from the root, with the least error of each, mm.
 /// The error of a band grows with the cube of its height (algorithms reference, 1.2), but the lowest one has to fit the
-/// floor as well, so that even heights are not the best; they are evened out in `rounds`. `None` where no ball rolls along the root.
+/// floor as well, so that even heights are not the best; they are evened out in `rounds`. `None` where no ball rolls along the
+/// root.
 pub fn bands<'a>(
     around: &'a Surroundings<'a>,
     side: Side,
@@ -273,7 +274,6 @@ pub fn bands<'a>(
     if strips < 2 {
         return Some(first);
     }
-    let worst = |bands: &[(Band<'_>, f64)]| bands.iter().fold(0.0_f64, |w, b| w.max(b.1));
     let mut best = first;
     for _ in 0..rounds {
         // As high as the cube law makes all errors the same.
@@ -296,9 +296,14 @@ pub fn bands<'a>(
     Some(best)
 }
 
+/// The largest of the errors of some bands.
+pub fn worst(bands: &[(Band<'_>, f64)]) -> f64 {
+    bands.iter().fold(0.0, |worst, band| worst.max(band.1))
+}
+
 /// The least errors of a face, mm: with one, two and three bands, the worst band each.
 pub fn least_errors(around: &Surroundings<'_>, side: Side, cutter: Cutter) -> [Option<f64>; 3] {
-    [1, 2, 3].map(|strips| bands(around, side, strips, cutter, 1).map(|b| b.iter().fold(0.0, |w, x| f64::max(w, x.1))))
+    [1, 2, 3].map(|strips| bands(around, side, strips, cutter, 1).map(|b| worst(&b)))
 }
 
 /// Tells how well the cutters of `minimax` operations fit their faces.

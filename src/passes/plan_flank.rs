@@ -113,23 +113,25 @@ enum Bands {
 fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter) -> Option<Bands> {
     let sweeps =
         |bands: &[(Band<'_>, f64)]| bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>();
-    if let Some(strips) = task.choices.strips {
-        return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found);
+    let room = task.room(SurfaceKind::Face(side), side);
+    // One band where nothing is asked for.
+    let given = task.choices.strips.or_else(|| room.is_none().then_some(1));
+    match given {
+        // One band has no heights to be evened out.
+        Some(1) => return Some(Bands::Found(vec![task.sweep(&Band::new(around, side, [0.0, 1.0], cutter))?])),
+        Some(strips) => return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found),
+        None => {}
     }
-    let Some([below, above]) = task.room(SurfaceKind::Face(side), side) else {
-        // Nothing is asked for.
-        return sweeps(&flank::bands(around, side, 1, cutter, 0)?).map(Bands::Found);
-    };
+    let [below, above] = room?;
     // The least error lies evenly on both sides: it needs as much room.
     let needed = 0.5 * (below + above);
     let mut lacks = 0.0;
     for strips in 1..=MOST_STRIPS {
-        let worst = |bands: &[(Band<'_>, f64)]| bands.iter().fold(0.0_f64, |worst, b| worst.max(b.1));
         let mut bands = flank::bands(around, side, strips, cutter, usize::from(strips > 1))?;
-        let mut error = worst(&bands);
+        let mut error = flank::worst(&bands);
         if strips > 1 && error > needed && error < HOPEFUL * needed {
             bands = flank::bands(around, side, strips, cutter, EVENINGS)?;
-            error = worst(&bands);
+            error = flank::worst(&bands);
         }
         lacks = error - needed;
         if error > NEARLY * needed {
