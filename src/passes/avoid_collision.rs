@@ -125,27 +125,17 @@ fn clear_axes(
     // The part looks the same from every sector.
     let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
     let work = cx.progress.begin(format!("{}, clear axes", operation.name), per_sector);
-    let (mut found, mut blocked) = (Vec::with_capacity(per_sector), Vec::new());
-    if method == AxisMethod::Xu {
-        let lines = planned.passes.len().min(per_sector);
-        match axis_way::greedy_axes(&room, &planned.passes[..lines], &oriented.passes[..lines]) {
-            Ok(points) => found = points,
-            Err(faults) => blocked = faults,
-        }
+    let lines = planned.passes.len().min(per_sector);
+    let (passes, planned) = (&oriented.passes[..lines], &planned.passes[..lines]);
+    let chosen = if method == AxisMethod::Xu {
+        axis_way::greedy_axes(&room, planned, passes)
     } else {
-        let ways: Vec<Result<Vec<ClPoint>, axis_way::Blocked>> = oriented
-            .passes
-            .par_iter()
-            .take(per_sector)
-            .map(|pass| work.step(axis_way::shortest(&room, &program.machine, pass)))
-            .collect();
-        for (i, way) in ways.into_iter().enumerate() {
-            match way {
-                Ok(points) => found.push(points),
-                Err(at) => blocked.push((i, at)),
-            }
-        }
-    }
+        axis_way::shortest(&room, &program.machine, passes, &work)
+    };
+    let (found, blocked) = match chosen {
+        Ok(points) => (points, Vec::new()),
+        Err(faults) => (Vec::new(), faults),
+    };
     let tool = &program.tools[operation.tool];
     for (i, (at, about)) in &blocked {
         let label = oriented.passes.get(*i).map_or_else(String::new, |p| p.label.clone());

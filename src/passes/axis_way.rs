@@ -9,6 +9,7 @@ use crate::ir::{CcPass, ClPass, ClPoint};
 use crate::kin::{Machine, inverse, transform::axis_at};
 use crate::orient::inscribe::Proof;
 use crate::orient::{Candidate, Costs, Energy, greedy};
+use crate::progress::Work;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -33,6 +34,10 @@ const MOST_TURN: f64 = 0.6;
 
 /// Cost of a radian away from the direction of the channel, s: among equal ways that in the middle.
 const AWAY: f64 = 0.02;
+
+/// Cost of the square of the angle, in radians, to the axis of the nearest place of the lines before, s: far above what
+/// a shorter way of one line is worth for a jump, and little for a drift from line to line.
+const BESIDE: f64 = 2.0;
 
 /// Distance of the contacts of the greedy choice, mm.
 const CONTACTS: f64 = 2.0;
@@ -82,39 +87,75 @@ impl Way {
     }
 }
 
-/// The best way through clear axes, from the axes of a pass as the direction of the channel.
+/// Stations of a pass with their candidates.
+struct Stations {
+    way: Way,
+    /// Clear axes of each station; none where no axis is clear.
+    candidates: Vec<Vec<Candidate>>,
+    /// The direction of the channel at each.
+    middles: Vec<Vector3<f64>>,
+}
+
+impl Stations {
+    /// Looks for clear axes about the axes of a pass as the direction of the channel.
+    fn new(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Self {
+        let radius = room.radius();
+        let way = Way::new(pass, radius, STEP);
+        let middles: Vec<Vector3<f64>> =
+            way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
+        let stops = way.stops.iter().zip(&middles);
+        let candidates = stops
+            .map(|(length, middle)| {
+                let centre = way.centre(*length);
+                let mut clear = room.candidates(&centre, middle, MARGIN);
+                if clear.is_empty() {
+                    clear = room.candidates(&centre, middle, 0.0);
+                }
+                clear
+                    .iter()
+                    .filter(|axis| axis.x.hypot(axis.y) >= LEAST_TILT.sin())
+                    .take(MOST_CANDIDATES)
+                    .flat_map(|axis| {
+                        let penalty = AWAY * axis.angle(middle);
+                        inverse(axis, 0.0).map(|(a, c)| {
+                            let xyz = machine.joints(&(centre - axis * radius), a, c).xyz;
+                            Candidate { joints: [xyz.x, xyz.y, xyz.z, a, c], penalty }
+                        })
+                    })
+                    .collect()
+            })
+            .collect();
+        Self { way, candidates, middles }
+    }
+
+    /// Makes candidates dear that differ from the axis chosen at the nearest place of the lines before.
+    fn lean_towards(&mut self, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+        for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
+            let here = self.way.centre(*length);
+            let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
+            let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
+            for candidate in candidates {
+                let axis = axis_at(candidate.joints[3], candidate.joints[4]);
+                candidate.penalty += BESIDE * axis.angle(beside).powi(2);
+            }
+        }
+    }
+}
+
+/// The best ways through clear axes, from the axes of passes as the direction of the channel. Line by line: each keeps
+/// near to those before it, so that the tool hardly turns between neighbours, on the part as in the air.
 ///
 /// # Errors
-/// The first place without a clear axis, or out of reach from the one before.
-pub(super) fn shortest(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Result<Vec<ClPoint>, Blocked> {
-    if pass.points.len() < 2 {
-        return Ok(pass.points.clone());
-    }
-    let radius = room.radius();
-    let way = Way::new(pass, radius, STEP);
-    let middle = |length: f64| pass.points[stretch(&way.table, length).0].axis;
-    let stations: Vec<Vec<Candidate>> = way
-        .stops
-        .iter()
-        .map(|length| {
-            let (centre, middle) = (way.centre(*length), middle(*length));
-            let mut clear = room.candidates(&centre, &middle, MARGIN);
-            if clear.is_empty() {
-                clear = room.candidates(&centre, &middle, 0.0);
-            }
-            clear
-                .iter()
-                .filter(|axis| axis.x.hypot(axis.y) >= LEAST_TILT.sin())
-                .take(MOST_CANDIDATES)
-                .flat_map(|axis| {
-                    let penalty = AWAY * axis.angle(&middle);
-                    inverse(axis, 0.0).map(|(a, c)| {
-                        let xyz = machine.joints(&(centre - axis * radius), a, c).xyz;
-                        Candidate { joints: [xyz.x, xyz.y, xyz.z, a, c], penalty }
-                    })
-                })
-                .collect()
-        })
+/// For each pass without a way its number and the first place without a clear axis, or out of reach from the one before.
+pub(super) fn shortest(
+    room: &AxisRoom<'_>,
+    machine: &Machine,
+    passes: &[ClPass],
+    work: &Work,
+) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
+    let looked: Vec<Option<Stations>> = passes
+        .par_iter()
+        .map(|pass| work.step((pass.points.len() > 1).then(|| Stations::new(room, machine, pass))))
         .collect();
     let costs = Costs {
         speed: machine.speeds(),
@@ -122,10 +163,27 @@ pub(super) fn shortest(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) ->
         smoothness: SMOOTHNESS,
         most_turn: MOST_TURN,
     };
-    let choice = costs.shortest(&stations).map_err(|i| (way.centre(way.stops[i]), middle(way.stops[i])))?;
-    // The other branch of A is the same way of the tool: `solve-kinematics` chooses it.
-    let axes = choice.iter().zip(&stations).map(|(k, s)| axis_at(s[*k].joints[3], s[*k].joints[4]));
-    Ok(way.between(pass, &rotary(axes), radius))
+    let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
+    let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();
+    for (i, (pass, stations)) in passes.iter().zip(looked).enumerate() {
+        let Some(mut stations) = stations else {
+            found.push(pass.points.clone());
+            continue;
+        };
+        stations.lean_towards(&chosen);
+        let Stations { way, candidates, middles } = &stations;
+        match costs.shortest(candidates) {
+            Ok(choice) => {
+                // The other branch of A is the same way of the tool: `solve-kinematics` chooses it.
+                let axes: Vec<Vector3<f64>> =
+                    choice.iter().zip(candidates).map(|(k, s)| axis_at(s[*k].joints[3], s[*k].joints[4])).collect();
+                chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
+                found.push(way.between(pass, &rotary(axes.into_iter()), room.radius()));
+            }
+            Err(k) => faults.push((i, (way.centre(way.stops[k]), middles[k]))),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
 /// The greedy choice of Xu 2013 over the passes of a sector, line by line: normals and curvatures at the contacts from

@@ -6,70 +6,98 @@
 //! begin and end in room that is free of stock already, with a tool that nothing above its cutter makes thinner.
 
 use super::pipeline::PassContext;
+use crate::collide::ToolSolid;
 use crate::diag::Aborted;
 use crate::ir::{ClMove, ClPlan, ClPoint, MoveKind, Program};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
-/// Distance of the clearance sphere from the farthest corner of the stock, mm.
+/// Distance of the tip on the clearance sphere from the farthest corner of the stock, mm.
 const SPHERE_GAP: f64 = 10.0;
 
-/// Longest step on the sphere, radians: its chord stays 0.4 % of the radius inside.
-const SPHERE_STEP: f64 = 0.18;
+/// Distance of shank and holder from the sphere of that corner, mm.
+const BODY_GAP: f64 = 5.0;
 
-/// Sphere around the stock on which rapids run.
+/// Longest step on the sphere, radians: its chord stays 1.5 % of the radius inside. Longer ones would make the sphere
+/// larger, shorter ones more corners, at each of which the control slows down.
+const SPHERE_STEP: f64 = 0.35;
+
+/// Sphere around the stock on which rapids run, about a point of the axis of C. A tool with its tip on it and its axis
+/// not inward has all of its points outside of the sphere of the stock's farthest corner.
 pub(super) struct ClearanceSphere {
     centre: Point3<f64>,
     radius: f64,
 }
 
 impl ClearanceSphere {
-    pub(super) fn new(program: &Program) -> Self {
+    pub(super) fn new(program: &Program, tool: &ToolSolid) -> Self {
         let profile = &program.stock.profile;
         let (low, high) =
             profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[1]), h.max(p[1])));
         let centre = Point3::new(0.0, 0.0, 0.5 * (low + high));
         let far = profile.iter().map(|p| p[0].hypot(p[1] - centre.z)).fold(0.0, f64::max);
-        Self { centre, radius: (far + SPHERE_GAP) / (0.5 * SPHERE_STEP).cos() }
+        // A point s over the tip and r beside the axis, which is at worst at right angles to the radius of the tip.
+        let sections = tool.shank.iter().chain(&tool.holder);
+        let corners = sections.flat_map(|x| [(x.radius_from, x.from), (x.radius_to, x.to)]);
+        let cutter = [(tool.cutter.widest_below(tool.flute_length), 0.0)];
+        let wide = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
+        Self { centre, radius: wide.fold(far + SPHERE_GAP, f64::max) / (0.5 * SPHERE_STEP).cos() }
     }
 
-    /// Distance to go from a point along a direction until outside.
+    /// Distance to go from a point along a direction until outside, and on until the direction is not inward.
     pub(super) fn exit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
         let d = from - self.centre;
         let b = d.dot(direction);
         let c = d.norm_squared() - self.radius * self.radius;
-        if c >= 0.0 { 0.0 } else { -b + (b * b - c).sqrt() }
+        if c >= 0.0 && b >= 0.0 { 0.0 } else { -b + (b * b - c).max(0.0).sqrt() }
     }
 
     /// Length of the way from one outside point to another.
     pub(super) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
-        let (around, mut at, mut length) = (self.around(from, to), *from, 0.0);
-        for next in around.iter().chain([to]) {
-            length += (next - at).norm();
-            at = *next;
-        }
-        length
-    }
-
-    /// Points on the way from one outside point to another, both excluded, none inside the sphere.
-    fn around(&self, from: &Point3<f64>, to: &Point3<f64>) -> Vec<Point3<f64>> {
         let (a, b) = (from - self.centre, to - self.centre);
         let (ra, rb) = (a.norm(), b.norm());
-        let mut end = b / rb;
-        let start = a / ra;
+        (ra - rb).hypot(a.angle(&b) * 0.5 * (ra + rb))
+    }
+
+    /// Tips and rotary angles on the way from one place outside to another, both excluded. The rotary axes turn evenly;
+    /// the tip, as the machine sees it, goes straight round the sphere: where the tool axis is not inward at both ends,
+    /// it is nowhere on the way, and the table turns below a tool that hardly moves.
+    pub(super) fn around(&self, from: &Place, to: &Place) -> Vec<Place> {
+        let [start, end] = [from, to].map(|p| turned(p.a, p.c).inverse() * (p.tip - self.centre));
+        let (rs, re) = (start.norm(), end.norm());
+        let (s, mut e) = (start / rs, end / re);
         // Opposite directions leave the way open: go over the top.
-        if start.dot(&end) < -0.999 {
-            end = (end + Vector3::z() * 0.1).normalize();
+        if s.dot(&e) < -0.999 {
+            e = (e + Vector3::z() * 0.1).normalize();
         }
-        let angle = start.dot(&end).clamp(-1.0, 1.0).acos();
-        let count = (angle / SPHERE_STEP).ceil() as usize;
+        let angle = s.dot(&e).clamp(-1.0, 1.0).acos();
+        let turn = (to.a - from.a).abs() + (to.c - from.c).abs();
+        let count = ((angle + turn) / SPHERE_STEP).ceil() as usize;
         (1..count)
             .map(|i| {
                 let t = i as f64 / count as f64;
-                let direction = (start * ((1.0 - t) * angle).sin() + end * (t * angle).sin()) / angle.sin();
-                self.centre + direction * (ra + (rb - ra) * t)
+                let direction = if angle > 1e-9 {
+                    (s * ((1.0 - t) * angle).sin() + e * (t * angle).sin()) / angle.sin()
+                } else {
+                    s
+                };
+                let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+                Place { tip: self.centre + turned(a, c) * direction * (rs + (re - rs) * t), a, c }
             })
             .collect()
     }
+}
+
+/// A tip with the rotary angles of the machine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) tip: Point3<f64>,
+    pub(super) a: f64,
+    pub(super) c: f64,
+}
+
+/// Turn that brings the Z direction of the machine to the tool axis in the part.
+fn turned(a: f64, c: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector3::z_axis(), c) * Rotation3::from_axis_angle(&Vector3::x_axis(), a)
 }
 
 /// Fills in the moves of every operation.
@@ -77,8 +105,9 @@ impl ClearanceSphere {
 /// # Errors
 /// None today; a way that is not clear of the stock is found by the verifier.
 pub(super) fn run(cx: &mut PassContext<'_>, cl: &mut ClPlan) -> Result<(), Aborted> {
-    let sphere = ClearanceSphere::new(cx.program);
     for operation in &mut cl.operations {
+        let tool = cx.program.operations[operation.operation].tool;
+        let sphere = ClearanceSphere::new(cx.program, &cx.program.tools[tool].solid);
         let mut moves: Vec<ClMove> = Vec::new();
         for (index, pass) in operation.passes.iter().enumerate() {
             let (Some(first), Some(last)) = (pass.points.first(), pass.points.last()) else { continue };
@@ -101,27 +130,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &mut ClPlan) -> Result<(), Abort
                 add(MoveKind::Link, out);
             }
         }
-        operation.moves = with_ways(&sphere, moves);
+        operation.moves = moves;
     }
     Ok(())
-}
-
-/// Puts the way over the sphere in front of each rapid that follows another move.
-fn with_ways(sphere: &ClearanceSphere, moves: Vec<ClMove>) -> Vec<ClMove> {
-    let mut all: Vec<ClMove> = Vec::with_capacity(moves.len());
-    for next in moves {
-        if let (MoveKind::Rapid, Some(last)) = (next.kind, all.last().copied()) {
-            let tips = sphere.around(&last.to.tip, &next.to.tip);
-            let count = tips.len() as f64 + 1.0;
-            for (i, tip) in tips.into_iter().enumerate() {
-                // Nominal axis; solve-kinematics turns the rotary axes evenly over the way.
-                let share = (i as f64 + 1.0) / count;
-                let axis = (last.to.axis * (1.0 - share) + next.to.axis * share).try_normalize(1e-6);
-                let axis = axis.unwrap_or(next.to.axis);
-                all.push(ClMove { to: ClPoint { tip, axis, contact: None }, ..next });
-            }
-        }
-        all.push(next);
-    }
-    all
 }

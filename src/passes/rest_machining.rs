@@ -197,7 +197,8 @@ fn reduce(
     let met = send(field, &grown, looks, work);
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
-    let ways = Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program), program };
+    let ways =
+        Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program, solid), program };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
         let stations = stations(pass);

@@ -1,14 +1,15 @@
 //! `solve-kinematics`: joint positions, branch and winding of the rotary axes.
 //!
 //! Before: tip and axis of every move. After: joints. A pass with its approach and retract keeps one branch and runs
-//! without unwinding; branch and winding change only on the way over the clearance sphere, where the rotary axes turn
-//! evenly with the way.
+//! without unwinding; branch and winding change only on the way over the clearance sphere, which is put in here since it
+//! depends on both.
 
+use super::link_moves::{ClearanceSphere, Place};
 use super::pipeline::PassContext;
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClMove, ClOperation, ClPlan, JointMove, Motion, MoveKind};
-use crate::kin::{Joints, Machine, RotaryAxis, inverse};
+use crate::kin::{Machine, RotaryAxis, inverse};
 use nalgebra::Point3;
 use std::f64::consts::TAU;
 
@@ -26,10 +27,12 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
             labels: operation.passes.iter().map(|p| p.label.clone()).collect(),
             moves: Vec::with_capacity(operation.moves.len()),
         };
+        let tool = cx.program.operations[operation.operation].tool;
+        let sphere = ClearanceSphere::new(cx.program, &cx.program.tools[tool].solid);
         for run in contiguous(&operation.moves) {
             match solve_run(&cx.program.machine, run, at) {
                 Ok(rotary) => {
-                    way_there(&cx.program.machine, run, at, &rotary, &mut solved.moves);
+                    append(&cx.program.machine, &sphere, run, &rotary, &mut solved.moves);
                     at = rotary.last().copied().unwrap_or(at);
                 }
                 Err(reason) => {
@@ -43,7 +46,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
     if failed { Err(Aborted) } else { Ok(motion) }
 }
 
-/// Splits the moves into runs: rapids of the way to a pass, then everything up to the next rapid.
+/// Splits the moves into runs: each from a rapid up to the next.
 fn contiguous(moves: &[ClMove]) -> Vec<&[ClMove]> {
     let mut runs = Vec::new();
     let mut start = 0;
@@ -66,14 +69,13 @@ struct OutOfTravel {
     unit: &'static str,
 }
 
-/// Rotary angles from the last rapid of a run to its end.
+/// Rotary angles of a run.
 fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
-    let first = run.iter().take_while(|m| m.kind == MoveKind::Rapid).count().saturating_sub(1);
     let mut best: Option<(f64, Vec<(f64, f64)>)> = None;
     let mut nearest_miss: Option<OutOfTravel> = None;
     for branch in 0..2 {
-        let mut angles: Vec<(f64, f64)> = Vec::with_capacity(run.len() - first);
-        for m in &run[first..] {
+        let mut angles: Vec<(f64, f64)> = Vec::with_capacity(run.len());
+        for m in run {
             let before = angles.last().map_or(at.1, |x| x.1);
             let (a, c) = inverse(&m.to.axis, before)[branch];
             angles.push((a, c - TAU * ((c - before) / TAU).round()));
@@ -84,9 +86,9 @@ fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f
         let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
             let moved: Vec<(f64, f64)> = angles.iter().map(|(a, c)| (*a, c + turns)).collect();
-            if let Some(miss) = out_of_travel(machine, &run[first..], &moved) {
+            if let Some(miss) = out_of_travel(machine, run, &moved) {
                 if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
-                    nearest_miss = Some(OutOfTravel { index: miss.index + first, ..miss });
+                    nearest_miss = Some(miss);
                 }
                 continue;
             }
@@ -131,29 +133,26 @@ fn out_of_travel(machine: &Machine, run: &[ClMove], angles: &[(f64, f64)]) -> Op
     })
 }
 
-/// Appends the moves of a run: on the way over the sphere the rotary axes turn evenly with the length.
-fn way_there(machine: &Machine, run: &[ClMove], at: (f64, f64), rotary: &[(f64, f64)], out: &mut Vec<JointMove>) {
-    let Some(start) = rotary.first().copied() else { return };
-    let way = run.len() - rotary.len();
-    let length: Vec<f64> = std::iter::once(0.0)
-        .chain(run[..=way].windows(2).scan(0.0, |sum, w| {
-            *sum += (w[1].to.tip - w[0].to.tip).norm();
-            Some(*sum)
-        }))
-        .collect();
-    // The way begins at the end of the run before, whose tip is not in this run: count its first step as one more.
-    let step = if way > 0 { length[way] / way as f64 } else { 0.0 };
-    let total = length[way] + step;
-    let mut push = |m: &ClMove, (a, c): (f64, f64)| {
-        let joints: Joints = machine.joints(&m.to.tip, a, c);
-        out.push(JointMove { kind: m.kind, joints, feed: m.feed, time: 0.0, pass: m.pass });
+/// Appends the moves of a run, and in front of them the way over the sphere.
+fn append(
+    machine: &Machine,
+    sphere: &ClearanceSphere,
+    run: &[ClMove],
+    rotary: &[(f64, f64)],
+    out: &mut Vec<JointMove>,
+) {
+    let (Some(first), Some((a, c))) = (run.first(), rotary.first().copied()) else { return };
+    let push = |m: &ClMove, tip: &Point3<f64>, (a, c): (f64, f64), out: &mut Vec<JointMove>| {
+        out.push(JointMove { kind: m.kind, joints: machine.joints(tip, a, c), feed: m.feed, time: 0.0, pass: m.pass });
     };
-    for (i, m) in run[..way].iter().enumerate() {
-        let share = if total > 0.0 { (length[i] + step) / total } else { 1.0 };
-        push(m, (at.0 + (start.0 - at.0) * share, at.1 + (start.1 - at.1) * share));
+    if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
+        let from = Place { tip: machine.forward(&last).tip, a: last.a, c: last.c };
+        for place in sphere.around(&from, &Place { tip: first.to.tip, a, c }) {
+            push(first, &place.tip, (place.a, place.c), out);
+        }
     }
-    for (m, angles) in run[way..].iter().zip(rotary) {
-        push(m, *angles);
+    for (m, angles) in run.iter().zip(rotary) {
+        push(m, &m.to.tip, *angles, out);
     }
 }
 
