@@ -22,6 +22,28 @@ impl Spacing {
     }
 }
 
+/// In which direction the lines over a floor are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lines {
+    /// Every other line backwards, so that the next one begins beside the end of the last.
+    Zigzag,
+    /// All from inlet to outlet: the cutter cuts in one sense, up or down, everywhere.
+    OneWay,
+}
+
+impl Lines {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::Zigzag, Self::OneWay];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Zigzag => "zigzag",
+            Self::OneWay => "one-way",
+        }
+    }
+}
+
 /// How the tool axes of an operation are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisMethod {

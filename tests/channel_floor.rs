@@ -10,7 +10,7 @@ use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::proximity::Patch;
 use impellerc::ir::{CcPass, CcPoint, Contract, ContractKind, OperationKind, Program, Side};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -27,7 +27,8 @@ fn with_ball(radius: f64, scallop: f64, spacing: Spacing) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius }, 30.0, 42.0));
-    let kind = OperationKind::Channel { scallop: Mm(scallop), spacing, method: AxisMethod::Blend };
+    let kind =
+        OperationKind::Channel { scallop: Mm(scallop), spacing, lines: Lines::OneWay, method: AxisMethod::Blend };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program
 }

@@ -9,7 +9,7 @@ use impellerc::contract::{ContractKind, Guarded, Scope, SurfaceClass};
 use impellerc::diag::{Severity, Sink, codes::verification};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Allowed, Contract, Guides, Motion, OperationId, OperationKind, Part, Program, Side, solid};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::source::Span;
 use impellerc::units::Mm;
@@ -28,7 +28,12 @@ static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| {
     let (hub, shroud) = (whole.hub.generator().clone(), whole.shroud.generator().clone());
     program.part = Part::new(3, guides(Side::Pressure), guides(Side::Suction), hub, shroud, whole.fillet);
     let tool = program.operations.iter().last().unwrap().1.tool;
-    let kind = OperationKind::Channel { scallop: Mm(0.5), spacing: Spacing::EqualDivision, method: AxisMethod::Blend };
+    let kind = OperationKind::Channel {
+        scallop: Mm(0.5),
+        spacing: Spacing::EqualDivision,
+        lines: Lines::OneWay,
+        method: AxisMethod::Blend,
+    };
     program.operations.push(support::operation("channel", kind, tool, vec![0, 1, 2], 8.0));
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
     (program, motion)

@@ -11,7 +11,7 @@ use impellerc::driver::{Options, Stages, compile};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
 use impellerc::ir::{Contract, ContractKind, Guides, OperationKind, Part, Program, RulingEnd, Side};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::source::{SourceId, Span};
 use impellerc::units::Mm;
 use nalgebra::Point3;
@@ -42,7 +42,12 @@ fn program(fillet: Option<f64>, roughers: &[Cutter]) -> Program {
     }
     add(
         Cutter::Ball { radius: 3.0 },
-        OperationKind::Channel { scallop: Mm(0.012), spacing: Spacing::EqualDivision, method: AxisMethod::Blend },
+        OperationKind::Channel {
+            scallop: Mm(0.012),
+            spacing: Spacing::EqualDivision,
+            lines: Lines::OneWay,
+            method: AxisMethod::Blend,
+        },
         50,
     );
     program
@@ -264,7 +269,12 @@ fn a_finisher_that_does_not_fit_is_an_error() {
     let big = program.tools.push(tool("big", 9, Cutter::Ball { radius: 7.0 }, 30.0, 45.0));
     program.operations.push(operation(
         "channel2",
-        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision, method: AxisMethod::Blend },
+        OperationKind::Channel {
+            scallop: Mm(0.01),
+            spacing: Spacing::EqualDivision,
+            lines: Lines::OneWay,
+            method: AxisMethod::Blend,
+        },
         big,
         vec![0],
         8.0,

@@ -7,7 +7,7 @@ mod support;
 
 use impellerc::diag::Sink;
 use impellerc::ir::{Motion, MoveKind, OperationKind, Program, Side};
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Spacing};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::{Certificate, certify};
@@ -65,7 +65,12 @@ fn channel_program() -> Program {
     let mut program = support::flank_only(&[0]);
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations = impellerc::entity::PrimaryMap::new();
-    let kind = OperationKind::Channel { scallop: Mm(0.2), spacing: Spacing::EqualDivision, method: AxisMethod::Blend };
+    let kind = OperationKind::Channel {
+        scallop: Mm(0.2),
+        spacing: Spacing::EqualDivision,
+        lines: Lines::OneWay,
+        method: AxisMethod::Blend,
+    };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program
 }

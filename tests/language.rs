@@ -7,7 +7,7 @@ use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Found, Job, Missing};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::source::{SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -83,7 +83,12 @@ fn the_main_job_reads_as_it_is_written() {
     let scallop = impellerc::units::Mm(0.012);
     assert_eq!(
         job.operations[5].kind,
-        OperationKind::Channel { scallop, spacing: Spacing::ConstantScallop, method: AxisMethod::Blend }
+        OperationKind::Channel {
+            scallop,
+            spacing: Spacing::ConstantScallop,
+            lines: Lines::Zigzag,
+            method: AxisMethod::Corridor
+        }
     );
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!((job.chord.get(), job.clearance.get()), (0.00025, 0.5));
@@ -129,11 +134,11 @@ fn methods_of_tool_axes_are_named_and_have_a_default() {
         OperationKind::Channel { method, .. } => method,
         ref other => panic!("{other:?}"),
     };
-    assert_eq!(method(&changed("method blend", "")), AxisMethod::Corridor);
+    assert_eq!(method(&changed("method corridor", "")), AxisMethod::Corridor);
     for named in AxisMethod::ALL {
-        assert_eq!(method(&changed("method blend", &format!("method {}", named.name()))), named);
+        assert_eq!(method(&changed("method corridor", &format!("method {}", named.name()))), named);
     }
-    let read = read(&changed("method blend", "method coridor"));
+    let read = read(&changed("method corridor", "method coridor"));
     let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0211").expect("an error");
     assert!(format!("{error:?}").contains("corridor"));
 }

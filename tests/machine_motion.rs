@@ -8,7 +8,7 @@ mod support;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::kin::{Interpolation, Joints, Machine};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::units::Mm;
 use impellerc::verify::dynamics::{Run, run};
 use nalgebra::Point3;
@@ -21,7 +21,12 @@ fn program(machine: Machine) -> Program {
     let mut program = support::wei_program(&[0]);
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations = PrimaryMap::new();
-    let kind = OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision, method: AxisMethod::Blend };
+    let kind = OperationKind::Channel {
+        scallop: Mm(0.01),
+        spacing: Spacing::EqualDivision,
+        lines: Lines::OneWay,
+        method: AxisMethod::Blend,
+    };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program.machine = machine;
     program

@@ -15,7 +15,7 @@ use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program, design};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use impellerc::verify::{clearance, dynamics, sweep};
@@ -31,7 +31,8 @@ const FEED: f64 = 6000.0;
 fn floor(mut program: Program, method: AxisMethod, scallop: f64) -> Program {
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations = PrimaryMap::new();
-    let kind = OperationKind::Channel { scallop: Mm(scallop), spacing: Spacing::EqualDivision, method };
+    let kind =
+        OperationKind::Channel { scallop: Mm(scallop), spacing: Spacing::EqualDivision, lines: Lines::OneWay, method };
     let mut operation = support::operation("channel", kind, tool, vec![0], 8.0);
     (operation.feed, operation.speed, operation.link_feed) = (MmPerMin(FEED), Rpm(18000.0), MmPerMin(FEED));
     program.operations.push(operation);

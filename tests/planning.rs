@@ -9,7 +9,7 @@ use impellerc::collide::{Cutter, Section};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{MoveKind, OperationKind};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -51,7 +51,12 @@ fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
     let mut tool = support::tool("t1", 1, cutter, flute, 42.0);
     tool.solid.shank = vec![Section { from: flute, to: 42.0, radius_from: neck, radius_to: neck }];
     let tool = program.tools.push(tool);
-    let kind = OperationKind::Channel { scallop: Mm(0.2), spacing: Spacing::EqualDivision, method: AxisMethod::Blend };
+    let kind = OperationKind::Channel {
+        scallop: Mm(0.2),
+        spacing: Spacing::EqualDivision,
+        lines: Lines::OneWay,
+        method: AxisMethod::Blend,
+    };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
     let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");

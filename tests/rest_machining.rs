@@ -10,7 +10,7 @@ use impellerc::diag::{Sink, codes};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::design::{self, SurfaceKind};
 use impellerc::ir::{ClPass, ClPlan, Operation, OperationKind, Program, ToolId};
-use impellerc::method::{AxisMethod, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::passes::rest_machining;
 use impellerc::progress::Progress;
@@ -33,8 +33,12 @@ fn finished_twice(tool: impellerc::ir::Tool, sectors: [&[u32]; 2], rest: Option<
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool: ToolId = program.tools.push(tool);
     for (name, sectors) in ["channel", "channel2"].into_iter().zip(sectors) {
-        let kind =
-            OperationKind::Channel { scallop: Mm(0.2), spacing: Spacing::EqualDivision, method: AxisMethod::Blend };
+        let kind = OperationKind::Channel {
+            scallop: Mm(0.2),
+            spacing: Spacing::EqualDivision,
+            lines: Lines::OneWay,
+            method: AxisMethod::Blend,
+        };
         program.operations.push(support::operation(name, kind, tool, sectors.to_vec(), LEAD));
     }
     with_rest(program, "channel2", rest)

@@ -110,8 +110,9 @@ fn kind(kind: &OperationKind) -> String {
             let (method, strips) = (flank.method.name(), flank.strips_text());
             format!("flank {method} {} strips {strips}", faces.join(" "))
         }
-        OperationKind::Channel { scallop, spacing, method } => {
-            format!("channel {} scallop {scallop} axes {}", spacing.name(), method.name())
+        OperationKind::Channel { scallop, spacing, lines, method } => {
+            let (spacing, lines, method) = (spacing.name(), lines.name(), method.name());
+            format!("channel {spacing} scallop {scallop} {lines} axes {method}")
         }
     }
 }

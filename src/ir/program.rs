@@ -8,7 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
-use crate::method::{AxisMethod, Flank, Spacing};
+use crate::method::{AxisMethod, Flank, Lines, Spacing};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
 use nalgebra::Point3;
@@ -214,6 +214,8 @@ pub enum OperationKind {
         scallop: Mm,
         /// How the lines are spaced.
         spacing: Spacing,
+        /// In which direction they are cut.
+        lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
     },

@@ -2,7 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::method::{AxisMethod, Flank, Spacing};
+use crate::method::{AxisMethod, Flank, Lines, Spacing};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -296,6 +296,8 @@ pub enum OperationKind {
         scallop: Mm,
         /// How its lines are spaced.
         spacing: Spacing,
+        /// In which direction they are cut.
+        lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
     },

@@ -8,7 +8,7 @@ use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Spacing};
+use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -118,7 +118,7 @@ impl Reader<'_> {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
             "flank" => &["faces", "method", "strips", "side", "conflict"],
-            _ => &["scallop", "spacing", "method"],
+            _ => &["scallop", "spacing", "lines", "method"],
         };
         let known = [&COMMON, own].concat();
         let owner = format!("operation {}", self.name);
@@ -321,8 +321,10 @@ impl Reader<'_> {
             _ => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
-                let (spacing, method) = (spacing(p), axis_method(p));
-                Some(OperationKind::Channel { scallop: Mm(scallop?.0), spacing: spacing?, method: method? })
+                let (spacing, lines) =
+                    (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
+                let (scallop, method) = (Mm(scallop?.0), axis_method(p)?);
+                Some(OperationKind::Channel { scallop, spacing: spacing?, lines: lines?, method })
             }
         }
     }
@@ -359,11 +361,6 @@ impl Reader<'_> {
         let [vane, hub] = allowances?;
         Some(Layers { depth: depth?, allowance_vane: vane?, allowance_hub: hub? })
     }
-}
-
-/// How lines over a floor are spaced.
-fn spacing(p: &mut Properties<'_, '_>) -> Option<Spacing> {
-    named(p, "spacing", &Spacing::ALL, Spacing::name)
 }
 
 /// A property that takes one of some names; the first is the default.

@@ -133,9 +133,9 @@ fn operations(out: &mut String, job: &Job) {
                     let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
                 }
             }
-            OperationKind::Channel { scallop, spacing, method } => {
+            OperationKind::Channel { scallop, spacing, lines, method } => {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
-                let _ = writeln!(out, "  method {}", method.name());
+                let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
             }
         }
     }

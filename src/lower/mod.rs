@@ -152,8 +152,8 @@ fn operation(spec: &model::OperationSpec) -> Operation {
             let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
             OperationKind::Flank { faces, flank: *flank }
         }
-        model::OperationKind::Channel { scallop, spacing, method } => {
-            OperationKind::Channel { scallop: *scallop, spacing: *spacing, method: *method }
+        model::OperationKind::Channel { scallop, spacing, lines, method } => {
+            OperationKind::Channel { scallop: *scallop, spacing: *spacing, lines: *lines, method: *method }
         }
     };
     Operation {

@@ -6,13 +6,12 @@
 //! of the tool is farther from where it is over the whole piece than half of the way of the tip and half of the turn
 //! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
 
-use super::obstacles::Obstacles;
+use super::obstacles::{Ends, Obstacles};
 use crate::collide::{Section, ToolSolid};
 use crate::contract::{ContractKind, Guarded};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{Operation, Program};
-use crate::kin::transform::axis_at;
 use crate::orient::inscribe::{Proof, inscribe};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::TAU;
@@ -35,9 +34,6 @@ const WIDE: f64 = 0.03;
 /// Clear axes about which cones are laid until one is wide enough.
 const SEEDS: usize = 8;
 
-/// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
-const HALVINGS: u32 = 9;
-
 /// The tool of an operation among the obstacles.
 #[derive(Clone, Copy)]
 pub(super) struct AxisRoom<'a> {
@@ -46,9 +42,6 @@ pub(super) struct AxisRoom<'a> {
     /// Distances of side of the cutter, shank and holder, mm.
     asked: [f64; 3],
 }
-
-/// A piece of motion: tip, A and C at both ends.
-type Ends = [(Point3<f64>, f64, f64); 2];
 
 impl<'a> AxisRoom<'a> {
     pub(super) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
@@ -92,23 +85,7 @@ impl<'a> AxisRoom<'a> {
 
     /// True when the tool is clear over a whole piece of motion.
     pub(super) fn proved(&self, ends: &Ends) -> bool {
-        let mut open = vec![(*ends, 0)];
-        while let Some(([p, q], depth)) = open.pop() {
-            let (a, c) = (0.5 * (p.1 + q.1), 0.5 * (p.2 + q.2));
-            let tip = p.0 + (q.0 - p.0) * 0.5;
-            // A and C turn about axes at right angles.
-            let (turn, shift) = (0.5 * (q.1 - p.1).hypot(q.2 - p.2), 0.5 * (q.0 - p.0).norm());
-            let axis = axis_at(a, c);
-            if self.obstacles.keeps((&tip, &axis), |rho, s| self.lack(rho, s), (&tip, turn, shift)) {
-                continue;
-            }
-            if depth >= HALVINGS {
-                return false;
-            }
-            open.push(([p, (tip, a, c)], depth + 1));
-            open.push(([(tip, a, c), q], depth + 1));
-        }
-        true
+        self.obstacles.keeps_over(ends, |rho, s| self.lack(rho, s))
     }
 
     /// Clear axes about a direction, the nearest first.

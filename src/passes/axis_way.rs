@@ -70,6 +70,14 @@ impl Way {
         self.centres[i] + (self.centres[i + 1] - self.centres[i]) * t
     }
 
+    /// True when another way runs against this one.
+    fn starts_at_the_end_of(&self, other: &Self) -> bool {
+        let far = |end: Option<&Point3<f64>>| {
+            self.centres.first().zip(end).map_or(f64::INFINITY, |(p, q)| (p - q).norm_squared())
+        };
+        far(other.centres.last()) < far(other.centres.first())
+    }
+
     /// All stations of the pass, A and C linear between the stops.
     fn between(&self, pass: &ClPass, angles: &[(f64, f64)], radius: f64) -> Vec<ClPoint> {
         let at = |length: f64| {
@@ -233,8 +241,11 @@ pub(super) fn greedy_axes(
     for (i, row) in contacts.into_iter().enumerate() {
         match row {
             Ok(row) => {
-                let before = rows.last().filter(|b: &&Vec<Vector3<f64>>| b.len() == row.len());
-                let chosen = greedy::choose(&row, before.map(Vec::as_slice), &ENERGY, CONTACTS);
+                let mut before = rows.last().cloned().filter(|b: &Vec<Vector3<f64>>| b.len() == row.len());
+                if let Some(before) = before.as_mut().filter(|_| i > 0 && ways[i].starts_at_the_end_of(&ways[i - 1])) {
+                    before.reverse();
+                }
+                let chosen = greedy::choose(&row, before.as_deref(), &ENERGY, CONTACTS);
                 rows.push(chosen);
             }
             Err(blocked) => {

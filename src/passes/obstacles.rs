@@ -4,6 +4,7 @@ use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, ToolSolid};
 use crate::ir::Part;
 use crate::ir::design::{self, SurfaceKind};
+use crate::kin::transform::axis_at;
 use nalgebra::{Point3, Vector3};
 
 /// Spacing of the samples, mm.
@@ -16,6 +17,12 @@ const EDGE_MARGIN: f64 = 0.08;
 
 /// The same for tools with a rounded tip of a millimetre and more.
 const ROUND_MARGIN: f64 = 0.02;
+
+/// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
+const HALVINGS: u32 = 9;
+
+/// A piece of motion: tip, A and C at both ends.
+pub(super) type Ends = [(Point3<f64>, f64, f64); 2];
 
 /// Margin of a cutter.
 fn margin(solid: &ToolSolid) -> f64 {
@@ -67,6 +74,29 @@ impl Obstacles {
             (lack(rho, s) - turn * (p - about).norm() - shift - EDGE_MARGIN) / (1.0 + turn)
         };
         self.walls.least(value, 0.0).is_none() && self.hub.least(value, 0.0).is_none()
+    }
+
+    /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion: the tip runs straight
+    /// and both angles evenly. At the middle of a piece no point of the tool is farther from where it is over the whole
+    /// piece than half of the way of the tip and half of the turn times its distance from the tip; pieces are halved
+    /// until the distance in the middle is larger than that.
+    pub fn keeps_over(&self, ends: &Ends, lack: impl Fn(f64, f64) -> f64) -> bool {
+        let mut open = vec![(*ends, 0)];
+        while let Some(([p, q], depth)) = open.pop() {
+            let (a, c) = (0.5 * (p.1 + q.1), 0.5 * (p.2 + q.2));
+            let tip = p.0 + (q.0 - p.0) * 0.5;
+            // A and C turn about axes at right angles.
+            let (turn, shift) = (0.5 * (q.1 - p.1).hypot(q.2 - p.2), 0.5 * (q.0 - p.0).norm());
+            if self.keeps((&tip, &axis_at(a, c)), &lack, (&tip, turn, shift)) {
+                continue;
+            }
+            if depth >= HALVINGS {
+                return false;
+            }
+            open.push(([p, (tip, a, c)], depth + 1));
+            open.push(([(tip, a, c), q], depth + 1));
+        }
+        true
     }
 
     /// True when the tool keeps its distances to the hub.

@@ -13,7 +13,7 @@ use super::scallop;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
-use crate::method::Spacing;
+use crate::method::{Lines as Order, Spacing};
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -48,7 +48,14 @@ impl Floor<'_> {
     }
 }
 
-/// Lines in channel 0, with what is worth telling about them.
+/// Places along the meridian, and the lengths of the leads at inlet and outlet, mm, of lines that are cut in one
+/// direction.
+struct Direction {
+    grid: Vec<f64>,
+    leads: [f64; 2],
+}
+
+/// Lines in channel 0, from inlet to outlet, with what is worth telling about them.
 struct Lines {
     lines: Vec<Vec<CcPoint>>,
     notes: Vec<String>,
@@ -59,7 +66,9 @@ struct Lines {
 /// # Errors
 /// The ball does not reach the hub between the vanes, or does not fit its hollow; the diagnostic is in the sink.
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Channel { scallop: height, spacing, .. } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Channel { scallop: height, spacing, lines: order, .. } = operation.kind else {
+        return Err(Aborted);
+    };
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let rolling = part.fillet.map_or(radius, |f| f.get());
@@ -84,18 +93,34 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     // Dense until the ball has left hub and edges behind, as it does beyond both ends of the contact lines; then the
     // leads.
     let beyond = [radius / speed(0.0), radius / speed(1.0)];
-    let (from, to) = (-operation.lead_in.get() / speed(0.0), 1.0 + operation.lead_out.get() / speed(1.0));
     let whole = 1.0 + beyond[0] + beyond[1];
-    let mut grid: Vec<f64> =
-        (0..=STATIONS).map(|i| i as f64 / STATIONS as f64 * whole - beyond[0]).chain([0.0, 1.0]).collect();
-    grid.retain(|u| *u > from && *u < to);
-    grid.extend([from, to]);
-    grid.sort_by(f64::total_cmp);
-    grid.dedup();
-    let Lines { lines, notes } = match spacing {
-        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), &grid)?,
-        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, height.get(), &grid)?,
+    let leads = [operation.lead_in.get(), operation.lead_out.get()];
+    let grid = |at_inlet: f64, at_outlet: f64| {
+        let (from, to) = (-at_inlet / speed(0.0), 1.0 + at_outlet / speed(1.0));
+        let mut grid: Vec<f64> =
+            (0..=STATIONS).map(|i| i as f64 / STATIONS as f64 * whole - beyond[0]).chain([0.0, 1.0]).collect();
+        grid.retain(|u| *u > from && *u < to);
+        grid.extend([from, to]);
+        grid.sort_by(f64::total_cmp);
+        grid.dedup();
+        grid
     };
+    let there = Direction { grid: grid(leads[0], leads[1]), leads };
+    // Backwards the lead into the cut is at the outlet.
+    let back = Direction { grid: grid(leads[1], leads[0]), leads: [leads[1], leads[0]] };
+    let directions = match order {
+        Order::Zigzag => [&there, &back],
+        Order::OneWay => [&there, &there],
+    };
+    let Lines { mut lines, notes } = match spacing {
+        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), directions)?,
+        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, height.get(), directions)?,
+    };
+    if order == Order::Zigzag {
+        for line in lines.iter_mut().skip(1).step_by(2) {
+            line.reverse();
+        }
+    }
     let mut passes = Vec::new();
     for sector in &operation.sectors {
         let turn = part.sector_rotation(*sector);
@@ -193,8 +218,9 @@ fn equal_division(
     operation: &Operation,
     floor: &Floor<'_>,
     height: f64,
-    grid: &[f64],
+    directions: [&Direction; 2],
 ) -> Result<Lines, Aborted> {
+    let grid = &directions[0].grid;
     let (part, radius) = (floor.part, floor.radius);
     let [first, second] = &floor.walls;
     let mut count = 1.0_f64;
@@ -225,6 +251,7 @@ fn equal_division(
     let lines: Vec<Vec<CcPoint>> = (0..=count as usize)
         .map(|j| {
             let share = j as f64 / count;
+            let grid = &directions[j % 2].grid;
             grid.iter()
                 .map(|u| {
                     let (a, angle) = floor.walls(*u);
@@ -260,8 +287,9 @@ fn constant_scallop(
     operation: &Operation,
     floor: &Floor<'_>,
     height: f64,
-    grid: &[f64],
+    directions: [&Direction; 2],
 ) -> Result<Lines, Aborted> {
+    let grid = &directions[0].grid;
     let hub = &floor.part.hub;
     // The interpolation may lift the tool by the chord; what is left is for the ridges.
     let chord = cx.program.tolerances.chord.get();
@@ -289,9 +317,9 @@ fn constant_scallop(
     // A line that begins inside of the channel comes down on a quarter of a circle, which lifts the ball over what
     // roughing left.
     let quarter = |lead: f64| lead.min(FRAC_PI_4 * floor.radius) / FRAC_PI_2;
-    let arcs = [quarter(operation.lead_in.get()), quarter(operation.lead_out.get())];
+    let arcs = directions.map(|d| d.leads.map(quarter));
     let slowest = grid.iter().map(|u| hub.meridian(*u).first.norm()).fold(f64::INFINITY, f64::min);
-    let short = arcs[0].max(arcs[1]) / slowest;
+    let short = arcs[0][0].max(arcs[0][1]) / slowest;
     let tracks = tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8);
     let Some(tracks) = tracks else {
         cx.sink.push(
@@ -307,6 +335,7 @@ fn constant_scallop(
     let mut length = 0.0;
     let mut lines: Vec<Vec<CcPoint>> = Vec::with_capacity(tracks.len());
     for (j, track) in tracks.iter().enumerate() {
+        let (grid, arcs) = (&directions[j % 2].grid, arcs[j % 2]);
         let at = |u: f64| {
             let (a, angle) = floor.walls(u);
             match j {

@@ -69,6 +69,11 @@ struct OutOfTravel {
     unit: &'static str,
 }
 
+/// True when some branch and winding keep a run within the travel of all axes.
+pub(super) fn within_travel(machine: &Machine, run: &[ClMove]) -> bool {
+    solve_run(machine, run, (0.0, 0.0)).is_ok()
+}
+
 /// Rotary angles of a run.
 fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
     let mut best: Option<(f64, Vec<(f64, f64)>)> = None;

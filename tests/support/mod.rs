@@ -11,7 +11,7 @@ use impellerc::ir::{
     Stock, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Spacing};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
@@ -183,7 +183,12 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     ));
     operations.push(operation(
         "channel",
-        OperationKind::Channel { scallop: Mm(0.01), spacing: Spacing::EqualDivision, method: AxisMethod::Blend },
+        OperationKind::Channel {
+            scallop: Mm(0.01),
+            spacing: Spacing::EqualDivision,
+            lines: Lines::OneWay,
+            method: AxisMethod::Blend,
+        },
         t2,
         sectors,
         8.0,
