@@ -1,13 +1,16 @@
-//! Flank milling of one face of the paper's part by `minimax`: planning from the program to the motion.
+//! Flank milling of one face of the paper's part by `minimax`: the optimiser, the charts of the surroundings given; and
+//! how well the cutters of the main job fit its faces, which `--emit facts` tells.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a bench may stop at once")]
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
+use impellerc::analysis::flank::{self, Surroundings};
+use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, OperationKind, Side};
-use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
-use impellerc::passes::pipeline;
+use impellerc::method::{Conflict, ErrorSide};
+use impellerc::passes::plan_flank;
 use impellerc::units::Mm;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -19,35 +22,29 @@ fn faces(c: &mut Criterion) {
     let mut group = c.benchmark_group("one face of wei2021");
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     for (name, strips, bounds, chord) in [("one band", 1, [1.0, 12.0], 0.25), ("two bands", 2, [2.0, 2.0], 0.1)] {
-        for side in [Side::Pressure, Side::Suction] {
-            let mut program = program.clone();
-            let all = std::mem::replace(&mut program.operations, PrimaryMap::new());
-            let mut operations = PrimaryMap::new();
-            for (_, operation) in all.iter() {
-                if let OperationKind::Flank { .. } = operation.kind {
-                    let flank = Flank {
-                        method: FlankMethod::Minimax,
-                        strips: Some(strips),
-                        side: ErrorSide::Both,
-                        conflict: Conflict::Balance,
-                    };
-                    let mut operation = operation.clone();
-                    operation.kind = OperationKind::Flank { faces: vec![side], flank };
-                    operation.sectors = vec![0];
-                    operations.push(operation);
-                }
+        let mut program = program.clone();
+        program.tolerances.chord = Mm(chord * 1e-3);
+        program.contracts = vec![
+            Contract::whole(ContractKind::Gouge, bounds[0] * 1e-3),
+            Contract::whole(ContractKind::Excess, bounds[1] * 1e-3),
+        ];
+        let all = std::mem::replace(&mut program.operations, PrimaryMap::new());
+        let mut id = None;
+        for (_, operation) in all.iter() {
+            let mut operation = operation.clone();
+            if let OperationKind::Flank { flank, .. } = &mut operation.kind {
+                (flank.strips, flank.side, flank.conflict) = (Some(strips), ErrorSide::Both, Conflict::Balance);
+                id = Some(program.operations.push(operation));
             }
-            program.operations = operations;
-            program.tolerances.chord = Mm(chord * 1e-3);
-            program.contracts = vec![
-                Contract::whole(ContractKind::Gouge, bounds[0] * 1e-3),
-                Contract::whole(ContractKind::Excess, bounds[1] * 1e-3),
-            ];
+        }
+        let around = Surroundings::new(&program.part);
+        for side in [Side::Pressure, Side::Suction] {
             group.bench_function(BenchmarkId::new(side.name(), name), |b| {
-                b.iter(|| black_box(pipeline::run(&program, &mut outcome.sink).is_ok()));
+                b.iter(|| black_box(plan_flank::axis_paths(&program, id.unwrap(), side, &around).unwrap()));
             });
         }
     }
+    group.bench_function("fit of both faces", |b| b.iter(|| flank::report(&program, &mut black_box(Sink::default()))));
     group.finish();
 }
 

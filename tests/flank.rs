@@ -101,5 +101,55 @@ fn a_cutter_that_does_not_fit_in_any_number_of_bands_is_refused() {
     let mut sink = Sink::default();
     assert!(pipeline::run(&program, &mut sink).is_err());
     let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the reason");
-    println!("{} {:?}", found.message, found.notes);
+    println!("{} {:?} {:?} {:?}", found.message, found.place, found.notes, found.help);
+    // The chord tolerance alone takes more than the bounds.
+    assert!(found.help.iter().any(|h| h.contains("tolerance chord")), "{:?}", found.help);
+}
+
+/// One face of one vane.
+fn suction_only(cutter: Cutter, strips: Option<u32>, bound: f64) -> Program {
+    let mut program = program(cutter, minimax(strips), bound, bound, 0.1);
+    let mut operations = PrimaryMap::new();
+    for (_, operation) in program.operations.iter() {
+        let mut operation = operation.clone();
+        operation.sectors = vec![0];
+        operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(strips) };
+        operations.push(operation);
+    }
+    program.operations = operations;
+    program
+}
+
+#[test]
+fn the_error_names_the_place_and_a_cutter_that_would_do() {
+    let mut sink = Sink::default();
+    // One band misses these bounds: what is left of 1.5 um on each side is below the 2.5 um of this cutter.
+    assert!(pipeline::run(&suction_only(BALL, Some(1), 1.5), &mut sink).is_ok());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the warning");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    let words: Vec<&str> = help.split(' ').collect();
+    let diameter = words.windows(2).find_map(|w| (w[1] == "mm").then(|| w[0].parse::<f64>().unwrap())).expect("a size");
+    assert!(diameter > 0.5 && diameter < 6.0, "{diameter}");
+    // That cutter keeps them.
+    let mut sink = Sink::default();
+    let program = suction_only(Cutter::Ball { radius: 0.5 * diameter }, Some(1), 1.5);
+    assert!(pipeline::run(&program, &mut sink).is_ok());
+    let again = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409");
+    assert!(again.is_none(), "{again:?}");
+}
+
+#[test]
+fn cutters_of_other_shapes_keep_contracts_as_well() {
+    for cutter in [Cutter::Bull { radius: 3.0, corner: 1.5 }, Cutter::TaperedBall { ball: 2.0, half_angle: 0.05 }] {
+        let mut program = program(cutter, minimax(None), 8.0, 8.0, 0.25);
+        // Their tips are rounder than the fillet, which stays for another tool.
+        for contract in &mut program.contracts {
+            contract.scope.surfaces.retain(|s| *s != SurfaceClass::Fillet);
+        }
+        println!("{cutter:?}");
+        let (passes, kept) = run(&program);
+        println!("{passes} passes a vane");
+        assert!(kept, "{cutter:?}: a contract fails");
+    }
 }

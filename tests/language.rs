@@ -139,7 +139,7 @@ fn methods_of_tool_axes_are_named_and_have_a_default() {
         assert_eq!(method(&changed("method corridor", &format!("method {}", named.name()))), named);
     }
     let read = read(&changed("method corridor", "method coridor"));
-    let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0211").expect("an error");
+    let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0203").expect("an error");
     assert!(format!("{error:?}").contains("corridor"));
 }
 

@@ -1,6 +1,7 @@
 //! How well the side of a cutter fits a face: what flank milling is asked for at points of the part, where it starts
 //! from, and the least error that is left at one, two and three bands.
 
+use super::flank_room::room;
 use crate::collide::Cutter;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
@@ -24,8 +25,8 @@ pub const LEAVE: f64 = 1.0;
 /// The same where the path is free beyond the edges, so that it may part from the tangents further.
 const LEAVE_FREE: f64 = 1.5;
 
-/// Distance that the cutter keeps from the neighbouring vane, mm.
-const SIDE_CLEARANCE: f64 = 0.1;
+/// Distance that the side of a cutter keeps from faces that it does not finish, mm.
+pub const SIDE_CLEARANCE: f64 = 0.1;
 
 /// Columns and rows of targets on the face, and on each of the other surfaces.
 const FACE: [usize; 2] = [100, 15];
@@ -238,23 +239,34 @@ impl<'a> Band<'a> {
         DualCurve::through(&pairs?, CONTROL)
     }
 
-    /// The least largest error of this band, mm: on both sides even, nothing else being cut deeper. `None` where there
-    /// is no start.
-    pub fn least_error(&self) -> Option<f64> {
+    /// The least largest error of this band: on both sides even, nothing else being cut deeper. `None` where there is no
+    /// start.
+    pub fn least_error(&self) -> Option<Worst> {
         /// Errors to a few per cent need no more points.
         const FINENESS: f64 = 0.6;
         const GAIN: f64 = 0.02;
         let start = self.start()?;
-        let targets: Vec<Target> = self.targets(FINENESS).into_iter().map(|p| p.target).collect();
-        let targets = self.near(&start, targets, |t| *t);
+        let placed = self.near(&start, self.targets(FINENESS), |p| p.target);
+        let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
         let fit = least_squares(&start, &self.tool(), &targets);
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
-        let [below, above] = best.measured.lack(&targets);
-        Some(below.max(above))
+        let lack = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
+        let lacks = placed.iter().zip(&best.measured.at).map(lack);
+        let (error, placed) = lacks.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Worst { error: error.max(0.0), placed })
     }
 }
 
-/// Bands of a face with errors as even as their heights can make them, from the root, with the least error of each, mm.
+/// The largest error of a band.
+#[derive(Clone, Copy, Debug)]
+pub struct Worst {
+    /// Its size, mm.
+    pub error: f64,
+    /// A place that has it; others have as much.
+    pub placed: Placed,
+}
+
+/// Bands of a face with errors as even as their heights can make them, from the root, with the least error of each.
 /// The error of a band grows with the cube of its height (algorithms reference, 1.2), but the lowest one has to fit the
 /// floor as well, so that even heights are not the best; they are evened out in `rounds`. `None` where no ball rolls along the
 /// root.
@@ -264,10 +276,10 @@ pub fn bands<'a>(
     strips: u32,
     cutter: Cutter,
     rounds: usize,
-) -> Option<Vec<(Band<'a>, f64)>> {
-    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, f64)>> {
+) -> Option<Vec<(Band<'a>, Worst)>> {
+    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, Worst)>> {
         let spans = borders.par_windows(2).map(|b| Band::new(around, side, [b[0], b[1]], cutter));
-        spans.map(|band| band.least_error().map(|error| (band, error))).collect()
+        spans.map(|band| band.least_error().map(|found| (band, found))).collect()
     };
     let even: Vec<f64> = (0..=strips).map(|k| f64::from(k) / f64::from(strips)).collect();
     let first = measured(&even)?;
@@ -277,7 +289,7 @@ pub fn bands<'a>(
     let mut best = first;
     for _ in 0..rounds {
         // As high as the cube law makes all errors the same.
-        let even = |(band, error): &(Band<'_>, f64)| (band.span[1] - band.span[0]) * error.max(1e-6).powf(-1.0 / 3.0);
+        let even = |(band, w): &(Band<'_>, Worst)| (band.span[1] - band.span[0]) * w.error.max(1e-6).powf(-1.0 / 3.0);
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
         let mut borders = vec![0.0];
@@ -288,7 +300,8 @@ pub fn bands<'a>(
         }
         borders.push(1.0);
         let next = measured(&borders)?;
-        if worst(&next) >= worst(&best) {
+        let [then, now] = [&next, &best].map(|b| worst(b).map_or(0.0, |w| w.error));
+        if then >= now {
             break;
         }
         best = next;
@@ -296,55 +309,106 @@ pub fn bands<'a>(
     Some(best)
 }
 
-/// The largest of the errors of some bands.
-pub fn worst(bands: &[(Band<'_>, f64)]) -> f64 {
-    bands.iter().fold(0.0, |worst, band| worst.max(band.1))
+/// The largest of the errors of some bands; `None` without bands.
+pub fn worst(bands: &[(Band<'_>, Worst)]) -> Option<Worst> {
+    bands.iter().map(|b| b.1).max_by(|a, b| a.error.total_cmp(&b.error))
 }
 
-/// The least errors of a face, mm: with one, two and three bands, the worst band each.
-pub fn least_errors(around: &Surroundings<'_>, side: Side, cutter: Cutter) -> [Option<f64>; 3] {
-    [1, 2, 3].map(|strips| bands(around, side, strips, cutter, 1).map(|b| worst(&b)))
+/// The least error of a face with a number of even bands, `rounds` times evened out; `None` where no ball rolls along
+/// the root.
+pub fn least_error(around: &Surroundings<'_>, side: Side, strips: u32, cutter: Cutter, rounds: usize) -> Option<Worst> {
+    worst(&bands(around, side, strips, cutter, rounds)?)
+}
+
+/// The size of the largest cutter of the same shape that leaves at most `error` in so many bands, as a share of the size
+/// of this one; `None` where none down to a tenth does. The error grows about as the size does, so that a few trials
+/// find it to a few per cent from below.
+pub fn fitting(around: &Surroundings<'_>, side: Side, strips: u32, cutter: Cutter, error: f64) -> Option<f64> {
+    const TRIALS: usize = 5;
+    const SMALLEST: f64 = 0.1;
+    /// Share of the error that is near enough to it.
+    const NEAR: f64 = 0.95;
+    let mut fits: Option<f64> = None;
+    let mut share = 1.0;
+    for _ in 0..TRIALS {
+        let Some(found) = least_error(around, side, strips, cutter.scaled(share), 1) else { break };
+        let good = found.error <= error;
+        if good {
+            fits = Some(fits.map_or(share, |f| f.max(share)));
+        }
+        if good && (found.error > NEAR * error || share >= 1.0) {
+            break;
+        }
+        // Aims a little below the bound; never up to what was too large.
+        let aimed = share * (0.98 * error / found.error.max(1e-9)).clamp(0.2, 1.5);
+        share = aimed.min(1.0);
+        if share < SMALLEST {
+            break;
+        }
+    }
+    fits
+}
+
+/// How well a cutter fits a face.
+struct Fit {
+    side: Side,
+    cutter: Cutter,
+    tool: String,
+    /// Error that is allowed, mm, and true where contracts say so.
+    allowed: (f64, bool),
 }
 
 /// Tells how well the cutters of `minimax` operations fit their faces.
 pub fn report(program: &Program, sink: &mut Sink) {
     let around = Surroundings::new(&program.part);
-    let mut asked: Vec<(Side, Cutter, String)> = Vec::new();
-    for (_, operation) in program.operations.iter() {
+    let mut asked: Vec<Fit> = Vec::new();
+    for (id, operation) in program.operations.iter() {
         let OperationKind::Flank { faces, flank } = &operation.kind else { continue };
         let tool = &program.tools[operation.tool];
         if flank.method != FlankMethod::Minimax {
             continue;
         }
         for side in faces {
-            if !asked.iter().any(|(s, c, _)| s == side && *c == tool.solid.cutter) {
-                asked.push((*side, tool.solid.cutter, tool.name.clone()));
+            let cutter = tool.solid.cutter;
+            if !asked.iter().any(|f| f.side == *side && f.cutter == cutter) {
+                let room = room(program, id, flank.side, SurfaceKind::Face(*side), *side);
+                let allowed = room.map_or((POINT_MILLED, false), |[below, above]| (0.5 * (below + above), true));
+                asked.push(Fit { side: *side, cutter, tool: tool.name.clone(), allowed });
             }
         }
     }
-    let found: Vec<_> = asked.par_iter().map(|(side, cutter, _)| least_errors(&around, *side, *cutter)).collect();
-    for ((side, _, tool), errors) in asked.iter().zip(found) {
-        let [Some(one), Some(two), Some(three)] = errors else { continue };
-        let verdict = if three > POINT_MILLED {
-            "the face is better point milled"
-        } else {
-            "half of it is gouge where both sides may have it, none with `side excess`, which doubles the excess"
+    let errors = |fit: &Fit| [1, 2, 3].map(|strips| least_error(&around, fit.side, strips, fit.cutter, 1));
+    let found: Vec<_> = asked.par_iter().map(errors).collect();
+    for (fit, errors) in asked.iter().zip(found) {
+        let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };
+        let (allowed, contracts) = fit.allowed;
+        let whose = if contracts { "the contracts leave to the plan on each side" } else { "a finish allows" };
+        let verdict = match [one, two, three].iter().position(|e| *e <= allowed) {
+            Some(0) => format!("one band keeps the {} that {whose}", length(allowed)),
+            Some(n) => format!("{} bands keep the {} that {whose}", n + 1, length(allowed)),
+            None => format!(
+                "the face is better point milled: three bands still leave more than the {} that {whose}",
+                length(allowed)
+            ),
         };
         sink.push(
             Diag::remark(
                 codes::FLANK_FIT,
                 format!(
-                    "flank milling leaves {} on the {} face with {tool} in one band, {} in two, {} in three",
+                    "flank milling leaves {} on the {} face with {} in one band, {} in two, {} in three",
                     length(one),
-                    side.name(),
+                    fit.side.name(),
+                    fit.tool,
                     length(two),
                     length(three)
                 ),
             )
+            .note("as much gouge as excess; with `side excess` no gouge and twice the excess")
             .note(verdict),
         );
     }
 }
 
-/// Error with three bands over which a face is better point milled, mm: what a finish allows.
+/// Error with three bands over which a face is better point milled where no contracts say what is allowed, mm: what a
+/// finish allows.
 const POINT_MILLED: f64 = 0.02;

@@ -4,6 +4,7 @@
 pub mod channel;
 pub mod ends;
 pub mod flank;
+pub mod flank_room;
 pub mod outliers;
 pub mod reach;
 pub mod throat;

@@ -143,6 +143,18 @@ impl Cutter {
         }
     }
 
+    /// Radius that a tool of this shape is called by: the largest one, or that of the ball of a tapered one.
+    pub fn nominal_radius(&self) -> f64 {
+        match *self {
+            Self::Flat { radius }
+            | Self::Ball { radius }
+            | Self::Bull { radius, .. }
+            | Self::Barrel { radius, .. }
+            | Self::Lollipop { radius } => radius,
+            Self::TaperedBall { ball, .. } => ball,
+        }
+    }
+
     /// Radius of the rounding that meets the floor: the ball radius, or the corner radius; zero for a flat end.
     pub fn tip_radius(&self) -> f64 {
         match *self {
@@ -174,6 +186,21 @@ impl Cutter {
         match *self {
             Self::Barrel { radius, barrel, tip } => Some(barrel_height(radius, barrel, tip)),
             _ => None,
+        }
+    }
+
+    /// The same cutter of another size: all lengths times `by`, angles as they are.
+    #[must_use]
+    pub fn scaled(&self, by: f64) -> Self {
+        match *self {
+            Self::Flat { radius } => Self::Flat { radius: radius * by },
+            Self::Ball { radius } => Self::Ball { radius: radius * by },
+            Self::Bull { radius, corner } => Self::Bull { radius: radius * by, corner: corner * by },
+            Self::TaperedBall { ball, half_angle } => Self::TaperedBall { ball: ball * by, half_angle },
+            Self::Barrel { radius, barrel, tip } => {
+                Self::Barrel { radius: radius * by, barrel: barrel * by, tip: tip * by }
+            }
+            Self::Lollipop { radius } => Self::Lollipop { radius: radius * by },
         }
     }
 
@@ -274,6 +301,18 @@ mod tests {
                 let expected = if inside { -brute } else { brute };
                 let found = solid.cutter_distance(rho, s);
                 assert!((found - expected).abs() < 2e-3, "{:?} {rho} {s}: {found} {expected}", solid.cutter);
+            }
+        }
+    }
+
+    #[test]
+    fn distances_grow_with_the_size() {
+        for solid in solids() {
+            for k in 0..100 {
+                let (rho, s) = (f64::from(k % 10) * 0.7, f64::from(k / 10) * 1.3 - 2.0);
+                let (small, large) =
+                    (solid.cutter.distance(rho, s), solid.cutter.scaled(1.7).distance(1.7 * rho, 1.7 * s));
+                assert!((large - 1.7 * small).abs() < 1e-9, "{:?}", solid.cutter);
             }
         }
     }

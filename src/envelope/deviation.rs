@@ -5,7 +5,7 @@
 
 use super::target::Target;
 use crate::collide::Cutter;
-use crate::geom::{AxisAt, DualCurve};
+use crate::geom::{AxisAt, DualCurve, Pieces};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -54,13 +54,10 @@ fn sensitive(tool: &Mounted, at: &AxisAt, t: f64, p: &Point3<f64>) -> Deviation 
 }
 
 /// Stations at which the best parameter is looked for first, each span of the knots.
-const STATIONS_PER_SPAN: usize = 24;
+const STATIONS_PER_SPAN: usize = 12;
 
-/// Share of the curve to both sides of an earlier best parameter in which the next one is looked for.
-const WINDOW: f64 = 0.08;
-
-/// Deviations of points. With those of a curve that ran nearly the same, the best parameters are looked for about
-/// theirs.
+/// Deviations of points. With those of a curve that ran nearly the same, the best parameters are looked for from theirs
+/// on, downhill.
 pub fn deviations(
     curve: &DualCurve,
     tool: &Mounted,
@@ -68,53 +65,77 @@ pub fn deviations(
     before: Option<&[Deviation]>,
 ) -> Vec<Deviation> {
     let count = (curve.control_count() - 3) * STATIONS_PER_SPAN;
-    let stations: Vec<AxisAt> = (0..=count).map(|i| curve.at(i as f64 / count as f64)).collect();
-    let place = |t: f64| ((t.clamp(0.0, 1.0) * count as f64) as usize).min(count);
-    let search = |(i, target): (usize, &Target)| {
-        let about = before.and_then(|b| b.get(i)).map(|b| (place(b.t - WINDOW), place(b.t + WINDOW)));
-        nearest(curve, tool, &stations, about.unwrap_or((0, count)), &target.point)
+    let pieces = curve.pieces();
+    let stations: Vec<AxisAt> = match before {
+        None => (0..=count).map(|i| pieces.at(i as f64 / count as f64)).collect(),
+        Some(_) => Vec::new(),
+    };
+    let search = |(i, target): (usize, &Target)| match before {
+        None => nearest(&pieces, tool, &stations, &target.point),
+        Some(before) => downhill(&pieces, tool, before[i].t, 0.5 / count as f64, &target.point),
     };
     targets.par_iter().enumerate().with_min_len(64).map(search).collect()
 }
 
-fn nearest(
-    curve: &DualCurve,
-    tool: &Mounted,
-    stations: &[AxisAt],
-    (from, to): (usize, usize),
-    p: &Point3<f64>,
-) -> Deviation {
-    let mut best = (from, f64::INFINITY);
-    for (i, at) in stations.iter().enumerate().take(to + 1).skip(from) {
+fn nearest(pieces: &Pieces, tool: &Mounted, stations: &[AxisAt], p: &Point3<f64>) -> Deviation {
+    let mut best = (0, f64::INFINITY);
+    for (i, at) in stations.iter().enumerate() {
         let value = distance(tool, at, p);
         if value < best.1 {
             best = (i, value);
         }
     }
     let count = (stations.len() - 1) as f64;
-    let (low, high) = (best.0.saturating_sub(1) as f64 / count, ((best.0 + 1) as f64 / count).min(1.0));
-    refine(curve, tool, p, low, high)
+    let at = |i: usize| rate(pieces, tool, i as f64 / count, p);
+    between(pieces, tool, p, at(best.0.saturating_sub(1)), at((best.0 + 1).min(stations.len() - 1)))
+}
+
+/// The lowest place downhill from a parameter: in steps that double, then between the last two.
+fn downhill(pieces: &Pieces, tool: &Mounted, from: f64, step: f64, p: &Point3<f64>) -> Deviation {
+    let mut here = rate(pieces, tool, from, p);
+    let away = if here.1 < 0.0 { 1.0 } else { -1.0 };
+    let mut step = step;
+    loop {
+        let there = rate(pieces, tool, (here.0.t + away * step).clamp(0.0, 1.0), p);
+        let turned = there.1 * away >= 0.0;
+        if turned || there.0.t <= 0.0 || there.0.t >= 1.0 {
+            return if away > 0.0 {
+                between(pieces, tool, p, here, there)
+            } else {
+                between(pieces, tool, p, there, here)
+            };
+        }
+        (here, step) = (there, 2.0 * step);
+    }
+}
+
+/// The distance at a parameter and how fast it grows.
+fn rate(pieces: &Pieces, tool: &Mounted, t: f64, p: &Point3<f64>) -> (Deviation, f64) {
+    let (at, [lower, upper]) = pieces.moving(t);
+    let found = sensitive(tool, &at, t, p);
+    (found, found.lower.dot(&lower) + found.upper.dot(&upper))
 }
 
 /// Least distance between two parameters, where the rate of the distance changes its sign, or at the better end.
-fn refine(curve: &DualCurve, tool: &Mounted, p: &Point3<f64>, mut low: f64, mut high: f64) -> Deviation {
+fn between(
+    pieces: &Pieces,
+    tool: &Mounted,
+    p: &Point3<f64>,
+    (a, mut fa): (Deviation, f64),
+    (b, mut fb): (Deviation, f64),
+) -> Deviation {
     /// Halvings at most; secants need some six.
     const STEPS: usize = 40;
-    let rate = |t: f64| {
-        let (at, [lower, upper]) = curve.moving(t);
-        let found = sensitive(tool, &at, t, p);
-        (found, found.lower.dot(&lower) + found.upper.dot(&upper))
-    };
-    let ((a, mut fa), (b, mut fb)) = (rate(low), rate(high));
     if fa >= 0.0 || fb <= 0.0 {
         return if a.value < b.value { a } else { b };
     }
+    let (mut low, mut high) = (a.t, b.t);
     let width = high - low;
     let mut found = a;
     let mut stays = 0;
     for _ in 0..STEPS {
         let t = (high - fb * (high - low) / (fb - fa)).clamp(low, high);
-        let (at, f) = rate(t);
+        let (at, f) = rate(pieces, tool, t, p);
         found = at;
         // The value changes with the square of what is left: here by less than a picometre.
         if high - low < 1e-6 * width || f.abs() * width < 1e-9 {

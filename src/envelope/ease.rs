@@ -4,11 +4,13 @@
 //! Motion is the sum over stations of the squares of dq/ds and of `reach` times d2q/ds2 for both rotary axes, by the
 //! way s of the lower curve: its first part is what the axes turn, its second what they speed up.
 
+use super::band::{Band, dot};
 use super::deviation::Mounted;
+use super::program::ENTRIES;
 use super::step::{Aim, Model, best};
 use super::target::{Measured, Row, Target};
 use crate::geom::{AxisAt, DualCurve};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
 /// Positions of both rotary axes for a tool axis, radians, each with its change with the tool axis.
@@ -33,18 +35,27 @@ const STATIONS: usize = 120;
 /// Rows of an axis: speeds between stations, then accelerations at those that have two neighbours.
 const ROWS: usize = 2 * STATIONS - 1;
 
-/// Trust region to begin with and to stop at, mm.
-const TRUST: [f64; 2] = [0.15, 2e-3];
+/// Trust region to begin with on a long way and on a short one, mm, and how many steps make it long.
+const TRUST: [f64; 2] = [0.15, 0.05];
+const LONG: usize = 10;
 
-/// Gain of a step, as a share, to stop at.
+/// Trust region to stop at, mm.
+const NARROW: f64 = 2e-3;
+
+/// By how much a path may overstep the bounds on the way, mm: the next step brings it back to them while it goes on.
+const LOOSE: f64 = 3e-3;
+
+/// Gain of a step, as a share, that is hardly one, and how many such in a row end the way.
 const GAIN: f64 = 2e-2;
+const IDLE: usize = 2;
 
-/// Corrections of a step before its trust region shrinks.
-const CORRECTIONS: usize = 2;
+/// Steps at most that bring the path back to the bounds at the end, each of half the trust of the one before: what is
+/// overstepped goes with its square.
+const BACK: usize = 8;
 
 /// The curves near `start` with the least motion; `reach` in mm weighs speeding up against turning. No bound is broken
-/// by more than `slack`, mm, nor by more than it was at the start. At `most` so many steps are made; some ten take most
-/// of the motion away.
+/// by more than `slack`, mm, nor by more than it was at the start. After `most` steps at the latest the path returns to
+/// its bounds; some twenty take most of the motion away.
 pub fn ease(
     start: &DualCurve,
     tool: &Mounted,
@@ -56,50 +67,55 @@ pub fn ease(
 ) -> Eased {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
-    let [below, above] = measured.lack(targets);
-    let slack = slack.max(below).max(above);
+    let mut over = measured.worst(targets);
+    let slack = slack.max(over);
     let mut now = Motion::new(&curve, rotary, reach);
     let before = now.sum();
-    let mut trust = TRUST[0];
-    let mut steps = 0;
+    // The path of the least motion among those that keep the bounds.
+    let mut held = (curve.clone(), before);
+    let mut trust = TRUST[usize::from(most < LONG)];
+    let (mut steps, mut idle, mut back) = (0, 0, 0);
     let mut kept = Vec::new();
-    while steps < most && trust > TRUST[1] {
+    while back < BACK && trust > NARROW {
+        let returning = steps >= most || idle >= IDLE;
+        if returning && over <= slack {
+            break;
+        }
         steps += 1;
-        let change = now.change(&curve);
-        let (hessian, slope) = (change.tr_mul(&change), change.tr_mul(&now.residual));
+        back += usize::from(returning);
+        let (hessian, slope) = now.change(&curve);
         let aim = Aim::Quadratic { hessian: &hessian, slope: &slope };
         let rows = Row::all(&curve, &measured);
-        let mut values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
-        let mut done = None;
-        for _ in 0..=CORRECTIONS {
-            let model = Model { rows: &rows, values: &values, targets, control: curve.control_count(), trust };
-            let Some(step) = best(&model, &aim, &mut kept) else { break };
-            let next = curve.shifted(&step.shift, 1.0);
-            let found = measured.again(&next, tool, targets);
-            let [below, above] = found.lack(targets);
-            let then = Motion::new(&next, rotary, reach);
-            if then.sum() >= now.sum() {
-                break;
-            }
-            if below.max(above) <= slack {
-                done = Some((next, found, then));
-                break;
-            }
-            values = model.corrected(&step.shift, &found);
-        }
-        let Some((next, found, then)) = done else {
+        let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
+        let model = Model { rows: &rows, values: &values, targets, control: curve.control_count(), trust };
+        let Some(step) = best(&model, &aim, &mut kept) else {
             trust *= 0.5;
             continue;
         };
-        let gain = 1.0 - then.sum() / now.sum();
-        (curve, measured, now) = (next, found, then);
-        trust *= 1.3;
-        if gain < GAIN {
-            break;
+        let next = curve.shifted(&step.shift, 1.0);
+        let found = measured.again(&next, tool, targets);
+        let oversteps = found.worst(targets);
+        if oversteps > if returning { over.max(slack) } else { LOOSE.max(slack) } {
+            trust *= 0.5;
+            continue;
         }
+        let then = Motion::new(&next, rotary, reach);
+        idle = if then.sum() > (1.0 - GAIN) * now.sum() { idle + 1 } else { 0 };
+        (curve, measured, now, over) = (next, found, then, oversteps);
+        if over <= slack && now.sum() < held.1 {
+            held = (curve.clone(), now.sum());
+        }
+        trust *= if returning || over > 0.7 * LOOSE {
+            0.5
+        } else if over < 0.3 * LOOSE {
+            1.5
+        } else {
+            1.0
+        };
     }
+    let (curve, sum) = held;
     let measured = Measured::new(&curve, tool, targets);
-    Eased { curve, measured, motion: [before, now.sum()], steps }
+    Eased { curve, measured, motion: [before, sum], steps }
 }
 
 /// Motion of the rotary axes along a curve.
@@ -109,7 +125,7 @@ struct Motion {
     turns: Vec<[Vector3<f64>; 2]>,
     ways: Vec<f64>,
     reach: f64,
-    residual: DVector<f64>,
+    residual: Vec<f64>,
 }
 
 impl Motion {
@@ -127,7 +143,7 @@ impl Motion {
             turns.push(found.map(|(_, g)| (g - axis.axis * g.dot(&axis.axis)) / axis.length));
         }
         let ways = axes.windows(2).map(|w| (w[1].lower - w[0].lower).norm_squared().sqrt().max(1e-9)).collect();
-        let mut motion = Self { axes, turns, ways, reach, residual: DVector::zeros(2 * ROWS) };
+        let mut motion = Self { axes, turns, ways, reach, residual: vec![0.0; 2 * ROWS] };
         for row in 0..ROWS {
             let weights = motion.weights(row);
             motion.residual[row] = weights.iter().map(|(i, w)| at[*i][0] * w).sum();
@@ -137,7 +153,7 @@ impl Motion {
     }
 
     fn sum(&self) -> f64 {
-        self.residual.norm_squared()
+        dot(&self.residual, &self.residual)
     }
 
     /// Stations that count in a row, with their weights: first the speeds, then the accelerations.
@@ -152,27 +168,39 @@ impl Motion {
         [(i - 1, f / a), (i, -f / a - f / b), (i + 1, f / b)]
     }
 
-    /// Change of the residual with the shifts; that of the ways is left out.
-    fn change(&self, curve: &DualCurve) -> DMatrix<f64> {
-        let control = curve.control_count();
-        let mut change = DMatrix::zeros(self.residual.len(), curve.unknowns());
+    /// The quadratic model of half the motion: its curvature and its slope with the shifts. The change of the ways is left
+    /// out.
+    fn change(&self, curve: &DualCurve) -> (Band, Vec<f64>) {
         let last = (self.axes.len() - 1) as f64;
         let bases: Vec<_> = (0..self.axes.len()).map(|i| curve.weights(i as f64 / last)).collect();
+        // Stations of a row lie in neighbouring spans, or further apart on a curve of many short ones.
+        let spread = bases.windows(3).map(|w| w[2].0 - w[0].0).max().unwrap_or(0);
+        let (mut hessian, mut slope) =
+            (Band::new(curve.unknowns(), ENTRIES + 6 * spread - 1), vec![0.0; curve.unknowns()]);
+        let mut entries = vec![0.0; ENTRIES + 6 * spread];
         for k in 0..2 {
             for row in 0..ROWS {
-                for (i, weight) in self.weights(row) {
-                    let (first, basis) = bases[i];
+                let weights = self.weights(row);
+                let first = 6 * bases[weights[0].0.min(weights[2].0)].0;
+                entries.fill(0.0);
+                for (i, weight) in weights {
+                    let (control, basis) = bases[i];
                     for (j, b) in basis.iter().enumerate() {
                         for x in 0..3 {
                             let value = self.turns[i][k][x] * b * weight;
-                            let row = k * ROWS + row;
-                            change[(row, 3 * (first + j) + x)] -= value;
-                            change[(row, 3 * (control + first + j) + x)] += value;
+                            let at = 6 * (control + j) - first + x;
+                            entries[at] -= value;
+                            entries[at + 3] += value;
                         }
                     }
                 }
+                let used = entries.len().min(slope.len() - first);
+                hessian.add_square(first, &entries[..used], 1.0);
+                for (to, a) in slope[first..first + used].iter_mut().zip(&entries) {
+                    *to += a * self.residual[k * ROWS + row];
+                }
             }
         }
-        change
+        (hessian, slope)
     }
 }

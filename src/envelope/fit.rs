@@ -1,9 +1,10 @@
 //! Least squares: shifts of the control points that lessen the sum of squared faults (Gauss and Newton, damped).
 
+use super::band::Band;
 use super::deviation::Mounted;
+use super::program::ENTRIES;
 use super::target::{Measured, Row, Target};
 use crate::geom::DualCurve;
-use nalgebra::{DMatrix, DVector};
 
 /// Steps at most; after some ten nothing changes.
 const STEPS: usize = 15;
@@ -30,29 +31,24 @@ pub fn least_squares(start: &DualCurve, tool: &Mounted, targets: &[Target]) -> D
     let mut now = sum(&measured);
     for _ in 0..STEPS {
         let n = curve.unknowns();
-        let control = curve.control_count();
-        let mut normal = DMatrix::<f64>::zeros(n, n);
-        let mut right = DVector::<f64>::zeros(n);
+        let mut normal = Band::new(n, ENTRIES - 1);
+        let mut right = vec![0.0; n];
         for (d, t) in measured.at.iter().zip(targets) {
             let fault = fault(d.value, t);
             if fault == 0.0 {
                 continue;
             }
             let row = Row::new(&curve, d);
-            for (i, a) in row.entries(control) {
-                right[i] -= a * fault;
-                for (j, b) in row.entries(control) {
-                    normal[(i, j)] += a * b;
-                }
+            normal.add_square(row.first, &row.change, 1.0);
+            for (to, a) in right[row.first..row.first + ENTRIES].iter_mut().zip(&row.change) {
+                *to -= a * fault;
             }
         }
-        let damping = DAMPING * normal.trace() / n as f64 + 1e-12;
-        for i in 0..n {
-            normal[(i, i)] += damping;
-        }
-        let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
+        let trace: f64 = (0..n).map(|i| *normal.diagonal(i)).sum();
+        (0..n).for_each(|i| *normal.diagonal(i) += DAMPING * trace / n as f64 + 1e-12);
+        let Some(step) = normal.factor().map(|f| f.solve(&right)) else { break };
         let tried = [1.0, 0.5, 0.25, 0.1].into_iter().find_map(|share| {
-            let next = curve.shifted(step.as_slice(), share);
+            let next = curve.shifted(&step, share);
             let found = measured.again(&next, tool, targets);
             let then = sum(&found);
             (then < now).then_some((next, found, then))

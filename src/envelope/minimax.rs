@@ -1,9 +1,9 @@
 //! The least largest fault: linear programs over shifts within a trust region (sequential linear programming; Ding and
 //! Zhu 2009, algorithms reference 1.4).
 
-use super::deviation::Mounted;
+use super::deviation::{Deviation, Mounted};
 use super::step::{Aim, Model, best};
-use super::target::{Measured, Row, Target};
+use super::target::{Measured, ROUNDING, Row, Target};
 use crate::geom::DualCurve;
 
 /// Outcome.
@@ -89,4 +89,59 @@ pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target], gain: f64)
     // Steps look about the last best place; the last word looks everywhere.
     let measured = Measured::new(&curve, tool, targets);
     Best { widening: measured.widening(targets), curve, measured, steps }
+}
+
+/// Outcome over dense points.
+#[derive(Clone, Debug)]
+pub struct Finest {
+    /// The curves and what they leave.
+    pub best: Best,
+    /// Points that were looked at: the given ones and those of the dense ones that stood out between them.
+    pub targets: Vec<Target>,
+}
+
+/// Share by which dense points may stand out, and times that such points join.
+const OUTSTANDING: f64 = 1e-2;
+const EXCHANGES: usize = 5;
+
+/// Share of the widening that finer knots have to be worth, and control points at most.
+const WORTH: f64 = 0.03;
+const MOST_CONTROL: usize = 40;
+
+/// A widening that finer knots need not lessen, mm.
+const SMALL: f64 = 1e-5;
+
+/// [`minimax`] over dense points of which few are looked at: those that stand out between the others join them. Spans of
+/// the knots are halved as long as that takes more than some per cent away.
+pub fn finest(start: &DualCurve, tool: &Mounted, targets: &[Target], dense: &[Target], gain: f64) -> Finest {
+    let exchanged = |start: &DualCurve, mut targets: Vec<Target>| {
+        let mut best = minimax(start, tool, &targets, gain);
+        for _ in 0..EXCHANGES {
+            let all = Measured::new(&best.curve, tool, dense);
+            let allowed = best.widening * (1.0 + OUTSTANDING) + NONE;
+            let stands_out = |(d, t): (&Deviation, &Target)| {
+                (t.low - d.value > allowed * t.give[0] + ROUNDING || d.value - t.high > allowed * t.give[1] + ROUNDING)
+                    .then_some(*t)
+            };
+            let joining: Vec<Target> = all.at.iter().zip(dense).filter_map(stands_out).collect();
+            if joining.is_empty() {
+                break;
+            }
+            targets.extend(joining);
+            best = minimax(&best.curve, tool, &targets, gain);
+        }
+        Finest { best, targets }
+    };
+    let mut found = exchanged(start, targets.to_vec());
+    while found.best.widening > SMALL && found.best.curve.control_count() < MOST_CONTROL {
+        let finer = exchanged(&found.best.curve.refined(), found.targets.clone());
+        let worth = finer.best.widening < (1.0 - WORTH) * found.best.widening;
+        if finer.best.widening < found.best.widening {
+            found = finer;
+        }
+        if !worth {
+            break;
+        }
+    }
+    found
 }

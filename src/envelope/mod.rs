@@ -9,15 +9,17 @@
 //!
 //! A fault is how far the deviation of the swept tool, not that of one ruling from one axis, leaves what a point allows.
 
+mod band;
 pub mod deviation;
 pub mod ease;
 pub mod fit;
 pub mod minimax;
+mod program;
 mod step;
 pub mod target;
 
 pub use deviation::{Deviation, Mounted};
 pub use ease::{Eased, ease};
 pub use fit::least_squares;
-pub use minimax::{Best, minimax};
+pub use minimax::{Best, Finest, finest, minimax};
 pub use target::{Measured, Target};

@@ -4,10 +4,9 @@
 //! Of some thousand bounds few are in the way. A program is solved with those that are worst off, then with those that
 //! its solution breaks as well, until none is broken.
 
+use super::band::Band;
+use super::program::{Bound, Program};
 use super::target::{Measured, Row, Target};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
-use nalgebra::{DMatrix, DVector};
 
 /// The linear model about a curve.
 pub(super) struct Model<'a> {
@@ -28,12 +27,12 @@ pub(super) enum Aim<'a> {
     /// The widening of the bounds; its present size, mm.
     Widening(f64),
     /// Half of shift H shift plus slope shift, the bounds as they are.
-    Quadratic { hessian: &'a DMatrix<f64>, slope: &'a DVector<f64> },
+    Quadratic { hessian: &'a Band, slope: &'a [f64] },
 }
 
 /// A step.
 pub(super) struct Step {
-    /// Shifts, mm: three numbers for each control point of the lower curve, then of the upper one.
+    /// Shifts, mm, of all unknowns.
     pub(super) shift: Vec<f64>,
     /// Widening that the model promises, mm.
     pub(super) widening: f64,
@@ -57,7 +56,7 @@ const JOIN: usize = 100;
 /// Distance of bounds that join together, mm.
 const APART: f64 = 1.5;
 
-/// By how much a solution may break a bound that was left out, mm.
+/// By how much a solution may break a bound that was left out, mm; less where the widening itself is small.
 const BROKEN: f64 = 1e-5;
 
 /// A bound as near as this is in the way, mm.
@@ -73,35 +72,42 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         Aim::Widening(now) => now.max(1e-6),
         Aim::Quadratic { .. } => model.trust,
     };
-    let mut open = Vec::new();
+    let broken = BROKEN.min(1e-2 * unit);
+    kept.sort_unstable();
+    let (mut active, mut open) = (Vec::new(), Vec::new());
     for (i, (target, row)) in model.targets.iter().zip(model.rows).enumerate() {
-        let reach = row.reach() * model.trust;
         let value = model.values[i];
         let below = Side { target: i, sign: -1.0, room: value - target.low, give: target.give[0] };
         let above = Side { target: i, sign: 1.0, room: target.high - value, give: target.give[1] };
-        open.extend([below, above].into_iter().filter(|side| side.room <= reach));
+        let reach = row.reach() * model.trust;
+        let list = if kept.binary_search(&i).is_ok() { &mut active } else { &mut open };
+        list.extend([below, above].into_iter().filter(|side| side.room <= reach));
     }
-    kept.sort_unstable();
-    let was_kept = |side: &Side| kept.binary_search(&side.target).is_ok();
     // Those that were in the way, then those with the least room.
-    open.sort_by(|a, b| was_kept(b).cmp(&was_kept(a)).then(a.room.total_cmp(&b.room)));
-    let first = open.iter().take_while(|s| was_kept(s)).count().max(JOIN).min(open.len());
-    let mut active: Vec<Side> = open.drain(..first).collect();
+    let joining = JOIN.saturating_sub(active.len()).min(open.len());
+    if joining > 0 {
+        open.select_nth_unstable_by(joining - 1, |a, b| {
+            a.room.total_cmp(&b.room).then(a.target.cmp(&b.target)).then(a.sign.total_cmp(&b.sign))
+        });
+        let mut nearest: Vec<Side> = open.drain(..joining).collect();
+        nearest.sort_by(|a, b| a.target.cmp(&b.target).then(a.sign.total_cmp(&b.sign)));
+        active.extend(nearest);
+    }
     for _ in 0..ROUNDS {
         let step = solve(model, aim, &active, unit)?;
         let over = |side: &Side| {
             side.sign * model.rows[side.target].times(&step.shift) - side.room - side.give * step.widening
         };
-        let mut broken: Vec<(f64, usize)> =
-            open.iter().enumerate().map(|(i, s)| (over(s), i)).filter(|x| x.0 > BROKEN).collect();
-        if broken.is_empty() {
+        let mut missed: Vec<(f64, usize)> =
+            open.iter().enumerate().map(|(i, s)| (over(s), i)).filter(|x| x.0 > broken).collect();
+        if missed.is_empty() {
             *kept = active.iter().filter(|s| over(s) > -NEAR).map(|s| s.target).collect();
             return Some(step);
         }
-        broken.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        missed.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         // The worst of each neighbourhood: its neighbours mostly follow.
         let mut joining: Vec<usize> = Vec::new();
-        for (_, i) in broken {
+        for (_, i) in missed {
             let at = model.targets[open[i].target].point;
             let apart = |j: &usize| (model.targets[open[*j].target].point - at).norm_squared() > APART * APART;
             if joining.len() < JOIN && joining.iter().all(apart) {
@@ -117,14 +123,6 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
     solve(model, aim, &active, unit)
 }
 
-/// Entries of a sparse matrix.
-#[derive(Default)]
-struct Entries {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
 impl Model<'_> {
     /// The model whose deviations are those that a shift really has, so that the bend of the deviations counts from
     /// there on (second-order correction).
@@ -133,77 +131,31 @@ impl Model<'_> {
     }
 }
 
-impl Entries {
-    fn put(&mut self, row: usize, column: usize, value: f64) {
-        self.rows.push(row);
-        self.columns.push(column);
-        self.values.push(value);
-    }
-
-    fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
-    }
-}
-
 /// Unknowns are the shifts as shares of the trust region and, for a widening, that as a share of `unit`.
 fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option<Step> {
-    let control = model.control;
-    let n = 6 * control;
-    let widens = matches!(aim, Aim::Widening(_));
-    let unknowns = n + usize::from(widens);
-    let (mut a, mut right) = (Entries::default(), Vec::new());
-    for side in active {
-        for (i, change) in model.rows[side.target].entries(control) {
-            a.put(right.len(), i, side.sign * change * model.trust / unit);
-        }
-        if widens {
-            a.put(right.len(), n, -side.give);
-        }
-        right.push(side.room / unit);
-    }
-    for i in 0..n {
-        for sign in [1.0, -1.0] {
-            a.put(right.len(), i, sign);
-            right.push(1.0);
-        }
-    }
-    let (mut p, mut q) = (Entries::default(), vec![0.0; unknowns]);
-    match aim {
+    let n = 6 * model.control;
+    let bound = |side: &Side| {
+        let row = &model.rows[side.target];
+        let scale = side.sign * model.trust / unit;
+        Bound { first: row.first, a: row.change.map(|x| x * scale), room: side.room / unit, give: side.give }
+    };
+    let bounds: Vec<Bound> = active.iter().map(bound).collect();
+    let (quadratic, linear) = match aim {
         Aim::Widening(_) => {
-            a.put(right.len(), n, -1.0);
-            right.push(0.0);
-            (0..n).for_each(|i| p.put(i, i, IDLE));
-            q[n] = 1.0;
+            let mut idle = Band::new(n, 0);
+            (0..n).for_each(|i| *idle.diagonal(i) = IDLE);
+            (idle, vec![0.0; n])
         }
         Aim::Quadratic { hessian, slope } => {
             // In shares of the trust region, and of the largest curvature.
-            let scale = hessian.diagonal().max();
-            for j in 0..n {
-                for i in 0..=j {
-                    let idle = if i == j { IDLE * 1e-2 } else { 0.0 };
-                    p.put(i, j, hessian[(i, j)] / scale + idle);
-                }
-                q[j] = slope[j] / (scale * model.trust);
-            }
+            let scale = hessian.largest();
+            let mut quadratic = (*hessian).clone();
+            quadratic.scale(1.0 / scale);
+            (0..n).for_each(|i| *quadratic.diagonal(i) += IDLE * 1e-2);
+            (quadratic, slope.iter().map(|x| x / (scale * model.trust)).collect())
         }
-    }
-    let count = right.len();
-    let settings = DefaultSettingsBuilder::default()
-        .verbose(false)
-        .max_iter(60)
-        .tol_gap_rel(1e-4)
-        .tol_gap_abs(1e-5)
-        .tol_feas(1e-7)
-        .iterative_refinement_max_iter(2)
-        .build()
-        .ok()?;
-    let (p, a) = (p.matrix(unknowns, unknowns), a.matrix(count, unknowns));
-    let mut solver = DefaultSolver::new(&p, &q, &a, &right, &[NonnegativeConeT(count)], settings).ok()?;
-    solver.solve();
-    if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-        return None;
-    }
-    let x = &solver.solution.x;
-    let widening = if widens { (x[n] * unit).max(0.0) } else { 0.0 };
-    Some(Step { shift: x[..n].iter().map(|x| x * model.trust).collect(), widening })
+    };
+    let widens = matches!(aim, Aim::Widening(_));
+    let (x, w) = Program { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens }.solve()?;
+    Some(Step { shift: x.iter().map(|x| x * model.trust).collect(), widening: (w * unit).max(0.0) })
 }

@@ -1,8 +1,10 @@
 //! What is asked of the swept tool at points, and how shifts of the control points change it.
 
+use super::band::dot;
 use super::deviation::{Deviation, Mounted, deviations};
+use super::program::ENTRIES;
 use crate::geom::DualCurve;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 /// A point of the design with the deviation that it may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +66,12 @@ impl Measured {
         most
     }
 
+    /// Most that any target lacks on either side, mm, at least zero.
+    pub fn worst(&self, targets: &[Target]) -> f64 {
+        let [below, above] = self.lack(targets);
+        below.max(above)
+    }
+
     /// Least widening of all bounds, each in its share, that makes them hold; infinite when one that does not give way
     /// is broken.
     pub fn widening(&self, targets: &[Target]) -> f64 {
@@ -75,46 +83,35 @@ impl Measured {
 }
 
 /// A bound that does not give way holds to this much, mm: what programs and their linear models leave.
-const ROUNDING: f64 = 2e-6;
+pub(super) const ROUNDING: f64 = 2e-6;
 
 /// The change of one deviation with the shifts of the control points: those of four points of each curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// First control point that counts.
-    first: usize,
-    /// Change with the points of the lower curve, x y z each, then with those of the upper one.
-    change: [[f64; 12]; 2],
+    /// First unknown that counts.
+    pub(super) first: usize,
+    /// Change with it and the next ones: for each control point with the lower and with the upper one, x y z each.
+    pub(super) change: [f64; ENTRIES],
 }
 
 impl Row {
     pub(super) fn new(curve: &DualCurve, at: &Deviation) -> Self {
         let (first, weights) = curve.weights(at.t);
-        let part = |v: &Vector3<f64>| std::array::from_fn(|i| weights[i / 3] * v[i % 3]);
-        Self { first, change: [part(&at.lower), part(&at.upper)] }
+        let parts = [at.lower, at.upper];
+        Self { first: 6 * first, change: std::array::from_fn(|i| weights[i / 6] * parts[i % 6 / 3][i % 3]) }
     }
 
     pub(super) fn all(curve: &DualCurve, measured: &Measured) -> Vec<Self> {
         measured.at.iter().map(|d| Self::new(curve, d)).collect()
     }
 
-    /// Number of the unknown and change with it, for all that count; `control` points make a curve.
-    pub(super) fn entries(&self, control: usize) -> impl Iterator<Item = (usize, f64)> {
-        let (first, change) = (self.first, self.change);
-        (0..2).flat_map(move |k| (0..12).map(move |i| (3 * (first + k * control) + i, change[k][i])))
-    }
-
     /// Change by a shift of all unknowns.
     pub(super) fn times(&self, shift: &[f64]) -> f64 {
-        let control = shift.len() / 6;
-        let part = |k: usize| {
-            let at = 3 * (self.first + k * control);
-            self.change[k].iter().zip(&shift[at..at + 12]).map(|(a, b)| a * b).sum::<f64>()
-        };
-        part(0) + part(1)
+        dot(&self.change, &shift[self.first..self.first + ENTRIES])
     }
 
     /// Largest change by shifts of at most one.
     pub(super) fn reach(&self) -> f64 {
-        self.change.iter().flatten().map(|x| x.abs()).sum()
+        self.change.iter().map(|x| x.abs()).sum()
     }
 }

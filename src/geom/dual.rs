@@ -101,9 +101,7 @@ impl DualCurve {
     pub fn at(&self, t: f64) -> AxisAt {
         let (first, weights) = self.weights(t);
         let (lower, upper) = (mix(&self.lower[first..], &weights), mix(&self.upper[first..], &weights));
-        let between = upper - lower;
-        let length = between.norm_squared().sqrt();
-        AxisAt { lower: Point3::from(lower), axis: between / length, length }
+        AxisAt::between(lower, upper)
     }
 
     /// The axis at `t` and the derivatives of both curves by t.
@@ -111,19 +109,58 @@ impl DualCurve {
         let basis = basis::evaluate(&self.knots, DEGREE, t, 1);
         let [values, first, _] = &basis.values;
         let (lower, upper) = (mix(&self.lower[basis.first..], values), mix(&self.upper[basis.first..], values));
-        let between = upper - lower;
-        let length = between.norm_squared().sqrt();
-        let at = AxisAt { lower: Point3::from(lower), axis: between / length, length };
-        (at, [mix(&self.lower[basis.first..], first), mix(&self.upper[basis.first..], first)])
+        (
+            AxisAt::between(lower, upper),
+            [mix(&self.lower[basis.first..], first), mix(&self.upper[basis.first..], first)],
+        )
     }
 
-    /// The curves with their control points shifted: three numbers for each lower and then for each upper point.
+    /// The same curves on knots of which half of each span is one.
+    #[must_use]
+    pub fn refined(&self) -> Self {
+        let mut out = self.clone();
+        let inner = self.knots.windows(2).filter(|k| k[1] > k[0]).map(|k| 0.5 * (k[0] + k[1]));
+        for knot in inner {
+            // Boehm: the points whose functions reach over the knot move towards their neighbours.
+            let span = basis::span(&out.knots, DEGREE, knot);
+            let insert = |points: &[Point3<f64>]| -> Vec<Point3<f64>> {
+                let share = |i: usize| (knot - out.knots[i]) / (out.knots[i + DEGREE] - out.knots[i]);
+                let new = (span + 1 - DEGREE..=span).map(|i| points[i - 1] + (points[i] - points[i - 1]) * share(i));
+                points[..=span - DEGREE].iter().copied().chain(new).chain(points[span..].iter().copied()).collect()
+            };
+            let (lower, upper) = (insert(&out.lower), insert(&out.upper));
+            out.knots.insert(span + 1, knot);
+            (out.lower, out.upper) = (lower, upper);
+        }
+        out
+    }
+
+    /// The curves as polynomials, for many evaluations.
+    pub fn pieces(&self) -> Pieces {
+        let inner = &self.knots[DEGREE..self.knots.len() - DEGREE];
+        let piece = |ends: &[f64]| {
+            let width = ends[1] - ends[0];
+            let (from, to) =
+                (basis::evaluate(&self.knots, DEGREE, ends[0], 2), basis::evaluate(&self.knots, DEGREE, ends[1], 0));
+            let coefficients = |points: &[Point3<f64>]| {
+                let [value, first, second] = from.values.map(|w| mix(&points[from.first..], &w));
+                let (first, second) = (first * width, second * (0.5 * width * width));
+                let end = mix(&points[to.first..], &to.values[0]);
+                [value, first, second, end - value - first - second]
+            };
+            Piece { lower: coefficients(&self.lower), upper: coefficients(&self.upper) }
+        };
+        Pieces { breaks: inner.to_vec(), pieces: inner.windows(2).map(piece).collect() }
+    }
+
+    /// The curves with their control points shifted: for each pair of points three numbers for the lower one and three
+    /// for the upper one.
     #[must_use]
     pub fn shifted(&self, by: &[f64], share: f64) -> Self {
         let mut out = self.clone();
-        let n = self.lower.len();
-        for (i, p) in out.lower.iter_mut().chain(&mut out.upper).enumerate().take(2 * n) {
-            *p += Vector3::new(by[3 * i], by[3 * i + 1], by[3 * i + 2]) * share;
+        for ((lower, upper), by) in out.lower.iter_mut().zip(&mut out.upper).zip(by.chunks_exact(6)) {
+            *lower += Vector3::new(by[0], by[1], by[2]) * share;
+            *upper += Vector3::new(by[3], by[4], by[5]) * share;
         }
         out
     }
@@ -139,6 +176,92 @@ impl DualCurve {
     }
 }
 
+/// Both curves over one span, as polynomials of the share of it.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    lower: [Vector3<f64>; 4],
+    upper: [Vector3<f64>; 4],
+}
+
+/// A [`DualCurve`] as polynomials, one for each span of the knots: several times as fast to evaluate.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    breaks: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+impl Pieces {
+    /// Share of its span at `t` in [0, 1], one over the width of the span, and the polynomials.
+    fn local(&self, t: f64) -> (f64, f64, &Piece) {
+        let last = self.pieces.len() - 1;
+        let i = self.breaks[1..=last].partition_point(|b| *b <= t);
+        let inverse = 1.0 / (self.breaks[i + 1] - self.breaks[i]);
+        ((t - self.breaks[i]) * inverse, inverse, &self.pieces[i])
+    }
+
+    /// The axis at `t` in [0, 1].
+    pub fn at(&self, t: f64) -> AxisAt {
+        let (x, _, piece) = self.local(t);
+        AxisAt::between(value(&piece.lower, x), value(&piece.upper, x))
+    }
+
+    /// The axis at `t` and the derivatives of both curves by t.
+    pub fn moving(&self, t: f64) -> (AxisAt, [Vector3<f64>; 2]) {
+        let (x, inverse, piece) = self.local(t);
+        let rate = |c: &[Vector3<f64>; 4]| ((c[3] * (3.0 * x) + c[2] * 2.0) * x + c[1]) * inverse;
+        let at = AxisAt::between(value(&piece.lower, x), value(&piece.upper, x));
+        (at, [rate(&piece.lower), rate(&piece.upper)])
+    }
+}
+
+fn value(c: &[Vector3<f64>; 4], x: f64) -> Vector3<f64> {
+    ((c[3] * x + c[2]) * x + c[1]) * x + c[0]
+}
+
+impl AxisAt {
+    fn between(lower: Vector3<f64>, upper: Vector3<f64>) -> Self {
+        let between = upper - lower;
+        let length = between.norm_squared().sqrt();
+        Self { lower: Point3::from(lower), axis: between / length, length }
+    }
+}
+
 fn mix(points: &[Point3<f64>], weights: &[f64; MAX_DEGREE + 1]) -> Vector3<f64> {
     points.iter().zip(weights).fold(Vector3::zeros(), |sum, (p, w)| sum + p.coords * *w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve() -> DualCurve {
+        let at = |t: f64| Point3::new(40.0 * t, 9.0 * (5.0 * t).sin(), 6.0 * (4.0 * t).cos());
+        let pairs: Vec<[Point3<f64>; 2]> = (0..=80)
+            .map(|i| at(f64::from(i) / 80.0))
+            .map(|p| [p, p + Vector3::new(3.0, 0.3 * p.y, 20.0 + p.x * 0.1)])
+            .collect();
+        DualCurve::through(&pairs, 9).unwrap()
+    }
+
+    #[test]
+    fn polynomials_and_finer_knots_give_the_same_curves() {
+        let curve = curve();
+        let (pieces, refined) = (curve.pieces(), curve.refined());
+        assert_eq!(refined.control_count(), 15);
+        for i in 0..=500 {
+            let t = f64::from(i) / 500.0;
+            let (at, rates) = curve.moving(t);
+            let (same, same_rates) = pieces.moving(t);
+            let finer = refined.moving(t);
+            for (other, other_rates) in [(same, same_rates), finer] {
+                assert!((other.lower - at.lower).norm() < 1e-12, "{t}");
+                assert!((other.axis - at.axis).norm() < 1e-12, "{t}");
+                assert!((other.length - at.length).abs() < 1e-12, "{t}");
+                for k in 0..2 {
+                    assert!((other_rates[k] - rates[k]).norm() < 1e-10, "{t}");
+                }
+            }
+            assert_eq!(pieces.at(t), same);
+        }
+    }
 }

@@ -18,7 +18,7 @@ pub mod triangulation;
 
 pub use curvature::SurfaceCurvature;
 pub use curve::{CurveDerivatives, NurbsCurve};
-pub use dual::{AxisAt, DualCurve};
+pub use dual::{AxisAt, DualCurve, Pieces};
 pub use elliptic_cone::EllipticCone;
 pub use geodesic::BandMetric;
 pub use interpolate::interpolate;

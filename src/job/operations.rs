@@ -323,8 +323,9 @@ impl Reader<'_> {
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
                 let (spacing, lines) =
                     (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
-                let (scallop, method) = (Mm(scallop?.0), axis_method(p)?);
-                Some(OperationKind::Channel { scallop, spacing: spacing?, lines: lines?, method })
+                let method = named(p, "method", &AxisMethod::ALL, AxisMethod::name);
+                let scallop = Mm(scallop?.0);
+                Some(OperationKind::Channel { scallop, spacing: spacing?, lines: lines?, method: method? })
             }
         }
     }
@@ -378,26 +379,6 @@ fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: f
     let found = all.iter().copied().find(|x| name(*x) == word.text);
     if found.is_none() {
         p.sink.push(unknown(&word.text, word.span, property, all.iter().map(|x| name(*x))));
-    }
-    found
-}
-
-/// How tool axes are chosen; `corridor` where the operation does not say.
-fn axis_method(p: &mut Properties<'_, '_>) -> Option<AxisMethod> {
-    if !p.has("method") {
-        return Some(AxisMethod::Corridor);
-    }
-    let example = "method corridor";
-    let words = p.words("method", example)?;
-    let [word] = words.as_slice() else {
-        p.wrong_form(words.first()?.span, "method", "one method", example);
-        return None;
-    };
-    let found = AxisMethod::ALL.into_iter().find(|m| m.name() == word.text);
-    if found.is_none() {
-        let message = format!("tool axes by `{}` are not in the language", word.text);
-        let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
-        p.sink.push(suggest(diag, &word.text, word.span, "method", &AxisMethod::ALL.map(AxisMethod::name)));
     }
     found
 }

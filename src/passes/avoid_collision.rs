@@ -11,6 +11,7 @@ use super::obstacles::{Keep, Obstacles};
 use super::orient_tool::{Lean, hub_points};
 use super::pipeline::PassContext;
 use super::smooth_axis::no_axis;
+use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{
     CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program,
@@ -20,9 +21,6 @@ use rayon::prelude::*;
 
 /// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
 const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
-
-/// Distance that the side of the cutter keeps from walls that its ball alone touches, mm.
-const SIDE_CLEARANCE: f64 = 0.1;
 
 /// Clear points of a pass with the lean that they took, degrees.
 type Cleared = (Vec<ClPoint>, f64);

@@ -2,8 +2,8 @@
 //! the least motion of the rotary axes.
 
 use crate::analysis::flank::{Band, Placed};
-use crate::contract::{ContractKind, SurfaceClass};
-use crate::envelope::{Measured, Target, ease, least_squares, minimax};
+use crate::analysis::flank_room::{SLACK, room};
+use crate::envelope::{Deviation, Measured, Target, ease, finest, least_squares, minimax};
 use crate::geom::DualCurve;
 use crate::ir::design::SurfaceKind;
 use crate::ir::{OperationId, Program, Side};
@@ -12,21 +12,21 @@ use crate::method::{Conflict, ErrorSide, Flank};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// A bound is kept to this much, mm: what easing may overstep.
-const SLACK: f64 = 1e-4;
-
-/// What the plan keeps from each bound of a contract beside the chord tolerance and [`SLACK`], mm, so that the proof
-/// between samples has room.
-const RESERVE: f64 = 1e-4;
-
 /// Gain of a step of minimax, as a share, to stop at.
 const GAIN: f64 = 2e-3;
 
-/// Times that points which were broken between the others join them.
-const EXCHANGES: usize = 5;
+/// Times at most that points which were broken between the others join them.
+const EXCHANGES: usize = 12;
 
-/// Steps of easing, first and after each exchange.
-const EASING: [usize; 2] = [14, 2];
+/// Steps of easing, first and after the first exchanges; after later ones the path only returns to its bounds.
+const EASING: [usize; 3] = [20, 3, 3];
+
+/// Points of the last look, as a share of the spacing of the search, and how near to a bound they are looked at again, mm.
+const DENSE: f64 = 5.0;
+const NEAR: f64 = 1e-3;
+
+/// A lack that is none, mm.
+pub(super) const NO_LACK: f64 = 5e-5;
 
 /// Weight of accelerations against speeds in the motion of the rotary axes, as a length of way, mm.
 const REACH: f64 = 3.0;
@@ -40,33 +40,14 @@ pub(super) struct Sweep {
     pub(super) contacts: Vec<(f64, [f64; 2])>,
     /// Tip at the far ends of both leads.
     pub(super) leads: [Point3<f64>; 2],
+    /// True where no lead clears the part, so that it goes straight on.
+    pub(super) blocked: [bool; 2],
     /// Deepest gouge and largest excess of the planned path, mm, on points twice as dense as those of the search.
     pub(super) error: [f64; 2],
     /// Shares of the height of the face between which the band lies.
     pub(super) span: [f64; 2],
     /// By how much the bounds had to give way, mm; zero where they are kept.
     pub(super) lacks: f64,
-}
-
-/// Bounds of gouge and excess on a surface, mm.
-#[derive(Clone, Copy)]
-struct Bounds {
-    gouge: Option<f64>,
-    excess: Option<f64>,
-}
-
-/// The bounds of the contracts on a surface that count for an operation.
-fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bounds {
-    let counts = |operations: &[OperationId], surfaces: &[SurfaceClass]| {
-        (operations.is_empty() || operations.contains(&operation)) && (surfaces.is_empty() || surfaces.contains(&class))
-    };
-    let least = |kind: ContractKind| {
-        let left = program.allowed.iter().any(|a| a.kind == kind && counts(&a.scope.operations, &a.scope.surfaces));
-        let asked = program.contracts.iter().filter(|c| c.kind == kind);
-        let asked = asked.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
-        asked.reduce(f64::min).filter(|_| !left)
-    };
-    Bounds { gouge: least(ContractKind::Gouge), excess: least(ContractKind::Excess) }
 }
 
 /// What a band is optimised for.
@@ -77,24 +58,9 @@ pub(super) struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Deviations that the contracts leave to the plan on a surface; `None` where they do not say both.
+    /// Deviations that the contracts leave to the plan on a surface.
     pub(super) fn room(&self, kind: SurfaceKind, side: Side) -> Option<[f64; 2]> {
-        let class = match kind {
-            SurfaceKind::Face(_) if side == Side::Pressure => SurfaceClass::Pressure,
-            SurfaceKind::Face(_) => SurfaceClass::Suction,
-            SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
-            _ => SurfaceClass::Hub,
-        };
-        let bounds = bounds(self.program, self.operation, class);
-        let kept = self.program.tolerances.chord.get() + SLACK + RESERVE;
-        let gouge = match self.choices.side {
-            ErrorSide::Both => bounds.gouge? - kept,
-            ErrorSide::Excess => -kept,
-        };
-        let excess = bounds.excess? - kept;
-        // Bounds closer together than what is kept of them leave the middle.
-        let middle = 0.5 * (excess - gouge).min(0.0);
-        Some([gouge + middle, excess - middle])
+        room(self.program, self.operation, self.choices.side, kind, side)
     }
 
     /// Optimises a band. `None` where the cutter finds no place to start from.
@@ -108,7 +74,7 @@ impl Task<'_> {
         let face = SurfaceKind::Face(band.side);
         // Without contracts, the least error there is.
         let least = self.room(face, band.side).is_none().then(|| {
-            let best = minimax(&start, &tool, &plain(&coarse), GAIN);
+            let best = finest(&start, &tool, &plain(&coarse), &plain(&fine), GAIN).best;
             let even = best.widening + SLACK;
             (best.curve, if self.choices.side == ErrorSide::Both { [even; 2] } else { [0.0, 2.0 * even] })
         });
@@ -122,21 +88,42 @@ impl Task<'_> {
             self.giving(target, placed, band)
         };
         let mut targets: Vec<Target> = coarse.iter().map(bounded).collect();
-        let all: Vec<Target> = fine.iter().map(bounded).collect();
-        let mut path = least.as_ref().map_or(start, |l| l.0.clone());
+        let mut all: Vec<Target> = fine.iter().map(bounded).collect();
+        let dense: Vec<Target> = band.near(&start, band.targets(DENSE), |p| p.target).iter().map(bounded).collect();
+        let mut path = least.map_or(start, |l| l.0);
         let mut lacks = 0.0;
         for round in 0..EXCHANGES {
-            let best = minimax(&self.guarded(path, band, &targets), &tool, &targets, GAIN);
+            let guarded = self.guarded(path, band, &targets);
+            let mut best = minimax(&guarded, &tool, &targets, GAIN);
+            if round == 0 && best.widening > NO_LACK {
+                // Finer knots may do what more bands would.
+                (best, targets) = {
+                    let found = finest(&guarded, &tool, &targets, &all, GAIN);
+                    (found.best, found.targets)
+                };
+            }
             lacks = best.widening;
             let give = |t: &Target| t.widened(lacks * t.give[0], lacks * t.give[1]);
-            let widened: Vec<Target> = targets.iter().map(give).collect();
-            path = ease(&best.curve, &tool, &widened, &rotary, REACH, SLACK, EASING[usize::from(round > 0)]).curve;
-            let measured = Measured::new(&path, &tool, &all);
-            let over = |i: usize| {
-                let (d, t) = (&measured.at[i], give(&all[i]));
-                (t.low - d.value).max(d.value - t.high)
+            path = match EASING.get(round) {
+                Some(steps) => {
+                    let widened: Vec<Target> = targets.iter().map(give).collect();
+                    ease(&best.curve, &tool, &widened, &rotary, REACH, SLACK, *steps).curve
+                }
+                None => best.curve,
             };
-            let broken: Vec<Target> = (0..all.len()).filter(|i| over(*i) > 1.5 * SLACK).map(|i| all[i]).collect();
+            // Those that are nearer to a bound than `room`, or over it by more than that with the other sign.
+            let within = |among: &[Target], room: f64| -> Vec<Target> {
+                let measured = Measured::new(&path, &tool, among);
+                let lack = |(d, t): &(&Deviation, &Target)| (give(t).low - d.value).max(d.value - give(t).high);
+                measured.at.iter().zip(among).filter(|x| lack(x) > -room).map(|x| *x.1).collect()
+            };
+            let mut broken = within(&all, -1.5 * SLACK);
+            if broken.is_empty() {
+                // What easing gains it takes from between the points, most of all at both ends.
+                let near = within(&dense, NEAR);
+                broken = within(&near, -1.5 * SLACK);
+                all.extend(near);
+            }
             if broken.is_empty() {
                 break;
             }
@@ -158,9 +145,9 @@ impl Task<'_> {
         let error = measured.lack(&exact);
         let operation = &self.program.operations[self.operation];
         let length = [operation.lead_in.get(), operation.lead_out.get()];
-        let directions = leads(band, &path, length, &all);
+        let (directions, blocked) = leads(band, &path, length, &all);
         let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
-        Some(Sweep { path, contacts, leads, error, span: band.span, lacks })
+        Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks })
     }
 
     /// Shares in which the bounds of a target give way.
@@ -207,13 +194,13 @@ pub(super) fn contact(contacts: &[(f64, [f64; 2])], t: f64) -> Option<[f64; 2]> 
 }
 
 /// Directions of the leads beyond both ends of a path: on along the path, or bent away from face and hub until the tool,
-/// which shifts without turning, cuts nothing there.
-fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]) -> [Vector3<f64>; 2] {
+/// which shifts without turning, cuts nothing there; and whether none of these does.
+fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]) -> ([Vector3<f64>; 2], [bool; 2]) {
     /// Shares of normals of face and hub that are tried, from straight on to steeply away.
     const BENDS: [[f64; 2]; 8] =
         [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
     let tool = band.tool();
-    [0, 1].map(|end| {
+    let found = [0, 1].map(|end| {
         let (at, [lower, _]) = path.moving(end as f64);
         let away = if end == 0 { -1.0 } else { 1.0 };
         let straight = lower.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * away;
@@ -231,8 +218,9 @@ fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]
                 least_convex(distance) >= (t.low - SLACK).min(distance(0.0))
             })
         };
-        BENDS.iter().map(direction).find(clear).unwrap_or(straight)
-    })
+        BENDS.iter().map(direction).find(clear).ok_or(straight)
+    });
+    (found.map(|d| d.unwrap_or_else(|straight| straight)), found.map(|d| d.is_err()))
 }
 
 /// Least value of a convex function on [0, 1].

@@ -229,14 +229,12 @@ fn equal_division(
         let (_, angle) = floor.walls(u);
         let m = part.hub.meridian(u);
         let delta = 1e-4;
-        // Slope of the steepest line against the meridian narrows the distance between lines.
-        let slope = ((azimuth(first, u + delta) - azimuth(first, u - delta)) * m.point.x
-            / (2.0 * delta * m.first.norm()))
-        .abs()
-        .min(
-            ((azimuth(second, u + delta) - azimuth(second, u - delta)) * m.point.x / (2.0 * delta * m.first.norm()))
-                .abs(),
-        );
+        // Slope of a wall against the meridian; that of the less steep one narrows the distance between lines.
+        let slope = |wall| {
+            let turn = azimuth(wall, u + delta) - azimuth(wall, u - delta);
+            (turn * m.point.x / (2.0 * delta * m.first.norm())).abs()
+        };
+        let slope = slope(first).min(slope(second));
         let cos2 = 1.0 / (1.0 + slope * slope);
         let across = part.hub.ring_curvature(u) * cos2 + part.hub.meridian_curvature(u) * (1.0 - cos2);
         let step = scallop::curved_step(radius, height, across);

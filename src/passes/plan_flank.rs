@@ -5,13 +5,15 @@
 //! the tool axis as well, since only both together say what is left on the face; `two-point` and `one-point` place every
 //! ruling by itself, and leave the axis to `orient-tool`.
 
-use super::flank_sweep::{self, Sweep, Task};
+use super::flank_sweep::{self, NO_LACK, Sweep, Task};
 use super::pipeline::PassContext;
-use crate::analysis::flank::{self, Band, LEAVE, Surroundings};
+use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
+use crate::analysis::flank_room::{SLACK, kept};
 use crate::collide::Cutter;
 use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::DualCurve;
 use crate::ir::design::SurfaceKind;
-use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Program, Side};
 use crate::method::{Flank, FlankMethod};
 use crate::units::length;
 use rayon::prelude::*;
@@ -29,11 +31,8 @@ const EVENINGS: usize = 3;
 /// Share of the room that a quick search may miss and the full one still finds.
 const NEARLY: f64 = 1.1;
 
-/// Share of the room from which evening out the heights further will not help.
+/// Share of the room from which evening out the heights further will not help, nor more bands do what the cube law says.
 const HOPEFUL: f64 = 1.5;
-
-/// A lack that is none, mm.
-const NO_LACK: f64 = 5e-5;
 
 /// A band of a face in sector 0, ready to be turned into the sectors.
 struct Planned {
@@ -105,14 +104,34 @@ fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: Side, rolling:
 enum Bands {
     /// Their paths, from the root; with a number of bands that the job gives, they may miss the bounds.
     Found(Vec<Sweep>),
-    /// Not even so many bands keep the bounds.
-    Never { strips: u32, lacks: f64 },
+    /// Not even the most bands keep the bounds.
+    Never {
+        /// The largest error that the most bands leave.
+        worst: Worst,
+        /// The error that the bounds leave to the plan on each side, mm.
+        needed: f64,
+        /// Largest sizes of the cutter that would do, as shares of its size, for numbers of bands.
+        fitting: Vec<(u32, Option<f64>)>,
+    },
+}
+
+/// The axis paths of the bands of a face, from the root, as a flank operation by `minimax` plans them. `None` where no
+/// ball rolls along the root, where no number of bands keeps the contracts, and for an operation of another kind.
+pub fn axis_paths(program: &Program, id: OperationId, side: Side, around: &Surroundings<'_>) -> Option<Vec<DualCurve>> {
+    let operation = &program.operations[id];
+    let OperationKind::Flank { flank, .. } = operation.kind else { return None };
+    let task = Task { program, operation: id, choices: flank };
+    match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
+        Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
+        Bands::Never { .. } => None,
+    }
 }
 
 /// The paths of the bands of a face. `None` where no ball rolls along the root.
 fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter) -> Option<Bands> {
-    let sweeps =
-        |bands: &[(Band<'_>, f64)]| bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>();
+    let sweeps = |bands: &[(Band<'_>, Worst)]| {
+        bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>()
+    };
     let room = task.room(SurfaceKind::Face(side), side);
     // One band where nothing is asked for.
     let given = task.choices.strips.or_else(|| room.is_none().then_some(1));
@@ -125,25 +144,45 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter)
     let [below, above] = room?;
     // The least error lies evenly on both sides: it needs as much room.
     let needed = 0.5 * (below + above);
-    let mut lacks = 0.0;
+    // The cube law says from which number on bands may do.
+    let may = |(fewer, error): (u32, f64), strips: u32| {
+        error * (f64::from(fewer) / f64::from(strips)).powi(3) <= HOPEFUL * needed
+    };
+    let mut last: Option<(u32, f64)> = None;
     for strips in 1..=MOST_STRIPS {
+        if last.is_some_and(|last| !may(last, strips)) {
+            continue;
+        }
         let mut bands = flank::bands(around, side, strips, cutter, usize::from(strips > 1))?;
-        let mut error = flank::worst(&bands);
+        let mut error = flank::worst(&bands)?.error;
+        last = Some((strips, error));
         if strips > 1 && error > needed && error < HOPEFUL * needed {
             bands = flank::bands(around, side, strips, cutter, EVENINGS)?;
-            error = flank::worst(&bands);
+            error = flank::worst(&bands)?.error;
         }
-        lacks = error - needed;
         if error > NEARLY * needed {
             continue;
         }
         let found = sweeps(&bands)?;
-        lacks = found.iter().fold(0.0_f64, |worst, s| worst.max(s.lacks));
-        if lacks <= NO_LACK {
+        if found.iter().all(|s| s.lacks <= NO_LACK) {
             return Some(Bands::Found(found));
         }
     }
-    Some(Bands::Never { strips: MOST_STRIPS, lacks })
+    let worst = flank::least_error(around, side, MOST_STRIPS, cutter, 1)?;
+    Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
+}
+
+/// Largest sizes of the cutter that keep an error in numbers of bands, as shares of its size.
+fn fitting(
+    around: &Surroundings<'_>,
+    side: Side,
+    cutter: Cutter,
+    strips: &[u32],
+    error: f64,
+) -> Vec<(u32, Option<f64>)> {
+    // What easing and the full search need beside.
+    let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
+    if error > SLACK { found.collect() } else { Vec::new() }
 }
 
 /// Bands of both faces with the paths that keep the contracts, or come nearest to it.
@@ -168,9 +207,9 @@ fn optimised(
     for (side, found) in faces.iter().zip(found) {
         let sweeps = match found {
             Some(Bands::Found(sweeps)) => sweeps,
-            Some(Bands::Never { strips, lacks }) => {
+            Some(Bands::Never { worst, needed, fitting }) => {
                 failed = true;
-                lacking(cx, operation, *side, strips, lacks, true);
+                never(cx, operation, *side, &worst, needed, &fitting);
                 continue;
             }
             None => {
@@ -189,7 +228,16 @@ fn optimised(
             length(worst[1])
         ));
         if worst[2] > NO_LACK {
-            lacking(cx, operation, *side, strips, worst[2], false);
+            lacking(cx, operation, &task, &around, *side, strips, worst[2]);
+        }
+        for (end, name) in ["inlet", "outlet"].iter().enumerate() {
+            let blocked = sweeps.iter().filter(|s| s.blocked[end]).count();
+            if blocked > 0 {
+                notes.push(format!(
+                    "{} face: {blocked} of the leads at the {name} clear the part in no direction and go straight on",
+                    side.name()
+                ));
+            }
         }
         for (strip, sweep) in (0..strips).zip(sweeps).rev() {
             bands.push(Planned {
@@ -203,27 +251,91 @@ fn optimised(
     if failed { Err(Aborted) } else { Ok((bands, notes)) }
 }
 
-/// Says by how much the contracts are missed: an error when the number of bands was left to the compiler.
-fn lacking(cx: &mut PassContext<'_>, operation: &Operation, side: Side, strips: u32, lacks: f64, fails: bool) {
-    let tool = &cx.program.tools[operation.tool];
-    let message = format!(
-        "{strips} band{} of {} miss the bounds on the {} face by {}",
-        if strips == 1 { "" } else { "s" },
-        tool.name,
-        side.name(),
-        length(lacks)
-    );
-    let diag = if fails {
-        Diag::error(planning::NOT_FLANK_MILLABLE, message)
-            .help("a smaller cutter, wider contracts on this face, or point milling")
-    } else {
-        Diag::warning(planning::NOT_FLANK_MILLABLE, message)
-            .help("more bands (`strips auto` finds how many), a smaller cutter, or wider contracts on this face")
+/// The law behind the help of both diagnostics.
+const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
+
+/// What sizes of the cutter would do.
+fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
+    let size = |(strips, share): &(u32, Option<f64>)| {
+        // Down to tenths of a millimetre.
+        let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
+        Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
     };
+    let all: Vec<String> = fitting.iter().filter_map(size).collect();
+    (!all.is_empty())
+        .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
+}
+
+/// No number of bands keeps the contracts.
+fn never(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    side: Side,
+    worst: &Worst,
+    needed: f64,
+    fitting: &[(u32, Option<f64>)],
+) {
+    let program = cx.program;
+    let tool = &program.tools[operation.tool];
+    let [u, v] = worst.placed.parameters;
+    let place = match worst.placed.kind {
+        SurfaceKind::Face(_) => format!("{} face at u = {u:.3}, v = {v:.3}", side.name()),
+        _ => format!("beside the {} face", side.name()),
+    };
+    let diag = Diag::error(
+        planning::NOT_FLANK_MILLABLE,
+        format!(
+            "{MOST_STRIPS} bands of {} leave {} on the {} face; the bounds leave {} to the plan on each side",
+            tool.name,
+            length(worst.error),
+            side.name(),
+            length(needed)
+        ),
+    )
+    .label(operation.span, "in this operation")
+    .label(tool.span, "with this cutter")
+    .place(place, worst.placed.target.point)
+    .note(LAW)
+    .note(format!("of each bound {} are kept: the chord tolerance, and room for the proof", length(kept(program))));
+    let help = match sizes(&tool.solid.cutter, fitting) {
+        Some(sizes) => format!("{sizes}; or wider contracts on this face, or point milling"),
+        None if needed < SLACK => "a finer `tolerance chord`, or wider contracts on this face".to_owned(),
+        None => "wider contracts on this face, or point milling; no smaller cutter of this shape keeps them".to_owned(),
+    };
+    cx.sink.push(diag.help(help));
+}
+
+/// Says by how much the contracts are missed with the number of bands that the job gives.
+fn lacking(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    task: &Task<'_>,
+    around: &Surroundings<'_>,
+    side: Side,
+    strips: u32,
+    lacks: f64,
+) {
+    let tool = &cx.program.tools[operation.tool];
+    let cutter = tool.solid.cutter;
+    let found = task
+        .room(SurfaceKind::Face(side), side)
+        .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
+    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
     cx.sink.push(
-        diag.label(operation.span, "in this operation")
-            .label(tool.span, "with this cutter")
-            .note("the error of a band grows with the radius of the cutter, and with the cube of the band's height"),
+        Diag::warning(
+            planning::NOT_FLANK_MILLABLE,
+            format!(
+                "{strips} band{} of {} miss the bounds on the {} face by {}",
+                if strips == 1 { "" } else { "s" },
+                tool.name,
+                side.name(),
+                length(lacks)
+            ),
+        )
+        .help(format!("more bands (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
+        .label(operation.span, "in this operation")
+        .label(tool.span, "with this cutter")
+        .note(LAW),
     );
 }
 

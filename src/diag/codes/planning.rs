@@ -38,7 +38,7 @@ Way out: the help line gives the diameter to stay below; or a hub without the sh
         "`method minimax` finds the axis path whose swept envelope comes nearest to a band of the face. Even that leaves \
 more than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one band with a 10 mm cutter on \
 a vane whose normal turns by 33 deg along its rulings, and `require gouge <= 1 um`.\n\n\
-Way out: more bands (the error falls with the cube of their height), a smaller cutter (it falls with the radius), wider \
-contracts on this face, or point milling.";
+Way out: more bands (the error falls with the cube of their height); a smaller cutter (it falls with the radius), of which \
+the help line names the largest that would do, found by the same search; wider contracts on this face; or point milling.";
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }

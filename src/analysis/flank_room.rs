@@ -1,0 +1,66 @@
+//! What the contracts leave to a plan of flank milling.
+
+use crate::contract::{ContractKind, SurfaceClass};
+use crate::ir::design::SurfaceKind;
+use crate::ir::{OperationId, Program, Side};
+use crate::method::ErrorSide;
+
+/// A bound is kept to this much, mm: what easing may overstep.
+pub const SLACK: f64 = 1e-4;
+
+/// What the plan keeps from each bound of a contract beside the chord tolerance and [`SLACK`], mm, so that the proof
+/// between samples has room.
+const RESERVE: f64 = 1e-4;
+
+/// Bounds of gouge and excess on a surface, mm.
+#[derive(Clone, Copy)]
+struct Bounds {
+    gouge: Option<f64>,
+    excess: Option<f64>,
+}
+
+/// The bounds of the contracts on a surface that count for an operation.
+fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bounds {
+    let counts = |operations: &[OperationId], surfaces: &[SurfaceClass]| {
+        (operations.is_empty() || operations.contains(&operation)) && (surfaces.is_empty() || surfaces.contains(&class))
+    };
+    let least = |kind: ContractKind| {
+        let left = program.allowed.iter().any(|a| a.kind == kind && counts(&a.scope.operations, &a.scope.surfaces));
+        let asked = program.contracts.iter().filter(|c| c.kind == kind);
+        let asked = asked.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
+        asked.reduce(f64::min).filter(|_| !left)
+    };
+    Bounds { gouge: least(ContractKind::Gouge), excess: least(ContractKind::Excess) }
+}
+
+/// What is kept from each bound of a contract, mm.
+pub fn kept(program: &Program) -> f64 {
+    program.tolerances.chord.get() + SLACK + RESERVE
+}
+
+/// Deviations that the contracts leave to the plan on a surface, below and above, mm, for passes along the face of
+/// `side`; `None` where they do not say both.
+pub fn room(
+    program: &Program,
+    operation: OperationId,
+    errors: ErrorSide,
+    kind: SurfaceKind,
+    side: Side,
+) -> Option<[f64; 2]> {
+    let class = match kind {
+        SurfaceKind::Face(_) if side == Side::Pressure => SurfaceClass::Pressure,
+        SurfaceKind::Face(_) => SurfaceClass::Suction,
+        SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
+        _ => SurfaceClass::Hub,
+    };
+    let bounds = bounds(program, operation, class);
+    let kept = kept(program);
+    let gouge = match errors {
+        ErrorSide::Both => bounds.gouge? - kept,
+        ErrorSide::Excess => -kept,
+    };
+    let excess = bounds.excess? - kept;
+    // Bounds closer together than what is kept of them leave the middle.
+    let short = 0.5 * (gouge + excess).min(0.0);
+    Some([gouge - short, excess - short])
+}
