@@ -227,6 +227,43 @@ fn what_does_not_fit_is_named() {
     assert_eq!(codes(&resized(1.01 * hollow, None)), ["IMP0408"]);
 }
 
+#[test]
+fn the_ball_that_would_do_is_named() {
+    // Without and with a fillet in the design, which the ball rolls in.
+    let hollow = 1.01 * least_hollow();
+    for (radius, fillet, code) in
+        [(6.0, None, "IMP0450"), (2.0, Some(6.0), "IMP0450"), (9.0, None, "IMP0403"), (hollow, None, "IMP0408")]
+    {
+        let refused = |radius: f64, fillet: Option<f64>| {
+            let mut program = with_ball(radius, 0.5, Spacing::EqualDivision);
+            program.part.fillet = fillet.map(Mm);
+            let mut sink = Sink::default();
+            let _ = pipeline::run(&program, &mut sink);
+            let error = |d: &&impellerc::diag::Diag| ["IMP0450", "IMP0403", "IMP0408"].contains(&d.code.id());
+            sink.diags().iter().find(error).map(|d| (d.code.id().to_owned(), d.help.clone().unwrap_or_default()))
+        };
+        let (found, help) = refused(radius, fillet).expect("an error");
+        assert_eq!(found, code);
+        println!("{radius} {fillet:?}: {help}");
+        let number = |after: &str| -> f64 {
+            let rest = help.split(after).nth(1).unwrap_or_else(|| panic!("{help}"));
+            rest.split(" mm").next().unwrap().parse().unwrap()
+        };
+        let most = 0.5 * number("ball of at most ");
+        match fillet {
+            None => {
+                assert!(refused(most, None).is_none(), "{most}");
+                assert!(refused(most + 0.006, None).is_some(), "{most}");
+            }
+            Some(_) => {
+                assert!((number("fillet of at most ") - most).abs() < 0.006);
+                assert!(refused(2.0, Some(most)).is_none(), "{most}");
+                assert!(refused(2.0, Some(most + 0.006)).is_some(), "{most}");
+            }
+        }
+    }
+}
+
 /// Least radius of the hollows of the paper's hub, from differences of its meridian.
 fn least_hollow() -> f64 {
     let part = support::wei_part(None);

@@ -1,11 +1,13 @@
-//! What the planner keeps the tool away from: sampled surfaces of the design part.
+//! What the planner keeps the tool away from: sampled surfaces of the design part, of table and fixtures.
 
 use crate::collide::tool::tool_coordinates;
-use crate::collide::{Cloud, ToolSolid};
+use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::ir::Part;
 use crate::ir::design::{self, SurfaceKind};
 use crate::kin::transform::axis_at;
+use crate::kin::{Carried, Machine};
 use nalgebra::{Point3, Vector3};
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Spacing of the samples, mm.
 const SPACING: f64 = 0.4;
@@ -24,6 +26,27 @@ const HALVINGS: u32 = 9;
 /// A piece of motion: tip, A and C at both ends.
 pub(super) type Ends = [(Point3<f64>, f64, f64); 2];
 
+/// Samples of a solid about the C axis, and the distance within which every point of its outside has one.
+fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
+    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])));
+    let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
+    let spacing = CARRIED_SPACING.max((area / MOST_CARRIED).sqrt());
+    let mut points = Vec::new();
+    for (a, b, length) in edges() {
+        let rings = (length / spacing).ceil().max(1.0) as usize;
+        for i in 0..=rings {
+            let t = i as f64 / rings as f64;
+            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
+            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
+            points.extend((0..around).map(|k| {
+                let (sin, cos) = (TAU * k as f64 / around as f64).sin_cos();
+                CloudPoint { position: Point3::new(x + r * cos, y + r * sin, z), normal: Vector3::z(), tag: 0 }
+            }));
+        }
+    }
+    (Cloud::new(points), spacing * FRAC_1_SQRT_2)
+}
+
 /// Margin of a cutter.
 fn margin(solid: &ToolSolid) -> f64 {
     if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
@@ -40,15 +63,23 @@ pub struct Keep {
     pub clearance: f64,
 }
 
-/// Sampled design surfaces.
+/// Spacing of the samples of table and fixtures, mm; large ones have at most [`MOST_CARRIED`].
+const CARRIED_SPACING: f64 = 1.0;
+
+/// Most samples of a solid that turns with the part.
+const MOST_CARRIED: f64 = 1e5;
+
+/// Sampled surfaces.
 pub struct Obstacles {
     walls: Cloud,
     hub: Cloud,
+    /// Table and fixtures with the distance within which every point of them has a sample.
+    carried: Vec<(Cloud, f64)>,
 }
 
 impl Obstacles {
-    /// Samples all surfaces of the part.
-    pub fn new(part: &Part) -> Self {
+    /// Samples all surfaces of the part, and of what turns with it on a machine.
+    pub fn new(part: &Part, machine: &Machine) -> Self {
         let (mut walls, mut hub) = (Vec::new(), Vec::new());
         for sample in design::sample(part, SPACING) {
             match sample.surface.kind {
@@ -56,7 +87,8 @@ impl Obstacles {
                 _ => walls.push(sample.cloud_point()),
             }
         }
-        Self { walls: Cloud::new(walls), hub: Cloud::new(hub) }
+        let carried = machine.carried.iter().map(|solid| carried(solid, machine.turn_axis())).collect();
+        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried }
     }
 
     /// True when the tool keeps its distances over a motion: `lack` is how far a point at a distance from the tool axis
@@ -69,11 +101,14 @@ impl Obstacles {
         (about, turn, shift): (&Point3<f64>, f64, f64),
     ) -> bool {
         // Distance to the middle of the turn changes as fast as the point: as a whole no faster than 1 + turn times.
-        let value = |p: &Point3<f64>| {
+        let value = |p: &Point3<f64>, margin: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (lack(rho, s) - turn * (p - about).norm() - shift - EDGE_MARGIN) / (1.0 + turn)
+            (lack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
         };
-        self.walls.least(value, 0.0).is_none() && self.hub.least(value, 0.0).is_none()
+        let of_part = |p: &Point3<f64>| value(p, EDGE_MARGIN);
+        self.walls.least(of_part, 0.0).is_none()
+            && self.hub.least(of_part, 0.0).is_none()
+            && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
     }
 
     /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion: the tip runs straight

@@ -66,7 +66,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
         "after the last change of an axis",
     ),
     ("rest-machining", "cuts that would meet no rest stock go", "the ways are final, their ends are not yet linked"),
-    ("link-moves", "ways between passes over a clearance sphere", "needs the final ends of all passes"),
+    ("link-moves", "short ways between passes, or over a clearance sphere", "needs the final ends of all passes"),
     ("assign-feeds", "process feeds", "needs the kinds of all moves"),
     ("solve-kinematics", "joint positions, branch and winding", "first value with a machine"),
     ("time-feeds", "feeds that the axes can follow, and times", "needs the joints of both ends of a move"),
@@ -86,7 +86,7 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
 /// As [`run`].
 pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
-    let obstacles = Obstacles::new(&program.part);
+    let obstacles = Obstacles::new(&program.part, &program.machine);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink };
     let cc = plan(&mut cx)?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;

@@ -82,7 +82,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
                 format!("a ball of radius {rolling} mm touches hub and vane nowhere along a ruling"),
             )
             .label(operation.span, "this operation ends at the fillets")
-            .help("take a smaller ball, or a smaller fillet"),
+            .help(what_would_do(part, rolling)),
         );
         return Err(Aborted);
     };
@@ -165,7 +165,10 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(operation.span, "this operation finishes the hub")
         .label(tool.span, "this ball would touch it beside the line that it is to cut")
         .place(format!("hub at u = {worst:.3}"), at)
-        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * room).floor() / 100.0)),
+        .help(part.fillet.map_or_else(
+            || what_would_do(part, radius),
+            |f| format!("take a ball of less than {:.2} mm diameter", (200.0 * room.min(f.get())).floor() / 100.0),
+        )),
     );
     Err(Aborted)
 }
@@ -207,9 +210,45 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>)
         .label(tool.span, format!("{} mm in diameter", 2.0 * floor.radius))
         .note(format!("they overlap by {:.3} mm along the hub", -width(narrow)))
         .place(name, at)
-        .help("take a smaller ball, or declare a smaller fillet"),
+        .help(what_would_do(part, most)),
     );
     Err(Aborted)
+}
+
+/// Steps in which the radius of a ball that fits is looked for, mm.
+const RADIUS_STEP: f64 = 0.005;
+
+/// The largest ball below a radius that rolls along both walls, leaves floor between them and fits the hollow of the hub,
+/// in words; with a fillet in the design the same of the fillet.
+fn what_would_do(part: &Part, below: f64) -> String {
+    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
+    let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
+    let sharpest = stations().map(hollow).fold(f64::INFINITY, f64::min);
+    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
+    let fits = |radius: f64| {
+        let walls = contact(part, part.first_wall, radius).zip(contact(part, second, radius));
+        walls.is_some_and(|(first, second)| {
+            let floor = Floor { part, radius, walls: [first, second] };
+            -sharpest * radius < 1.0 && stations().all(|u| floor.walls(u).1 > 0.0)
+        })
+    };
+    // Smaller balls fit where bigger ones do: the largest of the steps is found by halving.
+    let (mut low, mut high) = (0_u32, (below / RADIUS_STEP).ceil() as u32);
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if fits(f64::from(middle) * RADIUS_STEP) { low = middle } else { high = middle }
+    }
+    let radius = f64::from(low) * RADIUS_STEP;
+    match (low, part.fillet) {
+        (0, _) => "no ball rolls along both walls of this channel: correct the faces, or take fewer vanes".to_owned(),
+        (_, None) => format!("take a ball of at most {:.2} mm diameter", 2.0 * radius),
+        (_, Some(_)) => {
+            format!(
+                "declare a fillet of at most {radius:.3} mm, and take a ball of at most {:.2} mm diameter",
+                2.0 * radius
+            )
+        }
+    }
 }
 
 /// As many lines everywhere as the widest place needs.
