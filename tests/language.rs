@@ -7,7 +7,7 @@ use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Found, Job, Missing};
-use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::method::{AxisMethod, Lines, Spacing, VaneSurface};
 use impellerc::source::{SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -141,6 +141,64 @@ fn methods_of_tool_axes_are_named_and_have_a_default() {
     let read = read(&changed("method corridor", "method coridor"));
     let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0203").expect("an error");
     assert!(format!("{error:?}").contains("corridor"));
+}
+
+/// The main job with another operation for its faces.
+fn with_faces(operation: &str) -> String {
+    let from = JOB.find("operation flank").expect("flank");
+    let to = from + JOB[from..].find('}').expect("its end") + 1;
+    format!("{}{operation}{}", &JOB[..from], &JOB[to..])
+}
+
+#[test]
+fn point_milling_names_its_surfaces_and_order() {
+    let common = "tool t2  speed 8000 rpm  feed 250 mm/min  scallop 20 um";
+    let kind = |text: &str| {
+        let read = read(&with_faces(text));
+        assert_eq!(read.codes(), []);
+        read.job.unwrap().operations[4].clone()
+    };
+    use VaneSurface::{InletEdge, OutletEdge, PressureFace, PressureFillet, SuctionFace, SuctionFillet};
+    for (text, name, expected, order) in [
+        ("point { COMMON }", "point", vec![PressureFace, SuctionFace], Lines::Zigzag),
+        ("point { COMMON  faces suction  lines one-way }", "point", vec![SuctionFace], Lines::OneWay),
+        ("point { COMMON  lines spiral }", "point", vec![PressureFace, SuctionFace], Lines::Spiral),
+        ("fillet { COMMON }", "fillet", vec![PressureFillet, SuctionFillet], Lines::Zigzag),
+        ("edge { COMMON  edges outlet }", "edge", vec![OutletEdge], Lines::Zigzag),
+        ("edge { COMMON }", "edge", vec![InletEdge, OutletEdge], Lines::Zigzag),
+    ] {
+        let operation = kind(&format!("operation {}", text.replace("COMMON", common)));
+        assert_eq!((operation.name.as_str(), operation.kind.keyword()), (name, name));
+        let OperationKind::Point { surfaces, scallop, lines, method } = operation.kind else { panic!("{text}") };
+        assert_eq!((surfaces, lines), (expected, order), "{text}");
+        assert_eq!((scallop.get(), method), (0.02, AxisMethod::Corridor));
+    }
+}
+
+#[test]
+fn point_milling_that_cannot_be_is_refused() {
+    let common = "tool t2  speed 8000 rpm  feed 250 mm/min  scallop 20 um";
+    for (text, code) in [
+        ("point { COMMON  lines spiral  faces suction }", "IMP0210"),
+        ("point { COMMON  faces hub }", "IMP0203"),
+        ("edge { COMMON  lines spiral }", "IMP0203"),
+        ("edge { COMMON  edges inlet, inlet }", "IMP0202"),
+        ("fillet { COMMON  edges inlet }", "IMP0204"),
+        ("fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }", "IMP0212"),
+    ] {
+        let codes = read(&with_faces(&format!("operation {}", text.replace("COMMON", common)))).codes();
+        assert!(codes.iter().any(|c| c.id() == code), "{text}: {codes:?}");
+    }
+    // A bull nose keeps one tilt a line.
+    let bull = |method: &str| {
+        let operation = format!("operation point {{ {common}{method} }}").replace("t2", "t9");
+        let tool =
+            "tool t9 = bull { diameter 6 mm  corner 1 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n";
+        read(&with_faces(&operation).replacen("operation groove", &format!("{tool}operation groove"), 1))
+    };
+    let OperationKind::Point { method, .. } = bull("").job.unwrap().operations[4].kind else { panic!("point") };
+    assert_eq!(method, AxisMethod::Blend);
+    assert!(bull("  method corridor").codes().iter().any(|c| c.id() == "IMP0210"));
 }
 
 #[test]
@@ -411,7 +469,7 @@ fn contracts_that_contradict_themselves_are_refused() {
 #[test]
 fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
-        ("operation channel", "operation splitter", "groove, expand, flank, channel"),
+        ("operation channel", "operation splitter", "groove, expand, flank, point, fillet, edge, channel"),
         ("stock turned", "stock casting", "turned"),
         ("pressure ruled", "pressure lofted", "ruled"),
         ("use tools  ", "use import ", "machine, tools"),

@@ -34,7 +34,7 @@ fn allowances(kind: &OperationKind) -> [f64; 2] {
     match kind {
         OperationKind::Groove { allowance_vane, allowance_hub, .. }
         | OperationKind::Expand { allowance_vane, allowance_hub, .. } => [allowance_vane.get(), allowance_hub.get()],
-        OperationKind::Flank { .. } | OperationKind::Channel { .. } => [0.0, 0.0],
+        OperationKind::Flank { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => [0.0, 0.0],
     }
 }
 

@@ -57,7 +57,55 @@ pub struct Slope {
     pub s: f64,
 }
 
+/// A point of the profile of a cutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfilePoint {
+    /// Distance from the axis.
+    pub rho: f64,
+    /// Height over the tip.
+    pub s: f64,
+    /// Radius of curvature of the profile.
+    pub bend: f64,
+}
+
 impl Cutter {
+    /// The point of the rounded profile whose outward normal leans from the radial direction towards the tip by an angle,
+    /// radians in (0, pi/2]; `None` for a flat end, which has none.
+    pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
+        let (sin, cos) = angle.sin_cos();
+        let on_arc =
+            |rho: f64, s: f64, bend: f64| Some(ProfilePoint { rho: rho + bend * cos, s: s - bend * sin, bend });
+        match *self {
+            Self::Flat { .. } => None,
+            Self::Ball { radius } | Self::Lollipop { radius } => on_arc(0.0, radius, radius),
+            Self::TaperedBall { ball, .. } => on_arc(0.0, ball, ball),
+            Self::Bull { radius, corner } => on_arc(radius - corner, corner, corner),
+            Self::Barrel { radius, barrel, tip } => {
+                if self.barrel_angle().is_some_and(|end| angle < end) {
+                    on_arc(radius - barrel, barrel_height(radius, barrel, tip), barrel)
+                } else {
+                    on_arc(0.0, tip, tip)
+                }
+            }
+        }
+    }
+
+    /// Angle of the normal, from the radial direction towards the tip, at which the arc of a barrel goes over into its
+    /// ball tip; `None` for other cutters.
+    pub fn barrel_angle(&self) -> Option<f64> {
+        match *self {
+            Self::Barrel { radius, barrel, tip } => {
+                Some(((barrel_height(radius, barrel, tip) - tip) / (barrel - tip)).asin())
+            }
+            _ => None,
+        }
+    }
+
+    /// True when the rounded part is a ball about the axis, about whose centre the tool may turn at a contact.
+    pub fn ends_in_ball(&self) -> bool {
+        matches!(self, Self::Ball { .. } | Self::Lollipop { .. } | Self::TaperedBall { .. })
+    }
+
     /// Signed distance to the cutter, its side continued upward without end. Exact inside and outside.
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         match *self {
@@ -313,6 +361,25 @@ mod tests {
                 let (small, large) =
                     (solid.cutter.distance(rho, s), solid.cutter.scaled(1.7).distance(1.7 * rho, 1.7 * s));
                 assert!((large - 1.7 * small).abs() < 1e-9, "{:?}", solid.cutter);
+            }
+        }
+    }
+
+    #[test]
+    fn profile_points_lie_on_the_surface_with_their_normals_and_curvature() {
+        for solid in solids() {
+            for k in 1..9 {
+                let angle = f64::from(k) * 0.17;
+                let Some(p) = solid.cutter.profile_at(angle) else {
+                    assert!(matches!(solid.cutter, Cutter::Flat { .. }));
+                    continue;
+                };
+                let at = solid.cutter.slope(p.rho, p.s);
+                assert!(at.value.abs() < 1e-9, "{:?} {angle}: {}", solid.cutter, at.value);
+                assert!((at.rho - angle.cos()).hypot(at.s + angle.sin()) < 1e-6, "{:?} {angle}", solid.cutter);
+                // The arc between two normals is their angle times the radius.
+                let q = solid.cutter.profile_at(angle + 1e-5).unwrap();
+                assert!(((q.rho - p.rho).hypot(q.s - p.s) / 1e-5 - p.bend).abs() < 1e-3, "{:?} {angle}", solid.cutter);
             }
         }
     }

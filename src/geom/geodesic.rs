@@ -1,15 +1,15 @@
-//! Geodesic distance from a line, on charts whose metric does not change across them.
+//! Geodesic distance from a line on a chart.
 //!
-//! A chart has coordinates (x, y) and lengths ds^2 = (along(x) dx)^2 + (across(x) dy)^2: a surface of revolution with x
-//! along the meridian and y the azimuth, with any weight that keeps its symmetry. The front at a distance c ahead of a
-//! line y(x) is by Huygens
+//! A chart has coordinates (x, y) and lengths ds^2 = (along dx)^2 + (across (dy + skew dx))^2, each of which may change
+//! with x and y. On a surface of revolution, with x along the meridian and y the azimuth, they do not depend on y and
+//! there is no skew. The front at a distance c ahead of a line y(x) is by Huygens
 //!
 //! ```text
 //! front(x) = max over t of  y(t) + height of the disk of radius c around t, over x
 //! ```
 //!
 //! which is the first arrival, whatever waves cross behind it: no order of updates, no limit of the step, and the front
-//! of a graph is a graph. Disks are taken as ellipses with the metric half way between t and x. Their error is of third
+//! of a graph is a graph. Disks are taken as ellipses with the metric half way to their border. Their error is of third
 //! order in c: on a plane in polar coordinates a step c at the radius r is wrong by c^3 / 24 r^2.
 
 /// Metric of a chart over a range of x; beyond its ends it stays as it is there.
@@ -17,8 +17,10 @@
 pub struct BandMetric {
     from: f64,
     step: f64,
-    /// Length per unit of x and per unit of y, station by station.
-    lengths: Vec<[f64; 2]>,
+    /// y of the first layer, and from layer to layer.
+    layers: [f64; 2],
+    /// Length per unit of x, per unit of y, and skew: layer by layer, station by station.
+    forms: Vec<Vec<[f64; 3]>>,
 }
 
 /// Places over a disk at which the best one is looked for, before it is refined.
@@ -34,27 +36,49 @@ impl BandMetric {
     /// Tabulates a metric, which gives the lengths per unit of x and of y (both positive) at x, at `count` (at least 4)
     /// even stations from `from` to `to`.
     pub fn new(from: f64, to: f64, count: usize, metric: impl Fn(f64) -> [f64; 2]) -> Self {
+        let form = |x: f64, _: f64| {
+            let [along, across] = metric(x);
+            [along, across, 0.0]
+        };
+        Self::over(([from, to], count), ([0.0, 0.0], 1), form)
+    }
+
+    /// Tabulates a metric that changes with both coordinates: along, across (both positive) and skew at (x, y), at
+    /// `count` (at least 4) even stations over a range of x and on some even layers over a range of y. Between layers it
+    /// is linear, beyond them it stays as it is there.
+    pub fn over(
+        ([from, to], count): ([f64; 2], usize),
+        ([low, high], layers): ([f64; 2], usize),
+        metric: impl Fn(f64, f64) -> [f64; 3],
+    ) -> Self {
         let count = count.max(4);
         let step = (to - from) / (count - 1) as f64;
-        let lengths = (0..count).map(|i| metric(from + step * i as f64)).collect();
-        Self { from, step, lengths }
+        let apart = if layers > 1 { (high - low) / (layers - 1) as f64 } else { 0.0 };
+        let row = |y: f64| (0..count).map(|i| metric(from + step * i as f64, y)).collect();
+        let forms = (0..layers.max(1)).map(|k| row(low + apart * k as f64)).collect();
+        Self { from, step, layers: [low, apart], forms }
+    }
+
+    /// Number of stations.
+    fn count(&self) -> usize {
+        self.forms[0].len()
     }
 
     /// The stations, ascending.
     pub fn stations(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.lengths.len()).map(|i| self.from + self.step * i as f64)
+        (0..self.count()).map(|i| self.from + self.step * i as f64)
     }
 
     /// First of four stations around x, and the place of x from it in steps.
     fn four(&self, x: f64) -> (usize, f64) {
         let at = (x - self.from) / self.step;
-        let first = (at.floor().max(1.0) as usize - 1).min(self.lengths.len() - 4);
+        let first = (at.floor().max(1.0) as usize - 1).min(self.count() - 4);
         (first, at - first as f64)
     }
 
     /// Value at x of what is given at the stations: a cubic through four of them, straight on beyond the ends.
     pub fn at(&self, values: &[f64], x: f64) -> f64 {
-        let last = self.lengths.len() - 1;
+        let last = self.count() - 1;
         let end = self.from + self.step * last as f64;
         if x < self.from {
             return values[0] + (values[1] - values[0]) * ((x - self.from) / self.step);
@@ -67,12 +91,21 @@ impl BandMetric {
         (0..4).map(|k| values[first + k] * w[k]).sum()
     }
 
-    /// Lengths per unit of x and of y at x.
-    pub fn lengths(&self, x: f64) -> [f64; 2] {
-        let end = self.from + self.step * (self.lengths.len() - 1) as f64;
+    /// Length per unit of x, per unit of y, and skew at (x, y).
+    pub fn form(&self, x: f64, y: f64) -> [f64; 3] {
+        let end = self.from + self.step * (self.count() - 1) as f64;
         let (first, t) = self.four(x.clamp(self.from, end));
         let w = cubic_weights(t);
-        std::array::from_fn(|k| (0..4).map(|j| self.lengths[first + j][k] * w[j]).sum())
+        let on = |layer: &[[f64; 3]]| std::array::from_fn(|k| (0..4).map(|j| layer[first + j][k] * w[j]).sum());
+        if self.forms.len() == 1 {
+            return on(&self.forms[0]);
+        }
+        let at = ((y - self.layers[0]) / self.layers[1]).clamp(0.0, (self.forms.len() - 1) as f64);
+        let below = (at as usize).min(self.forms.len() - 2);
+        let share = at - below as f64;
+        let lower: [f64; 3] = on(&self.forms[below]);
+        let upper: [f64; 3] = on(&self.forms[below + 1]);
+        std::array::from_fn(|k| lower[k] + (upper[k] - lower[k]) * share)
     }
 
     /// The front at a distance ahead of a line, given by its y at the stations: towards greater y for a positive
@@ -82,15 +115,26 @@ impl BandMetric {
         if radius == 0.0 {
             return line.to_vec();
         }
+        // With layers the metric half way to the border of the disk is known only when the border is.
+        let rounds = if self.forms.len() > 1 { 2 } else { 1 };
         self.stations()
             .map(|x| {
-                let half = radius / self.lengths(x)[0];
+                let half = radius / self.form(x, self.at(line, x))[0];
                 // How far a disk around t, which the line meets, brings the front over x.
                 let height = |t: f64| {
-                    let [along, across] = self.lengths(0.5 * (x + t));
-                    let run = along * (x - t);
-                    let rise = radius * radius - run * run;
-                    if rise < 0.0 { f64::NEG_INFINITY } else { sign * self.at(line, t) + rise.sqrt() / across }
+                    let start = self.at(line, t);
+                    let (mut middle, mut reached) = (start, f64::NEG_INFINITY);
+                    for _ in 0..rounds {
+                        let [along, across, skew] = self.form(0.5 * (x + t), middle);
+                        let run = along * (x - t);
+                        let rise = radius * radius - run * run;
+                        if rise < 0.0 {
+                            return f64::NEG_INFINITY;
+                        }
+                        reached = sign * (start - skew * (x - t)) + rise.sqrt() / across;
+                        middle = 0.5 * (start + sign * reached);
+                    }
+                    reached
                 };
                 let look = |i: usize| x + half * (2.0 * i as f64 / LOOKS as f64 - 1.0);
                 let best = (0..=LOOKS).max_by(|a, b| height(look(*a)).total_cmp(&height(look(*b)))).unwrap_or(0);
@@ -210,6 +254,28 @@ mod tests {
         let front = metric.front(&line, 0.7);
         let rise = 0.7 * (1.0_f64 / 3.0).hypot(1.0);
         assert!(front.iter().zip(&line).all(|(y, y0)| (y - y0 - rise).abs() < 1e-9));
+    }
+
+    /// The plane in a skewed chart whose scale grows with y: X = x + y + y^2 / 20, Y = y + y^2 / 20.
+    #[test]
+    fn plane_in_a_skewed_and_stretched_chart() {
+        let form = |_: f64, y: f64| {
+            // dX = dx + g dy, dY = g dy with g = 1 + y / 10: ds^2 = dx^2 / 2 + 2 g^2 (dy + dx / 2g)^2.
+            let g = 1.0 + 0.1 * y;
+            [0.5_f64.sqrt(), 2.0_f64.sqrt() * g, 0.5 / g]
+        };
+        let metric = BandMetric::over(([-20.0, 20.0], 401), ([-1.0, 7.0], 161), form);
+        let straight = |height: f64| (100.0 + 20.0 * height).sqrt() - 10.0;
+        for (slope, distance) in [(0.0, 3.0), (0.3, 3.0), (0.3, -1.0)] {
+            // The line Y = 1.5 + slope X, met at x by Y (1 - slope) = 1.5 + slope x.
+            let y = |x: f64, above: f64| straight((1.5 + above + slope * x) / (1.0 - slope));
+            let line: Vec<f64> = metric.stations().map(|x| y(x, 0.0)).collect();
+            let front = march(&metric, &line, distance, 12);
+            let lifted = distance * slope.hypot(1.0);
+            for (x, found) in metric.stations().zip(&front).filter(|(x, _)| x.abs() < 2.0) {
+                assert!((found - y(x, lifted)).abs() < 2e-3, "{slope} {distance} at {x}: {found} {}", y(x, lifted));
+            }
+        }
     }
 
     #[test]

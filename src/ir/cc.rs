@@ -1,6 +1,7 @@
 //! Cutter contact plan: where each pass runs on the part, before the tool has an axis.
 
 use crate::geom::DualCurve;
+use crate::ir::design::SurfaceKind;
 use crate::ir::part::Side;
 use crate::ir::program::OperationId;
 use nalgebra::{Point3, Vector3};
@@ -53,6 +54,10 @@ pub enum Drive {
     },
     /// The hub.
     Hub,
+    /// A face, fillet or edge of a vane, by its contact points.
+    Contact(SurfaceKind),
+    /// A vane, by contact points round it.
+    Round,
 }
 
 /// One station.
@@ -62,7 +67,9 @@ pub struct CcPoint {
     pub u: f64,
     /// From hub (0) to shroud (1).
     pub v: f64,
-    /// Across the channel from its first wall (0) to its second (1); for a face, the upper end of the band instead.
+    /// Across the channel from its first wall (0) to its second (1); for a band, the upper end of the band instead; round
+    /// a vane the place on the way: 0 on the pressure face, to 2 over the inlet edge, 2 on the suction face, to 4 over the
+    /// outlet edge.
     pub w: f64,
     /// Contact or drive point in the part frame.
     pub position: Point3<f64>,

@@ -5,6 +5,7 @@
 //! | face | u, from inlet to outlet | from the fillet (or the hub) up the ruling to the shroud |
 //! | fillet | along the rolling ball, on beyond both ends of the face | from the contact on the face to that on the hub |
 //! | hub | u of the hub | from the clockwise wall of the channel to the other |
+//! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 
 use super::design::{self, Room, SurfaceKind};
 use super::part::{Part, Side};
@@ -33,6 +34,8 @@ enum Form {
     Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
     /// First azimuth and opening angle of the channel.
     Hub { borders: Vec<[f64; 2]> },
+    /// u of the end, and v at the lower and upper border on the pressure and on the suction face.
+    Edge { u: f64, ranges: [[f64; 2]; 2] },
 }
 
 /// A place of a chart.
@@ -119,20 +122,29 @@ pub fn charts(part: &Part) -> Vec<Chart<'_>> {
     charts
 }
 
+/// Charts of the edges of the vane of sector 0 at inlet and outlet, between its faces.
+pub fn edges(part: &Part) -> [Chart<'_>; 2] {
+    [(SurfaceKind::InletEdge, 0.0), (SurfaceKind::OutletEdge, 1.0)].map(|(kind, u)| {
+        let ranges = [Side::Pressure, Side::Suction].map(|side| borders(part, side, u));
+        Chart { kind, part, room: part.room(), form: Form::Edge { u, ranges } }
+    })
+}
+
+/// v at the lower and the upper border of a face on the ruling at u.
+fn borders(part: &Part, side: Side, u: f64) -> [f64; 2] {
+    let low = part
+        .fillet
+        .and_then(|r| part.fillet_tangent(side, u, r.get()))
+        .unwrap_or_else(|| part.ruling_meets(side, u, &part.hub, 0.0));
+    [low, part.ruling_meets(side, u, &part.shroud, 1.0)]
+}
+
 fn rows() -> impl IndexedParallelIterator<Item = f64> {
     (0..ROWS + 1).into_par_iter().map(|i| i as f64 / ROWS as f64)
 }
 
 fn face(part: &Part, side: Side) -> Chart<'_> {
-    let borders = rows()
-        .map(|u| {
-            let low = part
-                .fillet
-                .and_then(|r| part.fillet_tangent(side, u, r.get()))
-                .unwrap_or_else(|| part.ruling_meets(side, u, &part.hub, 0.0));
-            [low, part.ruling_meets(side, u, &part.shroud, 1.0)]
-        })
-        .collect();
+    let borders = rows().map(|u| borders(part, side, u)).collect();
     Chart { kind: SurfaceKind::Face(side), part, room: part.room(), form: Form::Face { borders } }
 }
 
@@ -178,6 +190,34 @@ fn hub(part: &Part) -> Option<Chart<'_>> {
 }
 
 impl Chart<'_> {
+    /// Point of an edge.
+    fn on_edge(&self, u: f64, ranges: &[[f64; 2]; 2], x: f64, y: f64) -> Point3<f64> {
+        let [p, s] = [(Side::Pressure, 0), (Side::Suction, 1)].map(|(side, i)| {
+            let [low, high] = ranges[i];
+            self.turned(side, u, low + (high - low) * x)
+        });
+        design::arc_between(&p, &s, y)
+    }
+
+    /// The end of the line of equal v of a face at u = 0 or 1, or where it meets the inlet cone or the outlet cylinder, if that
+    /// lies farther out: a straight ruling between two points of a cone leaves it.
+    fn turned(&self, side: Side, u: f64, v: f64) -> Point3<f64> {
+        let surface = &self.part.face(side).surface;
+        let gap = |u: f64| self.room.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
+        let (mut a, mut b) = (u, u + 1e-3);
+        let (mut fa, mut fb) = (gap(a), gap(b));
+        // Secants: the face is nearly straight over some hundredths of a millimetre.
+        for _ in 0..8 {
+            if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-11 {
+                break;
+            }
+            let next = (b - fb * (b - a) / (fb - fa)).clamp(u - 0.2, u + 0.2);
+            (a, fa) = (b, fb);
+            (b, fb) = (next, gap(next));
+        }
+        surface.point(if u > 0.5 { b.max(u) } else { b.min(u) }, v)
+    }
+
     fn nowhere(&self) -> Place {
         Place { position: Point3::origin(), normal: Vector3::z(), parameters: [0.0; 2] }
     }
@@ -213,6 +253,19 @@ impl Shape for Chart<'_> {
                 let azimuth = from + angle * y;
                 let position = self.part.hub.point(x, azimuth);
                 Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
+            }
+            Form::Edge { u, ranges } => {
+                /// Step of differences: their error is below a billionth over the thickness of a vane.
+                const STEP: f64 = 1e-5;
+                let at = |x: f64, y: f64| self.on_edge(*u, ranges, x, y);
+                let along = at(x + STEP, y) - at(x - STEP, y);
+                let across = at(x, y + STEP) - at(x, y - STEP);
+                let normal = along.cross(&across).normalize();
+                // The vane lies on the side of its other end.
+                let (_, su, _) = self.part.vane.pressure.surface.tangents(*u, 0.5);
+                let outward = if *u > 0.5 { su } else { -su };
+                let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
+                Place { position: at(x, y), normal, parameters: [x, y] }
             }
         }
     }

@@ -344,6 +344,13 @@ impl Room {
         self.across.x * (z - self.inlet.y) - self.across.y * (r - self.inlet.x)
     }
 
+    /// How far a point lies beyond the inlet cone (`u` 0) or the outlet cylinder (1), by a measure that is zero on it and
+    /// linear in r and z.
+    pub fn beyond(&self, u: f64, p: &Point3<f64>) -> f64 {
+        let r = p.x.hypot(p.y);
+        if u > 0.5 { r - self.outlet } else { -self.side(r, p.z) / self.across.norm() }
+    }
+
     /// True for a point in it.
     pub fn holds(&self, p: &Point3<f64>) -> bool {
         let r = (p.x * p.x + p.y * p.y).sqrt();
@@ -478,6 +485,15 @@ fn sample_hub(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
     }
 }
 
+/// The point a share of the way from one point to another about Z, as a lathe leaves them.
+pub(super) fn arc_between(from: &Point3<f64>, to: &Point3<f64>, share: f64) -> Point3<f64> {
+    let [p, q] = [from, to].map(|p| [p.x.hypot(p.y), p.z, p.y.atan2(p.x)]);
+    let ahead = q[2] - p[2];
+    let ahead = ahead - std::f64::consts::TAU * (ahead / std::f64::consts::TAU).round();
+    let ([r, z], angle) = ([0, 1].map(|k| p[k] + (q[k] - p[k]) * share), p[2] + ahead * share);
+    Point3::new(r * angle.cos(), r * angle.sin(), z)
+}
+
 /// Turned surfaces of the vane of sector 0: tip, inlet edge, outlet edge, spanned between its two faces.
 fn sample_turned(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
     let (p, s) = (&part.vane.pressure, &part.vane.suction);
@@ -488,7 +504,7 @@ fn sample_turned(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
                 let share = j as f64 / n as f64;
                 out.push(Sample {
                     surface: SurfaceId { kind, sector: 0 },
-                    position: a + (b - a) * share,
+                    position: arc_between(&a, &b, share),
                     normal,
                     parameters: [parameter, share],
                     area: step * (b - a).norm() / n as f64,

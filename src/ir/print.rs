@@ -1,5 +1,6 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
+use super::design::SurfaceKind;
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program, Side};
 use nalgebra::Point3;
 use std::fmt::Write as _;
@@ -113,6 +114,19 @@ fn kind(kind: &OperationKind) -> String {
         OperationKind::Channel { scallop, spacing, lines, method } => {
             let (spacing, lines, method) = (spacing.name(), lines.name(), method.name());
             format!("channel {spacing} scallop {scallop} {lines} axes {method}")
+        }
+        OperationKind::Point { surfaces, scallop, lines, method } => {
+            let names: Vec<&str> = surfaces
+                .iter()
+                .map(|s| match s {
+                    SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side.name(),
+                    SurfaceKind::InletEdge => "inlet",
+                    SurfaceKind::OutletEdge => "outlet",
+                    SurfaceKind::Hub | SurfaceKind::Tip => "",
+                })
+                .collect();
+            let (lines, axes) = (lines.name(), method.name());
+            format!("{} {} scallop {scallop} lines {lines} axes {axes}", kind.keyword(), names.join(" "))
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::contract::{Bound, Scope};
 use crate::entity::PrimaryMap;
 use crate::entity_id;
 use crate::geom::Revolution;
+use crate::ir::design::SurfaceKind;
 use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
 use crate::method::{AxisMethod, Flank, Lines, Spacing};
@@ -219,6 +220,17 @@ pub enum OperationKind {
         /// How tool axes are chosen.
         method: AxisMethod,
     },
+    /// Faces, fillets or edges of vanes by lines of constant scallop.
+    Point {
+        /// Surfaces to finish.
+        surfaces: Vec<SurfaceKind>,
+        /// Scallop height between neighbouring lines.
+        scallop: Mm,
+        /// In which direction the lines are cut.
+        lines: Lines,
+        /// How tool axes are chosen.
+        method: AxisMethod,
+    },
 }
 
 impl OperationKind {
@@ -229,12 +241,25 @@ impl OperationKind {
             Self::Expand { .. } => "expand",
             Self::Flank { .. } => "flank",
             Self::Channel { .. } => "channel",
+            Self::Point { surfaces, .. } => match surfaces.first() {
+                Some(SurfaceKind::Fillet(_)) => "fillet",
+                Some(SurfaceKind::InletEdge | SurfaceKind::OutletEdge) => "edge",
+                _ => "point",
+            },
         }
     }
 
     /// True for the operations that bring a surface to its final shape.
     pub fn finishes(&self) -> bool {
-        matches!(self, Self::Flank { .. } | Self::Channel { .. })
+        matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
+    }
+
+    /// How tool axes are chosen, where an operation asks for it.
+    pub fn axis_method(&self) -> Option<AxisMethod> {
+        match self {
+            Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
+            _ => None,
+        }
     }
 }
 
@@ -281,6 +306,14 @@ pub struct PostChoice {
 }
 
 impl Program {
+    /// True when an operation finishes an edge of the vanes, which else the lathe does.
+    pub fn finishes_edges(&self) -> bool {
+        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge | SurfaceKind::OutletEdge);
+        self.operations
+            .iter()
+            .any(|(_, o)| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge)))
+    }
+
     /// The surface over the vane tips.
     pub fn shroud(&self) -> &Revolution {
         &self.part.shroud

@@ -2,7 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::method::{AxisMethod, Flank, Lines, Spacing};
+use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -301,6 +301,17 @@ pub enum OperationKind {
         /// How tool axes are chosen.
         method: AxisMethod,
     },
+    /// Vane faces or fillets by points: the surfaces in the order of the job, of one kind of operation.
+    Point {
+        /// What is finished; never empty.
+        surfaces: Vec<VaneSurface>,
+        /// Scallop height.
+        scallop: Mm,
+        /// In which direction the lines are cut.
+        lines: Lines,
+        /// How tool axes are chosen.
+        method: AxisMethod,
+    },
 }
 
 impl OperationKind {
@@ -311,6 +322,7 @@ impl OperationKind {
             Self::Expand(..) => "expand",
             Self::Flank { .. } => "flank",
             Self::Channel { .. } => "channel",
+            Self::Point { surfaces, .. } => surfaces.first().map_or("point", |s| s.operation()),
         }
     }
 }

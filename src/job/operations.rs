@@ -1,20 +1,22 @@
 //! Operations: which tool, how fast, and what only their kind has.
 
 use super::eval::{mismatch, suggest, unknown};
-use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec};
+use super::model::{
+    CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec,
+};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
+use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing, VaneSurface};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
 use std::f64::consts::PI;
 
-const KINDS: [&str; 4] = ["groove", "expand", "flank", "channel"];
+const KINDS: [&str; 7] = ["groove", "expand", "flank", "point", "fillet", "edge", "channel"];
 const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
 /// Least step between layers, mm: chips of a thousandth of it are dust.
@@ -63,10 +65,9 @@ pub(super) fn resolve(
         out.extend(operation);
     }
     if !any && !file.damaged {
-        cx.sink.push(
-            Diag::error(codes::MISSING_ITEM, "the job has no operation")
-                .help("add `operation groove { ... }`; operations are groove, expand, flank and channel"),
-        );
+        cx.sink.push(Diag::error(codes::MISSING_ITEM, "the job has no operation").help(
+            "add `operation groove { ... }`; operations are groove, expand, flank, point, fillet, edge and channel",
+        ));
     }
     out
 }
@@ -118,6 +119,8 @@ impl Reader<'_> {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
             "flank" => &["faces", "method", "strips", "side", "conflict"],
+            "point" | "fillet" => &["faces", "scallop", "lines", "method"],
+            "edge" => &["edges", "scallop", "lines", "method"],
             _ => &["scallop", "spacing", "lines", "method"],
         };
         let known = [&COMMON, own].concat();
@@ -181,7 +184,9 @@ impl Reader<'_> {
             // Offsets of rulings are those of a cylinder that ends in a ball.
             "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
             "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
-            // Only the ball touches the floor.
+            "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
+            // Only the ball touches fillet, edge and floor.
+            "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
             "channel" => &["ball", "lollipop"],
             _ => &["flat", "ball", "bull"],
         };
@@ -318,6 +323,32 @@ impl Reader<'_> {
                 Some(OperationKind::Expand(layers?, Mm(residual?.0)))
             }
             "flank" => flank(p),
+            "point" | "fillet" | "edge" => {
+                let range = Range::Between(LEAST_SCALLOP, radius);
+                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
+                let of_kind = VaneSurface::ALL.iter().filter(|s| s.1 == kind.text);
+                let given = match kind.text.as_str() {
+                    "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
+                    _ => faces(p),
+                };
+                let surfaces = given.map(|given| of_kind.filter(|s| given.contains(&s.2)).map(|s| s.0).collect());
+                let all: &[Lines] = if kind.text == "point" { &Lines::ROUND } else { &Lines::ALL };
+                let spiral = p.is_word("lines", "spiral");
+                let lines = named(p, "lines", all, Lines::name);
+                if spiral && surfaces.as_ref().is_some_and(|s: &Vec<VaneSurface>| s.len() < 2) {
+                    p.sink.push(
+                        Diag::error(
+                            codes::WRONG_FORM,
+                            format!("`lines spiral` of {} runs round both faces", self.name),
+                        )
+                        .label(kind.span, "one face alone is finished here")
+                        .help("name both, `faces pressure, suction`, or choose `lines zigzag`"),
+                    );
+                    return None;
+                }
+                let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
+                Some(OperationKind::Point { surfaces: surfaces?, scallop, lines: lines?, method })
+            }
             _ => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
@@ -383,32 +414,65 @@ fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: f
     found
 }
 
-fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
-    let (mut pressure, mut suction) = (false, false);
-    if p.has("faces") {
-        for word in p.words("faces", "faces pressure, suction")? {
-            let side = match word.text.as_str() {
-                "pressure" => &mut pressure,
-                "suction" => &mut suction,
-                other => {
-                    let diag = Diag::error(codes::UNKNOWN_NAME, format!("no face is called `{other}`"));
-                    p.sink.push(suggest(diag, other, word.span, "face", &["pressure", "suction"]));
-                    return None;
-                }
-            };
-            if *side {
-                p.sink.push(
-                    Diag::error(codes::GIVEN_TWICE, format!("face `{}` is given twice", word.text))
-                        .label(word.span, "given again")
-                        .help("name each face once"),
-                );
-                return None;
-            }
-            *side = true;
-        }
-    } else {
-        (pressure, suction) = (true, true);
+/// How tool axes of point milling are chosen: a tool turns about the middle of its ball, or keeps one tilt a line.
+fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<AxisMethod> {
+    let turns = tool
+        .is_none_or(|t| matches!(t.kind, CutterKind::Ball | CutterKind::Lollipop { .. } | CutterKind::TaperedBall(_)));
+    if turns {
+        return named(p, "method", &AxisMethod::ALL, AxisMethod::name);
     }
+    if !p.has("method") {
+        return Some(AxisMethod::Blend);
+    }
+    for method in [AxisMethod::Corridor, AxisMethod::Xu].map(AxisMethod::name) {
+        if p.is_word("method", method) {
+            let span = p.words("method", "method blend")?.first()?.span;
+            p.sink.push(
+                Diag::error(
+                    codes::WRONG_FORM,
+                    format!("`method {method}` turns the tool about the middle of its ball"),
+                )
+                .label(span, "the tool of this operation does not cut with a ball")
+                .help("choose `method blend`, which keeps one tilt a line, or a ball"),
+            );
+            return None;
+        }
+    }
+    named(p, "method", &AxisMethod::ALL, AxisMethod::name)
+}
+
+/// The faces that are named; both where none is.
+fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
+    chosen(p, "faces", "face", ["pressure", "suction"])
+}
+
+/// Which of two the words of a property name, none twice; both where the property is not given.
+fn chosen(p: &mut Properties<'_, '_>, property: &str, what: &str, all: [&'static str; 2]) -> Option<Vec<&'static str>> {
+    if !p.has(property) {
+        return Some(all.to_vec());
+    }
+    let mut named = Vec::new();
+    for word in p.words(property, &format!("{property} {}", all.join(", ")))? {
+        let Some(found) = all.into_iter().find(|f| *f == word.text) else {
+            let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {what} is called `{}`", word.text));
+            p.sink.push(suggest(diag, &word.text, word.span, what, &all));
+            return None;
+        };
+        if named.contains(&found) {
+            p.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("{what} `{found}` is given twice"))
+                    .label(word.span, "given again")
+                    .help(format!("name each {what} once")),
+            );
+            return None;
+        }
+        named.push(found);
+    }
+    Some(named)
+}
+
+fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+    let [pressure, suction] = faces(p).map(|named| ["pressure", "suction"].map(|f| named.contains(&f)))?;
     let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
     let optimised = method == FlankMethod::Minimax;
     for property in ["side", "conflict"] {

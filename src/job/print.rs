@@ -137,6 +137,12 @@ fn operations(out: &mut String, job: &Job) {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
             }
+            OperationKind::Point { surfaces, scallop, lines, method } => {
+                let names: Vec<_> = surfaces.iter().map(|s| s.name()).collect();
+                let property = if o.kind.keyword() == "edge" { "edges" } else { "faces" };
+                let _ = writeln!(out, "  {property} {}\n  scallop {scallop}", names.join(", "));
+                let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
+            }
         }
     }
 }

@@ -8,12 +8,14 @@ use crate::contract::Scope;
 use crate::diag::{Aborted, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::NurbsCurve;
+use crate::ir::design::SurfaceKind;
 use crate::ir::{
     Allowed, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program,
     RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
 };
 use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
 use crate::kin::{Carried, LinearAxis, Machine, RotaryAxis};
+use crate::method::VaneSurface;
 use crate::units::Mm;
 use nalgebra::{Point3, Vector3};
 
@@ -155,6 +157,12 @@ fn operation(spec: &model::OperationSpec) -> Operation {
         model::OperationKind::Channel { scallop, spacing, lines, method } => {
             OperationKind::Channel { scallop: *scallop, spacing: *spacing, lines: *lines, method: *method }
         }
+        model::OperationKind::Point { surfaces, scallop, lines, method } => OperationKind::Point {
+            surfaces: surfaces.iter().map(|s| vane_surface(*s)).collect(),
+            scallop: *scallop,
+            lines: *lines,
+            method: *method,
+        },
     };
     Operation {
         name: spec.name.clone(),
@@ -168,6 +176,17 @@ fn operation(spec: &model::OperationSpec) -> Operation {
         lead_out: spec.lead_out,
         rest: spec.rest,
         span: spec.span,
+    }
+}
+
+fn vane_surface(surface: VaneSurface) -> SurfaceKind {
+    match surface {
+        VaneSurface::PressureFace => SurfaceKind::Face(Side::Pressure),
+        VaneSurface::SuctionFace => SurfaceKind::Face(Side::Suction),
+        VaneSurface::PressureFillet => SurfaceKind::Fillet(Side::Pressure),
+        VaneSurface::SuctionFillet => SurfaceKind::Fillet(Side::Suction),
+        VaneSurface::InletEdge => SurfaceKind::InletEdge,
+        VaneSurface::OutletEdge => SurfaceKind::OutletEdge,
     }
 }
 

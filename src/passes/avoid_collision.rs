@@ -8,14 +8,13 @@
 use super::axis_room::AxisRoom;
 use super::axis_way;
 use super::obstacles::{Keep, Obstacles};
-use super::orient_tool::{Lean, hub_points};
+use super::orient_tool::{Lean, leaning_points};
 use super::pipeline::PassContext;
 use super::smooth_axis::no_axis;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{
-    CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program,
-};
+use crate::ir::design::SurfaceKind;
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program};
 use crate::method::AxisMethod;
 use rayon::prelude::*;
 
@@ -37,8 +36,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
         let operation = &cx.program.operations[planned.operation];
         let (program, obstacles) = (cx.program, cx.obstacles);
-        if let OperationKind::Channel { method: method @ (AxisMethod::Corridor | AxisMethod::Xu), .. } = operation.kind
-        {
+        if let Some(method @ (AxisMethod::Corridor | AxisMethod::Xu)) = operation.kind.axis_method() {
             failed |= clear_axes(cx, operation, method, planned, oriented).is_err();
             continue;
         }
@@ -61,7 +59,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .map(|(i, (cc, cl))| {
                 let lean = work.step(first[i % per_sector.max(1)])?;
                 let points = if leans(operation, cc) {
-                    hub_points(program, operation, cc, Lean::Away(lean.to_radians()))
+                    leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))
                 } else {
                     cl.points.clone()
                 };
@@ -106,8 +104,8 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
 
 /// True when a pass leans away from walls as far as it needs.
 fn leans(operation: &Operation, cc: &CcPass) -> bool {
-    let along = matches!(operation.kind, OperationKind::Channel { method: AxisMethod::Ruling, .. });
-    cc.drive == Drive::Hub && !along
+    let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
+    matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
 }
 
 /// Chooses clear axes for all passes of an operation.
@@ -174,21 +172,34 @@ fn clearing_lean(
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
-    let on_hub = leans(operation, cc);
+    let leaning = leans(operation, cc);
+    let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
+    let lack = |p: &ClPoint| {
+        let ball = solid.cutter.ends_in_ball();
+        // Where the ball touches an edge nothing of the part comes near its side.
+        let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge | SurfaceKind::OutletEdge));
+        let beside = on_vane && !(ball && edge);
+        let inside = if beside { obstacles.contact_lack(solid, &p.tip, &p.axis, &keep) } else { None };
+        let side_free = leaning && ball;
+        let body = obstacles.body_lack(solid, &p.tip, &p.axis, &keep, side_free);
+        inside.into_iter().chain(body).reduce(f64::min)
+    };
     let worst = |points: &[ClPoint]| {
         points
             .iter()
             .enumerate()
-            .filter_map(|(i, p)| obstacles.body_lack(solid, &p.tip, &p.axis, &keep, on_hub).map(|d| (i, d)))
+            .filter_map(|(i, p)| lack(p).map(|d| (i, d)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(i, lack)| (i, lack + keep.clearance))
     };
-    if !on_hub {
+    if !leaning {
         return worst(points).map_or(Ok(0.0), Err);
     }
     let mut last = (0, 0.0);
-    for lean in LEANS {
-        match worst(&hub_points(program, operation, cc, Lean::Away(lean.to_radians()))) {
+    // On the arc of a barrel, and not on its tip.
+    let end = if on_vane { solid.cutter.barrel_angle() } else { None };
+    for lean in LEANS.into_iter().filter(|lean| end.is_none_or(|end| *lean > 0.0 && lean.to_radians() < end)) {
+        match worst(&leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))) {
             None => return Ok(lean),
             Some(miss) => last = miss,
         }

@@ -41,6 +41,8 @@ pub(super) struct AxisRoom<'a> {
     solid: &'a ToolSolid,
     /// Distances of side of the cutter, shank and holder, mm.
     asked: [f64; 3],
+    /// Largest angle between tool axis and axis of the table that the travel of A has, radians.
+    most_tilt: f64,
 }
 
 impl<'a> AxisRoom<'a> {
@@ -52,7 +54,10 @@ impl<'a> AxisRoom<'a> {
             bounds.reduce(f64::max).unwrap_or(program.clearance.get())
         };
         let solid = &program.tools[operation.tool].solid;
-        Self { obstacles, solid, asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)] }
+        let tilt = &program.machine.tilt;
+        // A pass may run on either branch of A.
+        let most_tilt = tilt.max.max(-tilt.min);
+        Self { obstacles, solid, asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)], most_tilt }
     }
 
     /// Distances asked of the side of the cutter, shank and holder, mm.
@@ -77,10 +82,12 @@ impl<'a> AxisRoom<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within an angle of this one is clear with the ball at a place, with `margin` to spare.
+    /// True when every axis within an angle of this one is within travel and clear with the ball at a place, with `margin`
+    /// to spare.
     pub(super) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
-        self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
+        axis.x.hypot(axis.y).atan2(axis.z) + cap <= self.most_tilt
+            && self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
     }
 
     /// True when the tool is clear over a whole piece of motion.
@@ -173,7 +180,7 @@ impl<'a> AxisRoom<'a> {
 
     fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
         // A smaller ball would stand lower over the same contact: this asks of the upper part of the tool only.
-        let room = AxisRoom { obstacles: self.obstacles, solid, asked: self.asked };
+        let room = AxisRoom { solid, ..*self };
         around(middle).any(|d| room.clear(centre, &d, 0.0, 0.0))
     }
 }

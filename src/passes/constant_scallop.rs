@@ -74,7 +74,7 @@ pub(super) fn tracks(
         }
     }
     let seam: Vec<[f64; 2]> = (0..x.len()).map(|i| seam_at(&first, &second, i)).collect();
-    let turn: Vec<f64> = x.iter().map(|x| TURN / metric.lengths(*x)[1]).collect();
+    let turn: Vec<f64> = x.iter().zip(&seam).map(|(x, s)| TURN / metric.form(*x, s[1])[1]).collect();
     let mut sides: [Vec<Track>; 2] = [Vec::new(), Vec::new()];
     for ((side, family), along_seam) in sides.iter_mut().zip([&first, &second]).zip([true, false]) {
         for (k, front) in family.fronts.iter().step_by(2).enumerate() {
@@ -125,7 +125,7 @@ impl Family {
                 .stations()
                 .enumerate()
                 .filter(|(i, _)| open[*i])
-                .map(|(i, x)| self.sign * (back[i] - half[i]) * metric.lengths(x)[1])
+                .map(|(i, x)| self.sign * (back[i] - half[i]) * metric.form(x, half[i])[1])
                 .fold(0.0, f64::max);
             if lack < 0.5 * COVER || ahead <= 0.0 {
                 break;

@@ -67,7 +67,7 @@ impl<'a> Roughing<'a> {
             | OperationKind::Expand { depth, allowance_vane, allowance_hub, .. } => {
                 (depth, allowance_vane, allowance_hub)
             }
-            OperationKind::Flank { .. } | OperationKind::Channel { .. } => return None,
+            OperationKind::Flank { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => return None,
         };
         Some(Self {
             chart: Chart::new(&program.part),

@@ -10,6 +10,10 @@ mod constant_scallop;
 mod flank_sweep;
 mod layers;
 mod obstacles;
+mod spiral;
+mod surface_lines;
+mod vane_axis;
+mod vane_ground;
 
 pub mod assign_feeds;
 pub mod avoid_collision;
@@ -22,6 +26,7 @@ pub mod plan_channel;
 pub mod plan_expand;
 pub mod plan_flank;
 pub mod plan_groove;
+pub mod plan_point;
 pub mod rest_machining;
 pub mod sample_to_tolerance;
 pub mod scallop;

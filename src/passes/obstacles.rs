@@ -47,6 +47,9 @@ fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
     (Cloud::new(points), spacing * FRAC_1_SQRT_2)
 }
 
+/// A cutter that is less than this inside of a sample touches it, mm.
+const TOUCHES: f64 = 2e-4;
+
 /// Margin of a cutter.
 fn margin(solid: &ToolSolid) -> f64 {
     if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
@@ -146,6 +149,17 @@ impl Obstacles {
         let (vane, body) = (keep.vane + margin(solid), keep.clearance + EDGE_MARGIN);
         let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
         self.walls.nearest(tip, axis, lack, 0.0).is_none()
+    }
+
+    /// How far a tool that touches the part where it is to cut is from its distances, where one is lacking: shank and
+    /// holder from their clearance; the cutter itself must not be inside of the part.
+    pub fn contact_lack(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> Option<f64> {
+        let lack = |rho: f64, s: f64| {
+            (solid.body_distance(rho, s) - keep.clearance).min(solid.cutter_distance(rho, s) + TOUCHES)
+        };
+        let walls = self.walls.nearest(tip, axis, lack, 0.0).map(|x| x.0);
+        let hub = self.hub.nearest(tip, axis, lack, 0.0).map(|x| x.0);
+        walls.into_iter().chain(hub).reduce(f64::min)
     }
 
     /// How far shank and holder are from their clearance to the part, where that is lacking; with `side_free` also the

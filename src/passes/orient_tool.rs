@@ -5,10 +5,12 @@
 use super::chart::Chart;
 use super::layers::Roughing;
 use super::pipeline::PassContext;
+use super::vane_axis::{VaneAxis, tip_at};
 use crate::diag::Aborted;
 use crate::geom::DualCurve;
 use crate::ir::{
-    CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program, Side,
+    CcOperation, CcPass, CcPlan, CcPoint, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind,
+    Program, Side,
 };
 use crate::method::{AxisMethod, Flank, FlankMethod};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -44,7 +46,9 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),
                 },
-                Drive::Hub => hub_points(program, operation, pass, lean(operation)),
+                Drive::Hub | Drive::Contact(_) | Drive::Round => {
+                    leaning_points(program, operation, pass, lean(operation))
+                }
             },
         })
         .map(|pass| work.step(pass))
@@ -123,10 +127,11 @@ fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: S
     points
 }
 
-/// How the axes of channel finishing stand to the rulings.
+/// How the axes of channel finishing and point milling stand to the rulings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Lean {
-    /// Outward as far as the pole of the rotary axes needs, and away from the nearer wall by an angle at the wall.
+    /// Outward as far as the pole of the rotary axes needs, and away from the nearer wall by an angle at the wall; at a
+    /// contact of a vane by that angle off its face.
     Away(f64),
     /// Not at all.
     Along,
@@ -135,14 +140,45 @@ pub(super) enum Lean {
 /// How axes stand before anything is avoided.
 fn lean(operation: &Operation) -> Lean {
     match operation.kind {
-        OperationKind::Channel { method: AxisMethod::Ruling, .. } => Lean::Along,
+        _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => Lean::Along,
+        OperationKind::Point { .. } => Lean::Away(FIRST_TILT),
         _ => Lean::Away(0.0),
     }
 }
 
+/// Tilt off a face before anything is avoided, radians: the twist of a vane has some room behind it.
+const FIRST_TILT: f64 = 0.25;
+
+/// Stations of a pass whose axes lean by a lean.
+pub(super) fn leaning_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
+    match pass.drive {
+        Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, lean)),
+        Drive::Round => vane_points(program, operation, pass, |axes, p| axes.round(p.w, p.u, p.v, lean)),
+        _ => hub_points(program, operation, pass, lean),
+    }
+}
+
+/// Point milling of a vane: the rounded part of the cutter stands on the contact.
+fn vane_points(
+    program: &Program,
+    operation: &Operation,
+    pass: &CcPass,
+    axis: impl Fn(&VaneAxis<'_>, &CcPoint) -> Vector3<f64>,
+) -> Vec<ClPoint> {
+    let turn = program.part.sector_rotation(pass.sector);
+    let cutter = &program.tools[operation.tool].solid.cutter;
+    let axes = VaneAxis::new(&program.part);
+    let at = |p: &CcPoint| {
+        let axis = turn * axis(&axes, p);
+        let tip = tip_at(cutter, &p.position, &p.normal, &axis)?;
+        Some(ClPoint { tip, axis, contact: Some(p.position) })
+    };
+    pass.points.iter().filter_map(at).collect()
+}
+
 /// Channel finishing: the ball stands on the hub; the axis blends the rulings of both walls, and leans away from the
 /// nearer wall by `lean` at the wall, less towards the middle.
-pub(super) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
+fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
     let part = &program.part;
     let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();

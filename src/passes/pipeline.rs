@@ -3,7 +3,8 @@
 use super::layers::Roughing;
 use super::{
     Obstacles, assign_feeds, avoid_collision, fit_curves, link_moves, orient_tool, plan_channel, plan_expand,
-    plan_flank, plan_groove, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics, time_feeds,
+    plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics,
+    time_feeds,
 };
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
@@ -55,6 +56,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
     ("plan-groove", "one line in the middle of each channel, layer by layer", "opens the channel for all others"),
     ("plan-expand", "inverted V lines on both sides of the groove", "needs the level that the groove reached"),
     ("plan-flank", "bands along the rulings of the vane faces", "drive surfaces only, no axis yet"),
+    ("plan-point", "lines of constant scallop on vane faces and fillets", "drive surfaces only, no axis yet"),
     ("plan-channel", "streamlines on the hub between the fillets", "drive surfaces only, no axis yet"),
     ("orient-tool", "tip and axis of every station", "first value with an axis"),
     ("avoid-collision", "axes turned until tool, shank and holder are clear", "needs axes; before anything is thinned"),
@@ -162,6 +164,7 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
                 plan
             }),
             OperationKind::Flank { .. } => plan_flank::plan(cx, id, operation),
+            OperationKind::Point { .. } => plan_point::plan(cx, id, operation),
             OperationKind::Channel { .. } => plan_channel::plan(cx, id, operation),
         };
         match planned {

@@ -6,16 +6,16 @@
 //! least that keeps the scallop height at the widest place by the exact law with the curvature of the hub across the
 //! line.
 
-use super::constant_scallop::tracks;
 use super::pipeline::{PassContext, check_points};
 use super::plan_flank::STATIONS;
 use super::scallop;
+use super::surface_lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
-use crate::method::{Lines as Order, Spacing};
+use crate::method::Spacing;
 use nalgebra::Vector2;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use std::f64::consts::TAU;
 
 /// Where the ball that rolls in the fillet touches the hub: (u of the hub, azimuth), ascending in u.
 type Contact = Vec<[f64; 2]>;
@@ -48,17 +48,49 @@ impl Floor<'_> {
     }
 }
 
-/// Places along the meridian, and the lengths of the leads at inlet and outlet, mm, of lines that are cut in one
-/// direction.
-struct Direction {
-    grid: Vec<f64>,
-    leads: [f64; 2],
-}
+impl Ground for Floor<'_> {
+    fn name(&self) -> String {
+        "channel".to_owned()
+    }
 
-/// Lines in channel 0, from inlet to outlet, with what is worth telling about them.
-struct Lines {
-    lines: Vec<Vec<CcPoint>>,
-    notes: Vec<String>,
+    fn walls(&self, x: f64) -> (f64, f64) {
+        self.walls(x)
+    }
+
+    fn contact(&self, x: f64, y: f64, share: f64) -> CcPoint {
+        self.point(x, share, y)
+    }
+
+    fn speed(&self, x: f64, _y: f64, slope: f64) -> f64 {
+        let m = self.part.hub.meridian(x);
+        m.first.norm().hypot(m.point.x * slope)
+    }
+
+    /// Along and across the meridian, the principal directions, it has the exact step.
+    fn metric(&self, height: f64) -> BandMetric {
+        let hub = &self.part.hub;
+        // Until the ball has left the edges behind, but well before the axis.
+        let beyond = [0.0, 1.0].map(|u| {
+            let m = hub.meridian(u);
+            self.radius.min(0.5 * m.point.x) / m.first.norm()
+        });
+        BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| {
+            let m = hub.meridian(u);
+            let [along, across] = self.steps(u, height);
+            [m.first.norm() / along, m.point.x / across]
+        })
+    }
+
+    fn least_length(&self, height: f64) -> f64 {
+        (0..STATIONS)
+            .map(|i| {
+                let u = (i as f64 + 0.5) / STATIONS as f64;
+                let m = self.part.hub.meridian(u);
+                let [along, across] = self.steps(u, height);
+                m.first.norm() * m.point.x * self.walls(u).1 / along.max(across) / STATIONS as f64
+            })
+            .sum()
+    }
 }
 
 /// Plans a channel operation.
@@ -88,39 +120,13 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     };
     let floor = Floor { part, radius, walls: [first, second] };
     check_fit(cx, operation, &floor)?;
-    // Hub parameters from before the inlet to behind the outlet.
-    let speed = |u: f64| part.hub.meridian(u).first.norm();
-    // Dense until the ball has left hub and edges behind, as it does beyond both ends of the contact lines; then the
-    // leads.
-    let beyond = [radius / speed(0.0), radius / speed(1.0)];
-    let whole = 1.0 + beyond[0] + beyond[1];
-    let leads = [operation.lead_in.get(), operation.lead_out.get()];
-    let grid = |at_inlet: f64, at_outlet: f64| {
-        let (from, to) = (-at_inlet / speed(0.0), 1.0 + at_outlet / speed(1.0));
-        let mut grid: Vec<f64> =
-            (0..=STATIONS).map(|i| i as f64 / STATIONS as f64 * whole - beyond[0]).chain([0.0, 1.0]).collect();
-        grid.retain(|u| *u > from && *u < to);
-        grid.extend([from, to]);
-        grid.sort_by(f64::total_cmp);
-        grid.dedup();
-        grid
-    };
-    let there = Direction { grid: grid(leads[0], leads[1]), leads };
-    // Backwards the lead into the cut is at the outlet.
-    let back = Direction { grid: grid(leads[1], leads[0]), leads: [leads[1], leads[0]] };
-    let directions = match order {
-        Order::Zigzag => [&there, &back],
-        Order::OneWay => [&there, &there],
-    };
+    let speed = [0.0, 1.0].map(|u| part.hub.meridian(u).first.norm());
+    let directions = surface_lines::directions(operation, radius, speed, order);
     let Lines { mut lines, notes } = match spacing {
-        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), directions)?,
-        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, height.get(), directions)?,
+        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), &directions)?,
+        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
     };
-    if order == Order::Zigzag {
-        for line in lines.iter_mut().skip(1).step_by(2) {
-            line.reverse();
-        }
-    }
+    surface_lines::turn_back(&mut lines, order);
     let mut passes = Vec::new();
     for sector in &operation.sectors {
         let turn = part.sector_rotation(*sector);
@@ -257,7 +263,7 @@ fn equal_division(
     operation: &Operation,
     floor: &Floor<'_>,
     height: f64,
-    directions: [&Direction; 2],
+    directions: &[Direction; 2],
 ) -> Result<Lines, Aborted> {
     let grid = &directions[0].grid;
     let (part, radius) = (floor.part, floor.radius);
@@ -306,146 +312,6 @@ fn equal_division(
         place.2,
         scallop::formula_9_step(radius, height)
     )];
-    Ok(Lines { lines, notes })
-}
-
-/// Stations of the metric, less one.
-const METRIC_STATIONS: usize = 600;
-
-/// Stations of an arc on which a line begins or ends inside of the channel.
-const ARC_STATIONS: usize = 24;
-
-/// Lines as far from each other as the scallop allows, everywhere. Ridges are measured in the metric
-/// (I / R + II) / 8h of the hub, whose unit is the step in any direction: in it a ball of radius R that follows a line
-/// leaves 4h d^2 at the distance d from it. Along and across the meridian, the principal directions, it has the exact
-/// step instead.
-fn constant_scallop(
-    cx: &mut PassContext<'_>,
-    operation: &Operation,
-    floor: &Floor<'_>,
-    height: f64,
-    directions: [&Direction; 2],
-) -> Result<Lines, Aborted> {
-    let grid = &directions[0].grid;
-    let hub = &floor.part.hub;
-    // The interpolation may lift the tool by the chord; what is left is for the ridges.
-    let chord = cx.program.tolerances.chord.get();
-    let planned = height - chord.min(0.5 * height);
-    let lengths = |u: f64, h: f64| {
-        let m = hub.meridian(u);
-        let [along, across] = floor.steps(u, h);
-        [m.first.norm() / along, m.point.x / across]
-    };
-    let widest = grid.iter().map(|u| floor.walls(*u).1 * lengths(*u, planned)[1]).fold(1.0, f64::max).ceil();
-    check_points(cx, operation, widest * grid.len() as f64)?;
-    // Until the ball has left the edges behind, but well before the axis.
-    let beyond = [0.0, 1.0].map(|u| {
-        let m = hub.meridian(u);
-        floor.radius.min(0.5 * m.point.x) / m.first.norm()
-    });
-    let metric = BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| lengths(u, planned));
-    let (first, second): (Vec<f64>, Vec<f64>) = metric
-        .stations()
-        .map(|u| {
-            let (a, angle) = floor.walls(u);
-            (a, a + angle)
-        })
-        .unzip();
-    // A line that begins inside of the channel comes down on a quarter of a circle, which lifts the ball over what
-    // roughing left.
-    let quarter = |lead: f64| lead.min(FRAC_PI_4 * floor.radius) / FRAC_PI_2;
-    let arcs = directions.map(|d| d.leads.map(quarter));
-    let slowest = grid.iter().map(|u| hub.meridian(*u).first.norm()).fold(f64::INFINITY, f64::min);
-    let short = arcs[0][0].max(arcs[0][1]) / slowest;
-    let tracks = tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8);
-    let Some(tracks) = tracks else {
-        cx.sink.push(
-            Diag::error(planning::TOO_FINE, format!("the lines of `{}` do not fill the channel", operation.name))
-                .label(operation.span, "this operation steps too finely")
-                .help("a bigger `scallop`"),
-        );
-        return Err(Aborted);
-    };
-    let last = tracks.len() - 1;
-    // A station next to an end would give its piece any direction.
-    let apart = 0.5 / STATIONS as f64;
-    let mut length = 0.0;
-    let mut lines: Vec<Vec<CcPoint>> = Vec::with_capacity(tracks.len());
-    for (j, track) in tracks.iter().enumerate() {
-        let (grid, arcs) = (&directions[j % 2].grid, arcs[j % 2]);
-        let at = |u: f64| {
-            let (a, angle) = floor.walls(u);
-            match j {
-                0 => a,
-                _ if j == last => a + angle,
-                _ => metric.at(&track.azimuth, u),
-            }
-        };
-        let point = |u: f64| {
-            // The share stays on the leads.
-            let inside = u.clamp(0.0, 1.0);
-            let (a, angle) = floor.walls(inside);
-            floor.point(u, ((at(inside) - a) / angle).clamp(0.0, 1.0), at(u))
-        };
-        let [from, to] = track.range;
-        let ends = [from, to].into_iter().filter(|u| u.is_finite());
-        let within = |u: &f64| from + apart < *u && *u < to - apart;
-        let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let on_hub: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
-        let inside = |p: &CcPoint| (0.0..=1.0).contains(&p.u);
-        length += on_hub
-            .windows(2)
-            .filter(|pair| pair.iter().all(inside))
-            .map(|pair| (pair[1].position - pair[0].position).norm())
-            .sum::<f64>();
-        // From the end of a line, `back` along it and lifted.
-        let arc = |end: f64, radius: f64, direction: f64| {
-            let m = hub.meridian(end);
-            let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
-            let speed = m.first.norm().hypot(m.point.x * turn);
-            (1..=ARC_STATIONS).map(move |i| {
-                let (sin, cos) = (FRAC_PI_2 * i as f64 / ARC_STATIONS as f64).sin_cos();
-                (end + direction * radius * sin / speed, radius * (1.0 - cos))
-            })
-        };
-        let lifted = |(u, lift): (f64, f64)| {
-            let p = point(u);
-            CcPoint { position: p.position + p.normal * lift, ..p }
-        };
-        let mut line: Vec<CcPoint> = Vec::new();
-        if from.is_finite() && arcs[0] > 0.0 {
-            line.extend(arc(from, arcs[0], -1.0).map(lifted));
-            line.reverse();
-        }
-        line.extend(on_hub);
-        if to.is_finite() && arcs[1] > 0.0 {
-            line.extend(arc(to, arcs[1], 1.0).map(lifted));
-        }
-        lines.push(line);
-    }
-    // No lines could be shorter: each point takes the larger of the steps in its two principal directions.
-    let least: f64 = (0..STATIONS)
-        .map(|i| {
-            let u = (i as f64 + 0.5) / STATIONS as f64;
-            let m = hub.meridian(u);
-            let [along, across] = floor.steps(u, height);
-            m.first.norm() * m.point.x * floor.walls(u).1 / along.max(across) / STATIONS as f64
-        })
-        .sum();
-    let partial = tracks.iter().filter(|t| t.range[0].is_finite() || t.range[1].is_finite()).count();
-    let notes = vec![
-        format!(
-            "{} lines a channel, {partial} of them only where it is wide, for a scallop of {height:.4} mm, of which {:.4} mm is left to the chord",
-            lines.len(),
-            height - planned
-        ),
-        format!(
-            "{length:.1} mm of contact a channel, {:.1} % over the lower bound {least:.1} mm (area over the larger step)",
-            100.0 * (length / least - 1.0)
-        ),
-    ];
     Ok(Lines { lines, notes })
 }
 

@@ -32,7 +32,13 @@ pub(super) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
             OperationKind::Flank { .. } => {
                 vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
             }
-            OperationKind::Channel { .. } => vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)],
+            // The arc of a barrel and the corner of a bull nose cut off the axis: a turn moves them.
+            OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
+                vec![(0.0, fine), (solid.flute_length, fine)]
+            }
+            OperationKind::Channel { .. } | OperationKind::Point { .. } => {
+                vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
+            }
             OperationKind::Groove { .. } | OperationKind::Expand { .. } => {
                 vec![(0.0, coarse), (solid.flute_length, coarse)]
             }

@@ -9,7 +9,7 @@
 use super::axis_room::AxisRoom;
 use super::pipeline::PassContext;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint, OperationKind};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
 use crate::kin::{inverse, transform::axis_at};
 use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
@@ -55,7 +55,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     let mut failed = false;
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
         let operation = &program.operations[planned.operation];
-        if !matches!(operation.kind, OperationKind::Channel { method: AxisMethod::Corridor, .. }) {
+        if operation.kind.axis_method() != Some(AxisMethod::Corridor) {
             continue;
         }
         let room = AxisRoom::new(program, cx.obstacles, operation);

@@ -120,7 +120,8 @@ pub fn certify_with(
     }
     let samples = design::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let surfaces = surface::certify(&program.part, &sweeps, SPACING, &limits(program), progress);
+    let surfaces =
+        surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let blank = Cloud::new(stock_points(program));
     let search = search(program);
@@ -191,7 +192,14 @@ impl measure::Narrow for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
-        surface::certify(&self.program.part, &sweeps, SPACING, &limits(self.program), self.progress)
+        surface::certify(
+            &self.program.part,
+            self.program.finishes_edges(),
+            &sweeps,
+            SPACING,
+            &limits(self.program),
+            self.progress,
+        )
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {

@@ -15,7 +15,7 @@ use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
 use super::grid::{Grid, Surface};
 use super::sweep::{At, Sweep};
 use crate::ir::Part;
-use crate::ir::chart::{Patch, Shape, charts};
+use crate::ir::chart::{self, Patch, Shape, charts};
 use crate::ir::design::SurfaceId;
 use crate::progress::Progress;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -96,15 +96,19 @@ pub struct PatchCorners {
     pub values: Vec<f32>,
 }
 
-/// Figures of all milled surfaces, in the order of surfaces.
+/// Figures of all milled surfaces, with the edges of the vanes where these are milled, in the order of surfaces.
 pub fn certify(
     part: &Part,
+    edges: bool,
     sweeps: &[Sweep<'_>],
     spacing: f64,
     limits: &Limits,
     progress: &Progress,
 ) -> Vec<SurfaceReport> {
-    let charts = charts(part);
+    let mut charts = charts(part);
+    if edges {
+        charts.extend(chart::edges(part));
+    }
     let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
     let mut surfaces: Vec<(&[Grid], Surface<'_>)> = Vec::new();
     for sector in 0..part.vane_count {

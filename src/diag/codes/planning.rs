@@ -29,16 +29,21 @@ Way out: take the operation out, or give a smaller thickness. The stock that is 
         "To see a rest of the given thickness under the rounding of the cutter, the stock is simulated in cells whose size \
 follows from both: sqrt(2 R t) for a radius R and a thickness t. On a large part with a small cutter these would be more than \
 memory can hold.\n\nWay out: a bigger thickness after `rest over`, or no rest machining in this operation.";
-    TOO_HOLLOW = "IMP0408", "the ball is bigger than the hollow of the hub",
-        "Where the hub is hollow, a ball that is rounder than the hollow touches it only where it should. A bigger one \
+    TOO_HOLLOW = "IMP0408", "the cutter is bigger than the hollow of a surface",
+        "Where hub or face is hollow, a ball that is rounder than the hollow touches it only where it should. A bigger one \
 rests on both sides of the line that it is to cut, and cuts there.\n\nExample: a meridian that turns from axial to \
 radial over 2 mm, with a ball of 6 mm diameter.\n\n\
-Way out: the help line gives the diameter to stay below; or a hub without the sharp turn.";
+Way out: the help line gives the diameter to stay below; or a surface without the sharp turn.";
     NOT_FLANK_MILLABLE = "IMP0409", "the side of the cutter does not fit the face",
         "`method minimax` finds the axis path whose swept envelope comes nearest to a band of the face. Even that leaves \
 more than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one band with a 10 mm cutter on \
 a vane whose normal turns by 33 deg along its rulings, and `require gouge <= 1 um`.\n\n\
 Way out: more bands (the error falls with the cube of their height); a smaller cutter (it falls with the radius), of which \
 the help line names the largest that would do, found by the same search; wider contracts on this face; or point milling.";
+    NO_FILLET_TO_FINISH = "IMP0410", "no fillet to finish",
+        "`operation fillet` finishes the fillets between vanes and hub by lines of a ball that is not bigger than they are. \
+The part declares none, or its faces and hub have no room for the ball that would roll between them.\n\n\
+Example: `operation fillet` on a part with a sharp root.\n\n\
+Way out: declare the fillet, `fillet 3 mm`, or take the operation out.";
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }
