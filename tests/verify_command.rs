@@ -87,12 +87,13 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     let dialect = "linuxcnc";
     let original = text(dialect);
     let lines: Vec<&str> = original.lines().collect();
-    // The flank operation's retract out of its first pass: from there the rapid is moved onto the axis of the part.
+    // The flank operation's retract out of its first pass: from there the rapid is moved onto the axis of the part, with the
+    // shank among the vanes.
     let start = line_of(&original, "(flank)");
     let index =
         (start..lines.len()).find(|i| lines[*i].starts_with("G0 X") && lines[*i - 1].starts_with("G1 X")).unwrap();
     let mut changed: Vec<String> = lines.iter().map(|l| (*l).to_owned()).collect();
-    changed[index] = "G0 X0 Y0 Z-45".to_owned();
+    changed[index] = "G0 X0 Y0 Z-30".to_owned();
     let nc = edited(&(changed.join("\n") + "\n"));
     let (ok, out, err) = verify(&nc.path, dialect, &["--error-format", "json"]);
     assert!(!ok);
