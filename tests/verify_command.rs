@@ -87,11 +87,11 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     let dialect = "linuxcnc";
     let original = text(dialect);
     let lines: Vec<&str> = original.lines().collect();
-    // The flank operation's retract out of its first pass: from there the rapid is moved onto the axis of the part, with the
-    // shank among the vanes.
+    // The end of the way over the sphere after the first pass of the flank operation: it is moved into the part, so that the
+    // rapid hits the stock, and the link after it goes with the shank among the vanes.
     let start = line_of(&original, "(flank)");
-    let index =
-        (start..lines.len()).find(|i| lines[*i].starts_with("G0 X") && lines[*i - 1].starts_with("G1 X")).unwrap();
+    let is = |i: usize, word: &str| lines[i].starts_with(word);
+    let index = (start..lines.len()).find(|i| is(i - 1, "G0 X") && is(*i, "G0 X") && is(i + 1, "G1 X")).unwrap();
     let mut changed: Vec<String> = lines.iter().map(|l| (*l).to_owned()).collect();
     changed[index] = "G0 X0 Y0 Z-30".to_owned();
     let nc = edited(&(changed.join("\n") + "\n"));
