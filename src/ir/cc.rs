@@ -4,7 +4,7 @@ use crate::geom::DualCurve;
 use crate::ir::design::SurfaceKind;
 use crate::ir::part::Side;
 use crate::ir::program::OperationId;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 /// Passes of all operations.
 #[derive(Clone, Debug, Default)]
@@ -75,4 +75,12 @@ pub struct CcPoint {
     pub position: Point3<f64>,
     /// Outward normal of the drive surface there.
     pub normal: Vector3<f64>,
+}
+
+impl CcPoint {
+    /// The same contact in another sector.
+    #[must_use]
+    pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
+        Self { position: turn * self.position, normal: turn * self.normal, ..*self }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::collide::ToolSolid;
 pub use crate::contract::ContractKind;
-use crate::contract::{Bound, Scope};
+use crate::contract::{Bound, Guarded, Scope};
 use crate::entity::PrimaryMap;
 use crate::entity_id;
 use crate::geom::Revolution;
@@ -306,6 +306,12 @@ pub struct PostChoice {
 }
 
 impl Program {
+    /// Largest distance to the part that contracts ask of shank or holder, mm.
+    pub fn clearance_asked(&self, body: Guarded) -> Option<f64> {
+        let asks = |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
+        self.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value()).reduce(f64::max)
+    }
+
     /// True when an operation finishes an edge of the vanes, which else the lathe does.
     pub fn finishes_edges(&self) -> bool {
         let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge | SurfaceKind::OutletEdge);

@@ -179,7 +179,7 @@ fn clearing_lean(
         // Where the ball touches an edge nothing of the part comes near its side.
         let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge | SurfaceKind::OutletEdge));
         let beside = on_vane && !(ball && edge);
-        let inside = if beside { obstacles.contact_lack(solid, &p.tip, &p.axis, &keep) } else { None };
+        let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
         let side_free = leaning && ball;
         let body = obstacles.body_lack(solid, &p.tip, &p.axis, &keep, side_free);
         inside.into_iter().chain(body).reduce(f64::min)

@@ -8,7 +8,7 @@
 
 use super::obstacles::{Ends, Obstacles};
 use crate::collide::{Section, ToolSolid};
-use crate::contract::{ContractKind, Guarded};
+use crate::contract::Guarded;
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{Operation, Program};
@@ -47,12 +47,7 @@ pub(super) struct AxisRoom<'a> {
 
 impl<'a> AxisRoom<'a> {
     pub(super) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
-        let bound = |body: Guarded| {
-            let asks =
-                |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
-            let bounds = program.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value());
-            bounds.reduce(f64::max).unwrap_or(program.clearance.get())
-        };
+        let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
         let solid = &program.tools[operation.tool].solid;
         let tilt = &program.machine.tilt;
         // A pass may run on either branch of A.

@@ -48,12 +48,8 @@ pub(super) struct Hops<'a> {
 
 impl<'a> Hops<'a> {
     pub(super) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
-        let clearance = |body: Guarded| {
-            let asks =
-                |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
-            let bounds = program.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value());
-            bounds.fold(program.clearance.get(), f64::max)
-        };
+        let least = program.clearance.get();
+        let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
         let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
         Self {
             obstacles,

@@ -151,12 +151,9 @@ impl Obstacles {
         self.walls.nearest(tip, axis, lack, 0.0).is_none()
     }
 
-    /// How far a tool that touches the part where it is to cut is from its distances, where one is lacking: shank and
-    /// holder from their clearance; the cutter itself must not be inside of the part.
-    pub fn contact_lack(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> Option<f64> {
-        let lack = |rho: f64, s: f64| {
-            (solid.body_distance(rho, s) - keep.clearance).min(solid.cutter_distance(rho, s) + TOUCHES)
-        };
+    /// How far the cutter is inside of the part, negative, where it does more than touch it.
+    pub fn cutter_inside(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> Option<f64> {
+        let lack = |rho: f64, s: f64| solid.cutter_distance(rho, s) + TOUCHES;
         let walls = self.walls.nearest(tip, axis, lack, 0.0).map(|x| x.0);
         let hub = self.hub.nearest(tip, axis, lack, 0.0).map(|x| x.0);
         walls.into_iter().chain(hub).reduce(f64::min)

@@ -147,6 +147,28 @@ pub(super) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, poin
     Err(Aborted)
 }
 
+/// Refuses a ball that is bigger than the fillet in which it is to roll, or beside which it is to stand; says why on the
+/// operation and on its tool.
+pub(super) fn check_fillet(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    [at_operation, at_tool]: [&str; 2],
+) -> Result<(), Aborted> {
+    let tool = &cx.program.tools[operation.tool];
+    let radius = tool.solid.cutter.tip_radius();
+    let Some(fillet) = cx.program.part.fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
+    cx.sink.push(
+        Diag::error(
+            planning::BALL_TOO_BIG,
+            format!("the ball of {} (radius {radius} mm) is bigger than the fillet ({fillet})", tool.name),
+        )
+        .label(operation.span, at_operation)
+        .label(tool.span, at_tool)
+        .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
+    );
+    Err(Aborted)
+}
+
 /// The `plan-*` passes, in the order of the operations. Roughing goes on from the level that earlier roughing of the
 /// same kind reached.
 fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {

@@ -6,7 +6,7 @@
 //! least that keeps the scallop height at the widest place by the exact law with the curvature of the hub across the
 //! line.
 
-use super::pipeline::{PassContext, check_points};
+use super::pipeline::{PassContext, check_fillet, check_points};
 use super::plan_flank::STATIONS;
 use super::scallop;
 use super::surface_lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop};
@@ -136,10 +136,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
                 label: format!("sector {} line {}", sector + 1, j + 1),
                 sector: *sector,
                 drive: Drive::Hub,
-                points: points
-                    .iter()
-                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
-                    .collect(),
+                points: points.iter().map(|p| p.turned(&turn)).collect(),
             });
         }
     }
@@ -183,18 +180,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
 fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>) -> Result<(), Aborted> {
     let part = floor.part;
     let tool = &cx.program.tools[operation.tool];
-    if let Some(fillet) = part.fillet.filter(|f| floor.radius > f.get() + 1e-9) {
-        cx.sink.push(
-            Diag::error(
-                planning::BALL_TOO_BIG,
-                format!("the ball of {} (radius {} mm) is bigger than the fillet ({fillet})", tool.name, floor.radius),
-            )
-            .label(operation.span, "this operation goes up to the fillets")
-            .label(tool.span, "this ball would cut into the vanes there")
-            .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
-        );
-        return Err(Aborted);
-    }
+    check_fillet(cx, operation, ["this operation goes up to the fillets", "this ball would cut into the vanes there"])?;
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let place = |u: f64| {
         let (a, angle) = floor.walls(u);

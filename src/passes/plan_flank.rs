@@ -6,7 +6,7 @@
 //! ruling by itself, and leave the axis to `orient-tool`.
 
 use super::flank_sweep::{self, NO_LACK, Sweep, Task};
-use super::pipeline::PassContext;
+use super::pipeline::{PassContext, check_fillet};
 use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
 use crate::analysis::flank_room::{SLACK, kept};
 use crate::collide::Cutter;
@@ -49,21 +49,8 @@ struct Planned {
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
-    let tool = &cx.program.tools[operation.tool];
-    let radius = tool.solid.cutter.tip_radius();
-    let rolling = part.fillet.map_or(radius, |f| f.get());
-    if radius > rolling + 1e-9 {
-        cx.sink.push(
-            Diag::error(
-                planning::BALL_TOO_BIG,
-                format!("the ball of {} (radius {radius} mm) is bigger than the fillet ({rolling} mm)", tool.name),
-            )
-            .label(operation.span, "this operation rolls the ball in the fillet")
-            .label(tool.span, "this ball leaves more material than the fillet")
-            .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * rolling)),
-        );
-        return Err(Aborted);
-    }
+    let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
+    check_fillet(cx, operation, why)?;
     let (bands, notes) = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
@@ -76,11 +63,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
                 label: format!("sector {} {} strip {}", sector + 1, band.side.name(), band.strip + 1),
                 sector: *sector,
                 drive: Drive::Face { side: band.side, strip: band.strip },
-                points: band
-                    .points
-                    .iter()
-                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
-                    .collect(),
+                points: band.points.iter().map(|p| p.turned(&turn)).collect(),
                 path: band.sweep.as_ref().map(|s| s.path.turned(&turn)),
             });
         }

@@ -132,10 +132,7 @@ pub(super) fn per_sector(cx: &PassContext<'_>, operation: &Operation, lines: &[(
                 label: format!("sector {} {label}", sector + 1),
                 sector: *sector,
                 drive: Drive::Channel,
-                points: points
-                    .iter()
-                    .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
-                    .collect(),
+                points: points.iter().map(|p| p.turned(&turn)).collect(),
             });
         }
     }

@@ -5,12 +5,12 @@
 //! the inlet, further lines begin and end on it. A ball as big as the fillet rolls along it in a single line. A spiral runs
 //! round both faces and both edges of a vane without leaving it.
 
-use super::obstacles::Keep;
-use super::pipeline::{PassContext, check_points};
+use super::orient_tool::Lean;
+use super::pipeline::{PassContext, check_fillet, check_points};
 use super::spiral::Around;
 use super::surface_lines::{self, Ground, constant_scallop};
 use super::vane_axis::{VaneAxis, tip_at};
-use super::vane_ground::{VaneGround, nominal_lean};
+use super::vane_ground::{VaneGround, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::chart::{Shape, charts, edges};
 use crate::ir::design::SurfaceKind;
@@ -28,7 +28,8 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let OperationKind::Point { ref surfaces, scallop, lines: order, .. } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let cutter = cx.program.tools[operation.tool].solid.cutter;
-    check_fillet(cx, operation, cutter.tip_radius())?;
+    let why = ["this operation goes down to the fillets, or into them", "this ball would cut into hub or vane there"];
+    check_fillet(cx, operation, why)?;
     let mut all = charts(part);
     all.extend(edges(part));
     let axes = VaneAxis::new(part);
@@ -80,10 +81,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
                     label: format!("sector {} {name} line {}", sector + 1, j + 1),
                     sector: *sector,
                     drive: *drive,
-                    points: points
-                        .iter()
-                        .map(|p| CcPoint { position: turn * p.position, normal: turn * p.normal, ..*p })
-                        .collect(),
+                    points: points.iter().map(|p| p.turned(&turn)).collect(),
                 });
             }
         }
@@ -101,8 +99,7 @@ fn spiral(
     let edges = edges(&cx.program.part);
     let low = grounds.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
     let around = Around { faces: [grounds[0], grounds[1]], edges: &edges, low };
-    let chord = cx.program.tolerances.chord.get();
-    let target = height - chord.min(0.5 * height);
+    let target = surface_lines::left_to_ridges(cx, height);
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
     let (laid, _) = surface_lines::refined(target, |planned| {
         let density = |side: usize, x: f64, y: f64| grounds[side].density(x, y, planned);
@@ -120,22 +117,6 @@ fn spiral(
         100.0 * (length / least - 1.0)
     );
     Ok((laid.points, vec![note]))
-}
-
-/// Refuses a ball that leaves more than the fillet at the root.
-fn check_fillet(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) -> Result<(), Aborted> {
-    let Some(fillet) = cx.program.part.fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
-    let tool = &cx.program.tools[operation.tool];
-    cx.sink.push(
-        Diag::error(
-            planning::BALL_TOO_BIG,
-            format!("the ball of {} (radius {radius} mm) is bigger than the fillet ({fillet})", tool.name),
-        )
-        .label(operation.span, "this operation goes down to the fillets, or into them")
-        .label(tool.span, "this ball would cut into hub or vane there")
-        .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
-    );
-    Err(Aborted)
 }
 
 fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
@@ -199,13 +180,12 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) 
         // With a fillet the chart begins where any ball that fits it may stand.
         return if part.fillet.is_some() { vec![0.0; 2] } else { stations.map(|x| height(x).unwrap_or(0.0)).collect() };
     }
-    let keep = Keep { vane: 0.0, hub: 0.0, clearance: f64::NEG_INFINITY };
     let stands = |x: f64, y: f64| {
         let place = ground.chart.place(x, y);
         let [u, v] = place.parameters;
-        let axis = ground.axes.axis(ground.chart.kind, u, v, nominal_lean(&solid.cutter));
+        let axis = ground.axes.axis(ground.chart.kind, u, v, Lean::Away(nominal_tilt(&solid.cutter)));
         let tip = tip_at(&solid.cutter, &place.position, &place.normal, &axis);
-        tip.is_some_and(|tip| cx.obstacles.contact_lack(solid, &tip, &axis, &keep).is_none())
+        tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };
     let border = |x: f64| {
         let (mut low, mut high) = (0.0, 1.0);

@@ -13,7 +13,6 @@
 
 use super::plan_flank::STATIONS;
 use super::surface_lines::{Ground, Line};
-use super::vane_axis::between;
 use crate::ir::CcPoint;
 use crate::ir::chart::{Chart, Shape};
 use nalgebra::Vector3;
@@ -138,9 +137,9 @@ impl Around<'_> {
             let place = self.edges[end].place(level, if end == 0 { across } else { 1.0 - across });
             let [from, to] = if end == 0 { [0, 1] } else { [1, 0] };
             let normal = if i < roll {
-                between(&normal_of(from, level), &place.normal, i as f64 / roll as f64)
+                normal_of(from, level).slerp(&place.normal, i as f64 / roll as f64)
             } else if i > roll + way {
-                between(&place.normal, &normal_of(to, level), (i - roll - way) as f64 / roll as f64)
+                place.normal.slerp(&normal_of(to, level), (i - roll - way) as f64 / roll as f64)
             } else {
                 place.normal
             };

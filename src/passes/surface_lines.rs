@@ -132,6 +132,11 @@ pub(super) fn turn_back(lines: &mut [Vec<CcPoint>], order: Order) {
     }
 }
 
+/// What a scallop height leaves to the ridges: the interpolation may lift the tool by the chord.
+pub(super) fn left_to_ridges(cx: &PassContext<'_>, height: f64) -> f64 {
+    height - cx.program.tolerances.chord.get().min(0.5 * height)
+}
+
 /// Lines over a surface for a ball, or a corner, of a radius.
 ///
 /// # Errors
@@ -144,9 +149,7 @@ pub(super) fn constant_scallop(
     height: f64,
     directions: &[Direction; 2],
 ) -> Result<Lines, Aborted> {
-    // The interpolation may lift the tool by the chord; what is left is for the ridges.
-    let chord = cx.program.tolerances.chord.get();
-    let target = height - chord.min(0.5 * height);
+    let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
         let lines = lay(cx, operation, ground, radius, planned, directions)?;
         let ridge = ground.highest_ridge(&lines);

@@ -58,9 +58,9 @@ impl<'a> VaneAxis<'a> {
         let share = 0.5 * round - end;
         let edge = self.off_edge(end, lean);
         if share < 0.5 {
-            between(&self.axis(from, end, v, lean), &edge, 2.0 * share)
+            self.axis(from, end, v, lean).slerp(&edge, 2.0 * share)
         } else {
-            between(&edge, &self.axis(to, end, v, lean), 2.0 * share - 1.0)
+            edge.slerp(&self.axis(to, end, v, lean), 2.0 * share - 1.0)
         }
     }
 
@@ -79,15 +79,6 @@ impl<'a> VaneAxis<'a> {
         let tilt = tilt + EDGE_TILT;
         ruling * tilt.cos() + away * tilt.sin()
     }
-}
-
-/// Unit vector a share of the way from one to another, in their plane.
-pub(super) fn between(from: &Vector3<f64>, to: &Vector3<f64>, share: f64) -> Vector3<f64> {
-    let angle = from.angle(to);
-    if angle < 1e-9 {
-        return *from;
-    }
-    (from * ((1.0 - share) * angle).sin() + to * (share * angle).sin()) / angle.sin()
 }
 
 /// Tip of a cutter with an axis that touches a contact, given with the normal out of the material, from outside. `None`

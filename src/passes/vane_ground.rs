@@ -77,7 +77,7 @@ impl VaneGround<'_> {
         }
         let place = self.chart.place(x.clamp(0.0, 1.0), y);
         let [u, v] = place.parameters;
-        let axis = self.axes.axis(self.chart.kind, u, v, nominal_lean(&self.cutter));
+        let axis = self.axes.axis(self.chart.kind, u, v, Lean::Away(nominal_tilt(&self.cutter)));
         let sin = axis.dot(&place.normal).clamp(-1.0, 1.0);
         let Some(profile) = self.cutter.profile_at(sin.asin()) else { return at.first };
         let along = (axis - place.normal * sin).normalize();
@@ -91,10 +91,7 @@ impl VaneGround<'_> {
 
     /// Radius of the profile at the contacts.
     fn bend(&self) -> f64 {
-        match nominal_lean(&self.cutter) {
-            Lean::Away(lean) => self.cutter.profile_at(lean).map_or(0.0, |p| p.bend),
-            Lean::Along => self.cutter.tip_radius(),
-        }
+        self.cutter.profile_at(nominal_tilt(&self.cutter)).map_or(0.0, |p| p.bend)
     }
 
     /// Ridges in steps: (I / R + II) / 8h, with the second term of the exact law for a flat.
@@ -168,7 +165,7 @@ fn around(line: &[Pose], x: f64) -> Option<&[Pose]> {
 
 impl VaneGround<'_> {
     fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<Pose> {
-        let axis = self.axes.axis(self.chart.kind, p.u, p.v, nominal_lean(&self.cutter));
+        let axis = self.axes.axis(self.chart.kind, p.u, p.v, Lean::Away(nominal_tilt(&self.cutter)));
         let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
         Some(Pose { x: *x, contact: p.position, tip, axis })
     }
@@ -230,9 +227,9 @@ fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> f64 {
     SymmetricEigen::new(root * form * root.transpose()).eigenvalues.min()
 }
 
-/// Lean for which lines are laid: that of a barrel decides which radius cuts.
-pub(super) fn nominal_lean(cutter: &Cutter) -> Lean {
-    Lean::Away(cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end))
+/// Tilt off the surface for which lines are laid, radians: that of a barrel decides which radius cuts.
+pub(super) fn nominal_tilt(cutter: &Cutter) -> f64 {
+    cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end)
 }
 
 impl Ground for VaneGround<'_> {
