@@ -1,6 +1,7 @@
 //! Facts about the paper's impeller, and what the tools of a job reach in it.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]
 
 mod support;
 
@@ -10,6 +11,7 @@ use impellerc::diag::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
+use impellerc::ir::design::SurfaceKind;
 use impellerc::ir::{Contract, ContractKind, Guides, OperationKind, Part, Program, RulingEnd, Side};
 use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::source::{SourceId, Span};
@@ -282,6 +284,85 @@ fn a_finisher_that_does_not_fit_is_an_error() {
     let (_, diags) = check(&program);
     assert_eq!(errors(&diags).len(), 1, "{diags:?}");
     assert!(errors(&diags)[0].message.contains("14 mm ball"));
+}
+
+const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(Side::Pressure), SurfaceKind::Face(Side::Suction)];
+const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(Side::Pressure), SurfaceKind::Fillet(Side::Suction)];
+
+/// What is said of point milling some surfaces of a part with a cutter.
+fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Facts, Vec<Diag>) {
+    let mut program = program(None, &[]);
+    program.part = part.clone();
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let id = program.tools.push(tool("t", 1, cutter, 30.0, 45.0));
+    let kind = OperationKind::Point {
+        surfaces: surfaces.to_vec(),
+        scallop: Mm(0.01),
+        lines: Lines::Zigzag,
+        method: AxisMethod::Blend,
+    };
+    program.operations.push(operation(kind.keyword(), kind, id, vec![0], 8.0));
+    check(&program)
+}
+
+#[test]
+fn point_milling_asks_for_no_floor() {
+    // Fillets that meet in the middle of the channel: balls that finish the floor have no room there at all.
+    let part = wei_part(Some(7.0));
+    let (_, diags) = check(&program(Some(7.0), &[]));
+    assert!(errors(&diags)[0].message.contains("too large to finish the channel"), "{diags:?}");
+    for surfaces in [FACES, FILLETS] {
+        let (facts, diags) = pointed(&part, Cutter::Ball { radius: 3.0 }, &surfaces);
+        assert!(facts.reaches.is_empty() && facts.beside[0].fits && errors(&diags).is_empty(), "{diags:?}");
+    }
+    // Nor does a corner of a wide bull nose care, or anything that stands before an edge.
+    let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };
+    assert!(errors(&pointed(&wei_part(Some(3.0)), bull, &FACES).1).is_empty());
+    let edges = [SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let (facts, diags) = pointed(&part, Cutter::Ball { radius: 20.0 }, &edges);
+    assert!(facts.beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
+}
+
+#[test]
+fn a_ball_that_meets_the_next_vane_is_told() {
+    // Between parallel walls 20 mm apart a ball of 10 mm touches both; none is bigger than the fillet that it goes down to.
+    for (fillet, surfaces, expected) in [(None, FACES, 10.0), (Some(3.0), FACES, 3.0), (Some(3.0), FILLETS, 3.0)] {
+        let largest = pointed(&straight_part(fillet), Cutter::Ball { radius: 2.0 }, &surfaces).0.beside[0].largest;
+        assert!((largest - expected).abs() < 0.011, "{fillet:?} {largest}");
+    }
+    // On the paper's part the largest is the border, by another search: over all points of the next face.
+    let part = wei_part(None);
+    let ball = |radius: f64| pointed(&part, Cutter::Ball { radius }, &FACES);
+    let (facts, diags) = ball(9.0);
+    let told = errors(&diags);
+    assert!(told.len() == 1 && !facts.beside[0].fits, "{diags:?}");
+    assert!(told[0].code.id() == "IMP0450" && told[0].place.as_ref().unwrap().what.contains("vane 1"), "{:?}", told[0]);
+    let largest = facts.beside[0].largest;
+    assert!(told[0].help.as_ref().unwrap().contains(&format!("{largest} mm")), "{:?}", told[0]);
+    assert!(ball(largest).0.beside[0].fits && !ball(largest + 0.02).0.beside[0].fits, "{largest}");
+    let face = |side: Side| part.face(side);
+    let turn = if part.first_wall == Side::Pressure { part.pitch() } else { -part.pitch() };
+    let next = face(Side::Suction).surface.rotated(turn);
+    let points: Vec<Point3<f64>> = (0..=300)
+        .flat_map(|i| (0..=100).map(move |j| [f64::from(i) / 300.0, f64::from(j) / 100.0]))
+        .map(|[u, v]| next.point(u, v))
+        .collect();
+    let mut least = f64::INFINITY;
+    for i in 0..=60 {
+        let u = f64::from(i) / 60.0;
+        for j in 0..=8 {
+            let v = f64::from(j) / 8.0;
+            let (p, n) = (face(Side::Pressure).surface.point(u, v), face(Side::Pressure).normal(u, v));
+            // The ball through a point of the next face; balls that cut into the hub are none.
+            let room = points.iter().map(|q| (q - p).norm_squared() / (2.0 * (q - p).dot(&n)));
+            let room = room.filter(|r| *r > 0.0).fold(f64::INFINITY, f64::min);
+            if part.hub.distance(&(p + n * largest)) > largest {
+                least = least.min(room);
+            }
+        }
+    }
+    println!("{largest} {least}");
+    assert!(least > largest - 0.01 && least < largest + 0.5, "{largest} {least}");
 }
 
 /// The job as the paper has it: one error, told under the tool, and nothing written.

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 /// Snapshots of this file, by folder.
 const GOLDENS: &[(&str, &[&str])] = &[
     ("reduced", &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "bytes"]),
+    ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
     ("wei2021", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
 ];
 
@@ -27,7 +28,8 @@ fn check(job: &str, name: &str, text: &str) {
 }
 
 fn options(job: &str, emit: Option<Emit>) -> Options {
-    Options { job: PathBuf::from(format!("jobs/{job}/{job}.imp")), emit, ..Options::default() }
+    let folder = if job == "point" { "small" } else { job };
+    Options { job: PathBuf::from(format!("jobs/{folder}/{job}.imp")), emit, ..Options::default() }
 }
 
 fn emitted(job: &str, emit: Emit) -> String {
@@ -94,10 +96,10 @@ fn reduced_job_is_the_same_on_one_thread_and_on_two() {
     assert!(texts[0] == texts[1]);
 }
 
-#[test]
-fn whole_job_in_short() {
-    let c = compiled("wei2021");
-    check("wei2021", "ir", &print::program(&c.program));
+/// The longer jobs: their plan by its notes, the ends of their NC texts and what a hash says of the rest.
+fn in_short(job: &str) {
+    let c = compiled(job);
+    check(job, "ir", &print::program(&c.program));
     let mut plan = String::new();
     for operation in &c.plan.cl.operations {
         let name = &c.program.operations[operation.operation].name;
@@ -106,8 +108,8 @@ fn whole_job_in_short() {
             plan.push_str(&format!("  {note}\n"));
         }
     }
-    check("wei2021", "plan", &plan);
-    check("wei2021", "certificate", &c.certificate.text(&c.program, c.motion.get()));
+    check(job, "plan", &plan);
+    check(job, "certificate", &c.certificate.text(&c.program, c.motion.get()));
     for post in post::POSTS {
         let text = c.nc(*post);
         let read = post::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
@@ -119,8 +121,18 @@ fn whole_job_in_short() {
             lines[..40].join("\n"),
             lines[lines.len() - 20..].join("\n")
         );
-        check("wei2021", post.name(), &short);
+        check(job, post.name(), &short);
     }
+}
+
+#[test]
+fn whole_job_in_short() {
+    in_short("wei2021");
+}
+
+#[test]
+fn point_milled_job_in_short() {
+    in_short("point");
 }
 
 #[test]

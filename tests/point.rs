@@ -131,6 +131,25 @@ fn ball_leaves_the_scallop_on_edges() {
     assert!(gouge <= 0.001, "{gouge}");
 }
 
+/// Before an edge is free room: the ball may be bigger than the fillet, which it does not touch.
+#[test]
+fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
+    let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let big = Cutter::Ball { radius: 5.0 };
+    let (gouge, excess, _) = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
+    assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+    for (surfaces, words) in
+        [(FACES, ["down to the fillets", "into the hub"]), (FILLETS, ["cuts the fillets", "beside"])]
+    {
+        let mut sink = Sink::default();
+        assert!(pipeline::run(&program(big, surfaces.to_vec(), 0.01, AxisMethod::Blend), &mut sink).is_err());
+        let error = &sink.diags()[0];
+        assert_eq!(error.code.id(), "IMP0402");
+        assert!(error.labels.iter().zip(words).all(|(l, w)| l.text.contains(w)), "{:?}", error.labels);
+    }
+}
+
 #[test]
 fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
     let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.05, AxisMethod::Blend);

@@ -1,7 +1,7 @@
 //! The lower corners of the channel: where a rounded tool corner touches wall and hub together.
 
 use crate::geom::RuledSurface;
-use crate::ir::{Face, Part, Side};
+use crate::ir::{Face, Part};
 use nalgebra::Point3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -45,11 +45,7 @@ fn station(i: usize) -> f64 {
 
 impl<'a> Channel<'a> {
     pub(crate) fn new(part: &'a Part) -> Self {
-        let other = match part.first_wall {
-            Side::Pressure => Side::Suction,
-            Side::Suction => Side::Pressure,
-        };
-        let second = part.face(other);
+        let second = part.face(part.first_wall.other());
         let surface: RuledSurface = second.surface.rotated(part.pitch());
         let walls = [part.face(part.first_wall).clone(), Face { surface, orientation: second.orientation }];
         Self { part, walls }

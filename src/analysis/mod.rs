@@ -1,6 +1,7 @@
 //! Facts about the part, found before anything is planned: how wide the channel is, what reaches its floor, how far
 //! the faces twist, which data points break the pattern of the others.
 
+pub mod beside;
 pub mod channel;
 pub mod ends;
 pub mod flank;
@@ -25,8 +26,10 @@ pub struct Facts {
     pub ends: Vec<ends::EndGap>,
     /// Points that break the pattern.
     pub outliers: Vec<outliers::Outlier>,
-    /// What each operation's tool reaches.
+    /// What the tool of each operation that goes down to the floor reaches.
     pub reaches: Vec<reach::Reach>,
+    /// Room for the tool of each operation that point mills faces or fillets.
+    pub beside: Vec<beside::Beside>,
 }
 
 /// Finds the facts; reports those worth knowing, and as errors those that no plan can overcome.
@@ -67,5 +70,6 @@ pub fn check(program: &Program, sink: &mut Sink) -> Facts {
     }
     flank::report(program, sink);
     let reaches = reach::check(program, &throat, sink);
-    Facts { throat, twists, ends, outliers, reaches }
+    let beside = beside::check(program, sink);
+    Facts { throat, twists, ends, outliers, reaches, beside }
 }

@@ -1,5 +1,5 @@
-//! What each operation's tool reaches: whether it fits down to the floor of the channel with its allowances, and the
-//! largest tool of its kind that does.
+//! What the tool of each operation that goes down to the floor of the channel reaches: whether it fits with its allowances,
+//! and the largest tool of its kind that does.
 
 use super::channel::{Channel, Room};
 use super::throat::Throat;
@@ -29,12 +29,15 @@ pub struct Reach {
     pub fits_top: bool,
 }
 
-/// Allowances on vane and hub; finishing leaves nothing.
-fn allowances(kind: &OperationKind) -> [f64; 2] {
+/// Allowances on vane and hub; finishing leaves nothing. `None` where the floor says nothing of the room that there is.
+fn allowances(kind: &OperationKind) -> Option<[f64; 2]> {
     match kind {
         OperationKind::Groove { allowance_vane, allowance_hub, .. }
-        | OperationKind::Expand { allowance_vane, allowance_hub, .. } => [allowance_vane.get(), allowance_hub.get()],
-        OperationKind::Flank { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => [0.0, 0.0],
+        | OperationKind::Expand { allowance_vane, allowance_hub, .. } => {
+            Some([allowance_vane.get(), allowance_hub.get()])
+        }
+        OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some([0.0, 0.0]),
+        OperationKind::Point { .. } => None,
     }
 }
 
@@ -139,16 +142,16 @@ impl Finder<'_> {
     }
 }
 
-/// Measures every operation, and reports those tools that cannot do what the job needs.
+/// Measures those operations, and reports those tools that cannot do what the job needs.
 pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
     let finder = Finder { part: &program.part, channel: Channel::new(&program.part), throat };
     let reaches: Vec<Reach> = program
         .operations
         .iter()
-        .map(|(id, operation)| {
+        .filter_map(|(id, operation)| {
             let cutter = &program.tools[operation.tool].solid.cutter;
-            let [vane, hub] = allowances(&operation.kind);
-            Reach {
+            let [vane, hub] = allowances(&operation.kind)?;
+            Some(Reach {
                 operation: id,
                 allowance_vane: vane,
                 allowance_hub: hub,
@@ -156,7 +159,7 @@ pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<
                 fits: finder.fits(cutter, vane, hub),
                 largest: finder.largest(cutter, vane, hub),
                 fits_top: finder.fits_above(cutter, vane, 1.0),
-            }
+            })
         })
         .collect();
     roughing(program, &finder, &reaches, sink);

@@ -21,6 +21,14 @@ impl Side {
             Self::Suction => "suction",
         }
     }
+
+    /// The other one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Pressure => Self::Suction,
+            Self::Suction => Self::Pressure,
+        }
+    }
 }
 
 /// One face of a vane: a ruled surface, u from inlet (0) to outlet (1), v from root (0, at the hub) to tip (1, at the

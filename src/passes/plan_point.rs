@@ -28,8 +28,19 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let OperationKind::Point { ref surfaces, scallop, lines: order, .. } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let cutter = cx.program.tools[operation.tool].solid.cutter;
-    let why = ["this operation goes down to the fillets, or into them", "this ball would cut into hub or vane there"];
-    check_fillet(cx, operation, why)?;
+    // An edge ends at the fillets, but before it is free room: there a ball of any size stands.
+    let beside = surfaces.iter().find_map(|kind| match kind {
+        SurfaceKind::Face(_) => {
+            Some(["this operation goes down to the fillets", "this ball would cut into the hub there"])
+        }
+        SurfaceKind::Fillet(_) => {
+            Some(["this operation cuts the fillets", "this ball would cut into hub and vane beside them"])
+        }
+        _ => None,
+    });
+    if let Some(why) = beside {
+        check_fillet(cx, operation, why)?;
+    }
     let mut all = charts(part);
     all.extend(edges(part));
     let axes = VaneAxis::new(part);

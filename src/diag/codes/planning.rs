@@ -6,8 +6,10 @@ crate::codes! {
 its holder the tool does not fit into the channel even there, so the operation would do nothing.\n\n\
 Way out: a thinner tool, a longer reach, a slimmer holder, or smaller allowances.";
     BALL_TOO_BIG = "IMP0402", "the ball is bigger than the fillet",
-        "The ball that finishes the root of a vane leaves a fillet of its own radius. A ball bigger than the declared \
-fillet leaves material where the design has none.\n\nExample: `fillet 2 mm` with a ball of 6 mm diameter.\n\n\
+        "The ball that finishes the root of a vane leaves a fillet of its own radius: one bigger than the declared fillet \
+leaves material where the design has none. In `flank` the ball rolls in the fillet, in `channel` and `point` lines go up to \
+it, in `fillet` into it. An `edge` has free room before it, so that its ball may be bigger.\n\n\
+Example: `fillet 2 mm` with a ball of 6 mm diameter.\n\n\
 Way out: a ball of at most twice the fillet radius in diameter, or a bigger fillet.";
     TOO_FINE = "IMP0404", "more passes than can be planned",
         "The step between layers or lines is so small against the part that the plan would have more points than a \

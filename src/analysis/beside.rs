@@ -1,0 +1,153 @@
+//! Room beside a vane: the largest ball that stands on the faces and fillets that point milling cuts without meeting the
+//! next vane across the channel. The floor does not matter there, but where a ball would cut into it none is asked for.
+
+use crate::collide::Cutter;
+use crate::diag::codes::planning as codes;
+use crate::diag::{Diag, Sink};
+use crate::geom::RuledSurface;
+use crate::geom::proximity::Patch;
+use crate::ir::chart::{Place, Shape, charts};
+use crate::ir::design::{SurfaceId, SurfaceKind};
+use crate::ir::{Operation, OperationId, OperationKind, Part, Program};
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+/// Room for the tool of a point milling operation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// Operation.
+    pub operation: OperationId,
+    /// Largest radius of a ball that stands on all its surfaces, that of the fillet at most, mm, rounded down to 0.005 mm.
+    pub largest: f64,
+    /// True when the ball at the end of its tool does, that of its corner where it has no ball.
+    pub fits: bool,
+}
+
+/// Places along and across a surface at which the room is measured.
+const PLACES: [usize; 2] = [60, 8];
+
+/// Steps within which a ball shrinks to the room that it has: a few do.
+const SHRINKS: usize = 40;
+
+/// Cuts of a ball into the hub that rounding makes, mm.
+const ROUNDING: f64 = 1e-6;
+
+/// Radius of a ball that touches everything there is, mm.
+const ENDLESS: f64 = 1e4;
+
+/// A place of a vane with the room before it.
+struct Spot {
+    kind: SurfaceKind,
+    place: Place,
+    /// Largest radius of a ball that touches the vane there and does not meet the next one.
+    room: f64,
+}
+
+/// Measures every point milling operation, and reports tools that stand nowhere.
+pub(super) fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
+    let part = &program.part;
+    let mut spots: Vec<Spot> = Vec::new();
+    let mut found = Vec::new();
+    for (id, operation) in program.operations.iter() {
+        let OperationKind::Point { surfaces, .. } = &operation.kind else { continue };
+        // In front of an edge there is no vane.
+        let inside = |kind: &SurfaceKind| matches!(kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
+        if !surfaces.iter().any(inside) {
+            continue;
+        }
+        if spots.is_empty() {
+            spots = measure(part);
+        }
+        let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
+        let radius = program.tools[operation.tool].solid.cutter.tip_radius();
+        let fits = narrowest(part, &own, radius).is_none_or(|s| s.room >= radius);
+        let beside = Beside { operation: id, largest: largest(part, &own), fits };
+        if !fits {
+            sink.push(too_large(program, operation, &beside, narrowest(part, &own, radius)));
+        }
+        found.push(beside);
+    }
+    found
+}
+
+/// Room at places all over faces and fillets.
+fn measure(part: &Part) -> Vec<Spot> {
+    let [columns, rows] = PLACES;
+    let mut spots = Vec::new();
+    for chart in charts(part) {
+        let (SurfaceKind::Face(side) | SurfaceKind::Fillet(side)) = chart.kind else { continue };
+        // The first wall looks ahead, to the vane of the next sector.
+        let turn = if side == part.first_wall { part.pitch() } else { -part.pitch() };
+        let next = part.face(side.other()).surface.rotated(turn);
+        let spot = |k: usize| {
+            let [i, j] = [k / (rows + 1), k % (rows + 1)];
+            let place = chart.place(i as f64 / columns as f64, j as f64 / rows as f64);
+            chart.is_milled(&place.position).then(|| Spot { kind: chart.kind, place, room: room(&next, &place) })
+        };
+        spots.par_extend((0..(columns + 1) * (rows + 1)).into_par_iter().filter_map(spot));
+    }
+    spots
+}
+
+/// Radius of the largest ball that touches a place from outside and does not meet a surface: it shrinks to the ball through
+/// the point that it covers deepest (Ma, Bae, Choi: 3D medial point approximation using nearest neighbors, 2012).
+fn room(surface: &RuledSurface, place: &Place) -> f64 {
+    let mut radius = ENDLESS;
+    for _ in 0..SHRINKS {
+        let centre = place.position + place.normal * radius;
+        let near = surface.closest(&centre, Patch::WHOLE);
+        if near.distance >= radius - ROUNDING {
+            break;
+        }
+        let way = near.point - place.position;
+        radius = way.norm_squared() / (2.0 * way.dot(&place.normal));
+    }
+    radius
+}
+
+/// The narrowest place at which a ball of a radius may stand, as far as the hub lets it.
+fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spot> {
+    let over_hub = |s: &&&Spot| {
+        let centre: Point3<f64> = s.place.position + s.place.normal * radius;
+        part.hub.distance(&centre) >= radius - ROUNDING
+    };
+    spots.iter().filter(over_hub).min_by(|a, b| a.room.total_cmp(&b.room)).copied()
+}
+
+/// Largest radius of a ball that stands wherever the hub lets it, by halving.
+fn largest(part: &Part, spots: &[&Spot]) -> f64 {
+    let fillet = part.fillet.map_or(f64::INFINITY, |f| f.get());
+    let (mut low, mut high) = (0.0, spots.iter().map(|s| s.room).fold(0.0, f64::max).min(fillet));
+    while high - low > 1e-4 {
+        let middle = 0.5 * (low + high);
+        if narrowest(part, spots, middle).is_some_and(|s| s.room >= middle) { low = middle } else { high = middle }
+    }
+    let largest = if fillet - low <= 1e-4 { fillet } else { low };
+    (200.0 * largest).floor() / 200.0
+}
+
+fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Option<&Spot>) -> Diag {
+    let tool = &program.tools[operation.tool];
+    let cutter = &tool.solid.cutter;
+    let end = match cutter {
+        Cutter::Bull { .. } => "corner",
+        Cutter::Barrel { .. } => "tip",
+        _ => "ball",
+    };
+    let radius = cutter.tip_radius();
+    let mut diag = Diag::error(
+        codes::TOOL_TOO_LARGE,
+        format!("the {end} of {} (radius {radius} mm) meets the next vane where it touches this one", tool.name),
+    )
+    .label(tool.span, format!("{} mm in diameter", 2.0 * radius))
+    .label(operation.span, format!("`{}` uses `{}`", operation.name, tool.name))
+    .help(format!("take a {end} of at most {} mm radius", beside.largest));
+    if let Some(spot) = at {
+        let [u, v] = spot.place.parameters;
+        diag = diag.note(format!("there is room for a radius of {:.3} mm there", spot.room)).place(
+            format!("{} at u = {u:.3}, v = {v:.3}", SurfaceId { kind: spot.kind, sector: 0 }),
+            spot.place.position,
+        );
+    }
+    diag
+}
