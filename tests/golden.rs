@@ -11,6 +11,7 @@ use impellerc::post;
 use impellerc::verify::{Certificate, Verified, verify};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 /// Snapshots of this file, by folder.
 const GOLDENS: &[(&str, &[&str])] = &[
@@ -64,12 +65,19 @@ fn bytes(name: &str, text: &str) -> String {
     format!("{name}: {} bytes, {} lines, blake3 {}\n", text.len(), text.lines().count(), blake3::hash(text.as_bytes()))
 }
 
+fn on_threads(threads: usize) -> Compiled {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| compiled("reduced"))
+}
+
+/// The reduced job, on two threads.
+static REDUCED: LazyLock<Compiled> = LazyLock::new(|| on_threads(2));
+
 #[test]
 fn reduced_job_stage_by_stage() {
     check("reduced", "ast", &emitted("reduced", Emit::Ast));
     check("reduced", "job", &emitted("reduced", Emit::Job));
     check("reduced", "ir", &emitted("reduced", Emit::Ir));
-    let c = compiled("reduced");
+    let c = &*REDUCED;
     check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
     check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
     check("reduced", "motion", &print::motion(&c.program, &c.plan.motion, Detail::Summary));
@@ -85,13 +93,9 @@ fn reduced_job_stage_by_stage() {
 
 #[test]
 fn reduced_job_is_the_same_on_one_thread_and_on_two() {
-    let texts = [1, 2].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let c = compiled("reduced");
-            let certificate = c.certificate.text(&c.program, c.motion.get());
-            (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
-        })
+    let texts = [&on_threads(1), &*REDUCED].map(|c| {
+        let certificate = c.certificate.text(&c.program, c.motion.get());
+        (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
     });
     assert!(texts[0] == texts[1]);
 }

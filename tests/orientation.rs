@@ -24,6 +24,7 @@ use impellerc::progress::Progress;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use impellerc::verify::{carried, clearance, dynamics, surface, sweep};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// Feeds with which the methods are compared, mm/min: fast milling of steel, of aluminium, and as fast as machines cut.
 const FEEDS: [f64; 3] = [3000.0, 6000.0, 12000.0];
@@ -260,6 +261,10 @@ fn the_corridor_turns_less_and_runs_faster_on_the_turboexpander() {
     check(&table("turboexpander108", &turboexpander(), 0.1));
 }
 
+/// The paper's floor by corridor with few lines, for what needs no more.
+static COARSE: LazyLock<Planned> =
+    LazyLock::new(|| Planned::new("corridor", floor(&wei(), AxisMethod::Corridor, Lines::OneWay, 0.4)));
+
 /// Signed distance of a point to the side of the cutter from one diameter over its tip on.
 fn side(solid: &ToolSolid, rho: f64, s: f64) -> f64 {
     let from = 2.0 * solid.cutter.tip_radius();
@@ -296,10 +301,10 @@ fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
 
 #[test]
 fn what_the_corridor_promises_the_verifier_finds() {
-    for (name, job, scallop) in [("wei2021", wei(), 0.4), ("turboexpander108", turboexpander(), 0.3)] {
-        let program = floor(&job, AxisMethod::Corridor, Lines::OneWay, scallop);
+    let turboexpander = Planned::new("corridor", floor(&turboexpander(), AxisMethod::Corridor, Lines::OneWay, 0.3));
+    for (name, found) in [("wei2021", &*COARSE), ("turboexpander108", &turboexpander)] {
         println!("{name}");
-        let [side, shank, holder] = clearances(&program, &planned(&program));
+        let [side, shank, holder] = clearances(&found.program, &found.motion);
         // The lower bound of the verifier is by up to half a spacing on the safe side.
         assert!(side >= 0.5 - 0.05 && shank >= 0.5 - 0.05 && holder >= 1.0, "{name}: {side} {shank} {holder}");
     }
@@ -342,8 +347,7 @@ fn a_holder_that_is_too_fat_is_told_with_the_one_that_would_do() {
 
 #[test]
 fn axes_keep_clear_of_a_fixture() {
-    let free = floor(&wei(), AxisMethod::Corridor, Lines::OneWay, 0.4);
-    let mut clamped = free.clone();
+    let mut clamped = COARSE.program.clone();
     // A plate that the part stands in, up to the height of its outlet.
     let profile = [[0.0, -41.0], [72.0, -41.0], [72.0, TOP], [170.0, TOP], [170.0, -60.0], [0.0, -60.0]];
     clamped.machine.carried = vec![Carried { name: "fixture", profile: profile.to_vec() }];
@@ -352,7 +356,7 @@ fn axes_keep_clear_of_a_fixture() {
         println!("{:?}", found[0]);
         found[0].clearance.as_ref().map_or(20.0, |c| c.distance)
     };
-    let [without, with] = [&free, &clamped].map(|program| least(&planned(program)));
+    let [without, with] = [least(&COARSE.motion), least(&planned(&clamped))];
     assert!(without < 0.0 && with >= 0.5, "{without} {with}");
 }
 

@@ -30,8 +30,18 @@ fn program(cutter: Cutter, surfaces: Vec<SurfaceKind>, scallop: f64, method: Axi
     program
 }
 
-/// Gouge over everything and excess on the named surfaces of vane 1, both proved, mm; with lengths told and least.
-fn run(program: &Program, surfaces: &[&str]) -> (f64, Vec<f64>, [f64; 2]) {
+/// What a run left, mm.
+struct Left {
+    /// Gouge over everything and excess on the named surfaces of vane 1, both proved.
+    gouge: f64,
+    excess: Vec<f64>,
+    /// Lengths of contact, told and least.
+    lengths: [f64; 2],
+    /// Passes of the first operation.
+    passes: usize,
+}
+
+fn run(program: &Program, surfaces: &[&str]) -> Left {
     let mut sink = Sink::default();
     let start = std::time::Instant::now();
     let plan = pipeline::run(program, &mut sink)
@@ -64,7 +74,7 @@ fn run(program: &Program, surfaces: &[&str]) -> (f64, Vec<f64>, [f64; 2]) {
             }
         }
     }
-    (gouge, excess, lengths)
+    Left { gouge, excess, lengths, passes: plan.cl.operations[0].passes.len() }
 }
 
 /// The ball of each pass comes by where it touches each planned contact, to some micrometres.
@@ -98,7 +108,7 @@ const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(Side::Pressure), SurfaceK
 #[test]
 fn ball_leaves_the_scallop_on_faces() {
     let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.02, AxisMethod::Blend);
-    let (gouge, excess, [told, least]) = run(&program, &["pressure face", "suction face"]);
+    let Left { gouge, excess, lengths: [told, least], .. } = run(&program, &["pressure face", "suction face"]);
     assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
     assert!(told < 1.25 * least, "{told} {least}");
@@ -107,7 +117,7 @@ fn ball_leaves_the_scallop_on_faces() {
 #[test]
 fn ball_leaves_the_scallop_in_fillets() {
     let program = program(Cutter::Ball { radius: 2.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
-    let (gouge, excess, _) = run(&program, &["pressure fillet", "suction fillet"]);
+    let Left { gouge, excess, .. } = run(&program, &["pressure fillet", "suction fillet"]);
     assert!(excess.iter().all(|e| *e <= 0.005), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
 }
@@ -115,9 +125,8 @@ fn ball_leaves_the_scallop_in_fillets() {
 #[test]
 fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
     let program = program(Cutter::Ball { radius: 3.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
-    let (gouge, excess, _) = run(&program, &["pressure fillet", "suction fillet"]);
-    let mut sink = Sink::default();
-    assert_eq!(pipeline::run(&program, &mut sink).unwrap().cl.operations[0].passes.len(), 2);
+    let Left { gouge, excess, passes, .. } = run(&program, &["pressure fillet", "suction fillet"]);
+    assert_eq!(passes, 2);
     assert!(excess.iter().all(|e| *e <= 0.0015), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
 }
@@ -126,7 +135,7 @@ fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
 fn ball_leaves_the_scallop_on_edges() {
     let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
     let program = program(Cutter::Ball { radius: 2.0 }, edges, 0.01, AxisMethod::Blend);
-    let (gouge, excess, _) = run(&program, &["inlet edge", "outlet edge"]);
+    let Left { gouge, excess, .. } = run(&program, &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
 }
@@ -136,7 +145,7 @@ fn ball_leaves_the_scallop_on_edges() {
 fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
     let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
     let big = Cutter::Ball { radius: 5.0 };
-    let (gouge, excess, _) = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
+    let Left { gouge, excess, .. } = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
     for (surfaces, words) in
@@ -159,22 +168,16 @@ fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
         *lines = Lines::Spiral;
     }
     program.operations.push(operation);
-    let (gouge, excess, _) = run(&program, &["pressure face", "suction face"]);
-    let plan = pipeline::run(&program, &mut Sink::default()).unwrap();
-    assert_eq!(plan.cl.operations[0].passes.len(), 1);
+    let Left { gouge, excess, passes, .. } = run(&program, &["pressure face", "suction face"]);
+    assert_eq!(passes, 1);
     assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
 }
 
 #[test]
 fn corridor_turns_the_axis_evenly_on_faces() {
-    let program = program(
-        Cutter::Ball { radius: 2.0 },
-        FACES.to_vec(),
-        0.2,
-        if std::env::var("BL").is_ok() { AxisMethod::Blend } else { AxisMethod::Corridor },
-    );
-    let (gouge, excess, _) = run(&program, &["pressure face", "suction face"]);
+    let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.2, AxisMethod::Corridor);
+    let Left { gouge, excess, .. } = run(&program, &["pressure face", "suction face"]);
     assert!(excess.iter().all(|e| *e <= 0.2), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
 }
@@ -193,7 +196,7 @@ fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
     };
     let rest = support::operation("point2", kind, ball, vec![0], 8.0);
     program.operations.push(Operation { rest: Some(Mm(0.02)), ..rest });
-    let (gouge, excess, [told, _]) = run(&program, &["pressure face", "suction face"]);
+    let Left { gouge, excess, lengths: [told, _], .. } = run(&program, &["pressure face", "suction face"]);
     assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
     // A fifth of what the ball takes over the whole faces.
@@ -204,7 +207,7 @@ fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
 fn bull_nose_and_lollipop_leave_the_scallop() {
     for cutter in [Cutter::Bull { radius: 2.5, corner: 1.0 }, Cutter::Lollipop { radius: 2.0 }] {
         let program = program(cutter, vec![SurfaceKind::Face(Side::Suction)], 0.03, AxisMethod::Blend);
-        let (gouge, excess, _) = run(&program, &["suction face"]);
+        let Left { gouge, excess, .. } = run(&program, &["suction face"]);
         assert!(excess.iter().all(|e| *e <= 0.03), "{cutter:?}: {excess:?}");
         assert!(gouge <= 0.001, "{cutter:?}: {gouge}");
     }

@@ -11,14 +11,15 @@ use impellerc::diag::{Diag, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::export::report::{self, Input};
-use impellerc::ir::{Operation, Program, Tool};
+use impellerc::ir::{Motion, Operation, Program, Tool};
 use impellerc::passes::pipeline;
-use impellerc::verify;
 use impellerc::verify::surface::{CORNER_SLACK, FAR};
 use impellerc::verify::sweep::Sweep;
+use impellerc::verify::{self, Certificate};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 /// Compiles a job that is the reduced one with other contracts; gives what was said and the folder with the outputs.
 fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
@@ -40,6 +41,34 @@ fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
     (output, report)
 }
 
+/// Contracts that the reduced job keeps.
+const KEPT: &str = "require clearance >= 0.4 mm\nrequire gouge <= 2 mm";
+
+/// What the job with these contracts said, its NC text, and its report.
+struct Compiled {
+    folder: tempfile::TempDir,
+    said: String,
+    report: PathBuf,
+}
+
+/// Compiled once for all who look at it.
+static COMPILED: LazyLock<Compiled> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let (output, report) = compile(folder.path(), KEPT);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{said}");
+    Compiled { folder, said, report }
+});
+
+/// The reduced job as it is shipped, planned and measured.
+static MEASURED: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
+    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
+    let program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
+    let certificate = verify::certify(&program, &motion, &mut Sink::default()).unwrap();
+    (program, motion, certificate)
+});
+
 /// Text between two marks.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     let from = text.find(start).unwrap_or_else(|| panic!("no {start}")) + start.len();
@@ -49,10 +78,9 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
 #[test]
 fn a_reader_sees_part_scale_plots_and_worst_places() {
     let Some(program) = browser::find() else { return };
+    let report = &COMPILED.report;
     let folder = tempfile::tempdir().unwrap();
-    let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm\nrequire gouge <= 2 mm");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut page = Page::open(&program, &report, [1680, 2000], &folder.path().join("profile"));
+    let mut page = Page::open(&program, report, [1680, 2000], &folder.path().join("profile"));
 
     let [scene, scale, plots] = ["#scene", "#scale", "#plots"].map(|s| page.place(s));
     let first = page.screenshot();
@@ -120,14 +148,11 @@ fn a_reader_sees_part_scale_plots_and_worst_places() {
 
 #[test]
 fn the_file_is_whole_bounded_and_the_same_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let (output, report) = compile(folder.path(), "require clearance >= 0.4 mm");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     // In a pipe nothing is said about progress: neither bars nor control signs.
-    let said = String::from_utf8(output.stderr).unwrap();
+    let Compiled { said, report, .. } = &*COMPILED;
     assert!(!said.contains('\u{1b}') && !said.contains('\r') && !said.contains("verify"), "{said:?}");
 
-    let html = std::fs::read_to_string(&report).unwrap();
+    let html = std::fs::read_to_string(report).unwrap();
     assert!(html.len() < 15_000_000, "{} bytes", html.len());
     assert!(!html.contains("<!--@"), "a mark was not filled");
     for outside in ["src=", "href=", "@import", "fetch(", "XMLHttpRequest", "WebSocket", "://"] {
@@ -142,7 +167,8 @@ fn the_file_is_whole_bounded_and_the_same_again() {
     let finite = |four: &[u8]| f32::from_le_bytes([four[0], four[1], four[2], four[3]]).is_finite();
     assert!(joints.chunks(4).all(finite), "joints that are no numbers");
 
-    let (_, again) = compile(folder.path(), "require clearance >= 0.4 mm");
+    let folder = tempfile::tempdir().unwrap();
+    let (_, again) = compile(folder.path(), KEPT);
     assert!(std::fs::read_to_string(again).unwrap() == html, "the same job made another report");
 }
 
@@ -159,9 +185,7 @@ fn a_failed_contract_is_shown_and_nothing_else_written() {
 
 #[test]
 fn nc_text_from_a_file_has_a_report_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let (output, _) = compile(folder.path(), "require clearance >= 0.4 mm");
-    assert!(output.status.success());
+    let folder = &COMPILED.folder;
     let report = folder.path().join("read.html");
     let output = Command::new(env!("CARGO_BIN_EXE_impellerc"))
         .args(["verify", "--library", "jobs/_lib", "--job"])
@@ -183,14 +207,10 @@ fn nc_text_from_a_file_has_a_report_too() {
 /// Brute force: the least distance to all pieces of all operations, point by point.
 #[test]
 fn colours_are_what_a_search_over_the_whole_program_finds() {
-    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
-    let program: Program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
-    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
-    let certificate = verify::certify(&program, &motion, &mut Sink::default()).unwrap();
-    let (samples, deviations) = report::deviations(&program, &certificate);
+    let (program, motion, certificate) = &*MEASURED;
+    let (samples, deviations) = report::deviations(program, certificate);
     assert_eq!(deviations.len(), samples.len() * program.part.vane_count as usize);
-    let sweeps: Vec<Sweep<'_>> =
-        (0..motion.operations.len()).filter_map(|o| Sweep::new(&program, &motion, o)).collect();
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let (mut compared, mut far) = (0, 0);
     for (i, shown) in deviations.iter().enumerate().step_by(37) {
         let (sample, sector) = (&samples[i % samples.len()], (i / samples.len()) as u32);
@@ -210,10 +230,8 @@ fn colours_are_what_a_search_over_the_whole_program_finds() {
 
 #[test]
 fn worst_places_that_look_alike_are_listed_once_and_by_size() {
-    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
-    let program: Program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
-    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
-    let mut certificate = verify::certify(&program, &motion, &mut Sink::default()).unwrap();
+    let (program, motion, certificate) = &*MEASURED;
+    let mut certificate = certificate.clone();
     // All alike to the digits that are shown, but one; the deepest of them is that of vane 5.
     for s in &mut certificate.surfaces {
         let face = s.surface.contains("pressure face");
@@ -226,8 +244,8 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
         (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (-1e-3, 0.0, [0.0; 3], 0.0);
     }
     let html = report::report(&Input {
-        program: &program,
-        motion: &motion,
+        program,
+        motion,
         certificate: &certificate,
         samples: &[],
         deviations: &[],
@@ -256,7 +274,7 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
         ]
     );
     // The text of the certificate: the same, with the places of the worst.
-    let text = certificate.text(&program, &motion);
+    let text = certificate.text(program, motion);
     let lines: Vec<&str> = text.lines().filter(|l| l.contains("pressure face") && l.contains('(')).collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[0].trim_start().starts_with("vane 3 pressure face "), "{lines:?}");
@@ -269,12 +287,7 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
 #[test]
 fn texts_of_the_job_stay_texts() {
     let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
-    let options = Options { job: PathBuf::from("jobs/reduced/reduced.imp"), ..Options::default() };
-    let mut program: Program =
-        driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
-    let mut sink = Sink::default();
-    let mut motion = pipeline::run(&program, &mut sink).unwrap().motion;
-    let mut certificate = verify::certify(&program, &motion, &mut sink).unwrap();
+    let (mut program, mut motion, mut certificate) = MEASURED.clone();
     let (samples, deviations) = report::deviations(&program, &certificate);
     let name = |text: &mut String| hostile.clone_into(text);
     let (mut operations, mut tools) = (PrimaryMap::new(), PrimaryMap::new());

@@ -23,17 +23,17 @@ impl Section {
     /// Signed distance to the closed frustum.
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
-        // Distances to the three edges of the half section: bottom, top, side.
-        let to_segment = |r0: f64, s0: f64, r1: f64, s1: f64| {
-            let (er, es) = (r1 - r0, s1 - s0);
-            let length = er * er + es * es;
-            let t = if length > 0.0 { (((rho - r0) * er + (s - s0) * es) / length).clamp(0.0, 1.0) } else { 0.0 };
-            norm(rho - r0 - t * er, s - s0 - t * es)
-        };
-        let gap = to_segment(0.0, self.from, self.radius_from, self.from)
-            .min(to_segment(0.0, self.to, self.radius_to, self.to))
-            .min(to_segment(self.radius_from, self.from, self.radius_to, self.to));
-        let inside = s > self.from && s < self.to && (rho - self.radius_from) * ds - (s - self.from) * dr < 0.0;
+        let (out, up) = (rho - self.radius_from, s - self.from);
+        // Squared distances to the three edges of the half section: bottom, top, side. One root for all: planner and verifier
+        // ask this more than anything else.
+        let square = |r: f64, h: f64| r * r + h * h;
+        let bottom = square(out.max(0.0), up);
+        let top = square((rho - self.radius_to).max(0.0), s - self.to);
+        let length = square(dr, ds);
+        let t = if length > 0.0 { ((out * dr + up * ds) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let side = square(out - t * dr, up - t * ds);
+        let gap = bottom.min(top).min(side).sqrt();
+        let inside = up > 0.0 && s < self.to && out * ds - up * dr < 0.0;
         if inside { -gap } else { gap }
     }
 }

@@ -2,7 +2,7 @@
 //! it, by brute force. What gouges by two micrometres or more, or collides, is found with its size and its line; what
 //! does not is not reported.
 //!
-//! Run with `cargo test --release --test campaign -- --ignored --nocapture`.
+//! Run with `cargo test --test campaign -- --ignored --nocapture`.
 //! With CAMPAIGN_LIST set each fault is listed with its truth.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
@@ -214,7 +214,7 @@ impl Campaign<'_> {
 }
 
 #[test]
-#[ignore = "minutes; run it in release"]
+#[ignore = "minutes"]
 fn faults_are_found_with_size_and_line() {
     let start = Instant::now();
     let mut outcome = Outcome::default();
