@@ -10,7 +10,7 @@ use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, OperationKind, Side};
 use impellerc::method::{Conflict, ErrorSide};
-use impellerc::passes::plan_flank;
+use impellerc::passes::{Obstacles, plan_flank};
 use impellerc::units::Mm;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -38,9 +38,10 @@ fn faces(c: &mut Criterion) {
             }
         }
         let around = Surroundings::new(&program.part);
+        let obstacles = Obstacles::new(&program.part, &program.machine);
         for side in [Side::Pressure, Side::Suction] {
             group.bench_function(BenchmarkId::new(side.name(), name), |b| {
-                b.iter(|| black_box(plan_flank::axis_paths(&program, id.unwrap(), side, &around).unwrap()));
+                b.iter(|| black_box(plan_flank::axis_paths(&program, id.unwrap(), side, &around, &obstacles).unwrap()));
             });
         }
     }

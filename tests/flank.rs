@@ -5,13 +5,13 @@
 
 mod support;
 
-use impellerc::collide::Cutter;
-use impellerc::contract::{Scope, SurfaceClass};
+use impellerc::collide::{Cutter, Section};
+use impellerc::contract::{Guarded, Scope, SurfaceClass};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, OperationKind, Program, Side};
+use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program, Side};
 use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
-use impellerc::passes::pipeline;
+use impellerc::passes::{Obstacles, pipeline};
 use impellerc::units::Mm;
 use impellerc::verify::certify;
 
@@ -141,7 +141,11 @@ fn the_error_names_the_place_and_a_cutter_that_would_do() {
 
 #[test]
 fn cutters_of_other_shapes_keep_contracts_as_well() {
-    for cutter in [Cutter::Bull { radius: 3.0, corner: 1.5 }, Cutter::TaperedBall { ball: 2.0, half_angle: 0.05 }] {
+    for cutter in [
+        Cutter::Bull { radius: 3.0, corner: 1.5 },
+        Cutter::TaperedBall { ball: 2.0, half_angle: 0.05 },
+        Cutter::Barrel { radius: 3.2, barrel: 1000.0, tip: 2.5 },
+    ] {
         let mut program = program(cutter, minimax(None), 8.0, 8.0, 0.25);
         // Their tips are rounder than the fillet, which stays for another tool.
         for contract in &mut program.contracts {
@@ -151,5 +155,116 @@ fn cutters_of_other_shapes_keep_contracts_as_well() {
         let (passes, kept) = run(&program);
         println!("{passes} passes a vane");
         assert!(kept, "{cutter:?}: a contract fails");
+    }
+}
+
+/// One face of all vanes with a holder of a radius at a reach, and the contracts of one band on it.
+fn with_holder(side: Side, reach: f64, radius: f64) -> Program {
+    let mut program = program(BALL, minimax(Some(1)), 1.0, 12.0, 0.25);
+    program.tools = {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            let mut tool = tool.clone();
+            tool.solid.flute_length = 28.0;
+            tool.solid.shank = vec![Section { from: 28.0, to: reach, radius_from: 3.0, radius_to: 3.0 }];
+            let upper = radius + 6.0;
+            tool.solid.holder = vec![Section { from: reach, to: reach + 60.0, radius_from: radius, radius_to: upper }];
+            tools.push(tool);
+        }
+        tools
+    };
+    program.operations = {
+        let mut operations = PrimaryMap::new();
+        for (_, operation) in program.operations.iter() {
+            let OperationKind::Flank { flank, .. } = operation.kind else { panic!("flank") };
+            let kind = OperationKind::Flank { faces: vec![side], flank };
+            operations.push(Operation { kind, ..operation.clone() });
+        }
+        operations
+    };
+    for contract in &mut program.contracts {
+        contract.scope.surfaces =
+            vec![if side == Side::Pressure { SurfaceClass::Pressure } else { SurfaceClass::Suction }];
+    }
+    program
+}
+
+/// Largest angle between the axis of the first pass and Z, degrees, and least distance of shank and holder, mm.
+fn lean_and_distance(program: &Program) -> (f64, f64) {
+    let mut sink = Sink::default();
+    let plan = pipeline::run(program, &mut sink);
+    let plan = plan.unwrap_or_else(|_| panic!("{:?}", sink.diags()));
+    let obstacles = Obstacles::new(&program.part, &program.machine);
+    let solid = &program.tools.iter().next().unwrap().1.solid;
+    let path = plan.cl.operations[0].passes[0].path.clone().unwrap();
+    let stations = (0..=400).map(|i| path.at(f64::from(i) / 400.0));
+    stations.fold((0.0, f64::INFINITY), |(lean, least), at| {
+        let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+        let least = body.map(|x| x.0).fold(least, f64::min);
+        (at.axis.z.acos().to_degrees().max(lean), least)
+    })
+}
+
+#[test]
+fn the_path_keeps_to_the_travel_of_a() {
+    let mut program = with_holder(Side::Pressure, 50.0, 12.0);
+    let (free, _) = lean_and_distance(&program);
+    let most = 66.5_f64;
+    assert!(free > most + 0.5, "nothing to keep: {free}");
+    (program.machine.tilt.min, program.machine.tilt.max) = (-most.to_radians(), most.to_radians());
+    let (kept, _) = lean_and_distance(&program);
+    println!("A to {kept:.2} deg, {free:.2} where it may");
+    assert!(kept < most);
+    // The contracts of the face are kept as well.
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).unwrap();
+    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+}
+
+#[test]
+fn the_path_keeps_the_holder_clear() {
+    let mut program = with_holder(Side::Suction, 28.0, 16.0);
+    program.contracts.push(Contract::whole(ContractKind::Clearance(Guarded::Holder), 0.5));
+    // What the path would come to that knows of no holder.
+    let free = {
+        let mut free = with_holder(Side::Suction, 80.0, 16.0);
+        let mut sink = Sink::default();
+        let plan = pipeline::run(&free, &mut sink).unwrap();
+        free.tools = program.tools.clone();
+        let obstacles = Obstacles::new(&free.part, &free.machine);
+        let solid = &free.tools.iter().next().unwrap().1.solid;
+        let path = plan.cl.operations[0].passes[0].path.clone().unwrap();
+        let at = |i: u32| path.at(f64::from(i) / 400.0);
+        let near = |at: impellerc::geom::AxisAt| {
+            let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+            body.map(|x| x.0).fold(f64::INFINITY, f64::min)
+        };
+        (0..=400).map(|i| near(at(i))).fold(f64::INFINITY, f64::min)
+    };
+    let (_, kept) = lean_and_distance(&program);
+    println!("holder at {kept:.3} mm, {free:.3} mm by the path that knows of none");
+    assert!(free < 0.5 && kept >= 0.5, "{free} {kept}");
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).unwrap();
+    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+}
+
+#[test]
+fn a_holder_that_no_path_clears_is_refused_with_the_tool_that_would_do() {
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&with_holder(Side::Pressure, 28.0, 16.0), &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0501").expect("the reason");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    assert!(found.place.is_some());
+    let words: Vec<&str> = help.split([' ', ';']).collect();
+    let number = |after: [&str; 2]| {
+        let at = words.windows(3).find(|w| w[..2] == after).unwrap_or_else(|| panic!("{after:?}: {help}"));
+        at[2].parse::<f64>().unwrap()
+    };
+    // Both do.
+    for (reach, radius) in [(number(["reach", "of"]), 16.0), (28.0, 0.5 * number(["at", "most"]) - 6.0)] {
+        let mut sink = Sink::default();
+        assert!(pipeline::run(&with_holder(Side::Pressure, reach, radius), &mut sink).is_ok(), "{reach} {radius}");
     }
 }

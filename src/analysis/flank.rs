@@ -66,8 +66,8 @@ pub struct Placed {
     pub kind: SurfaceKind,
     /// Parameters of the surface.
     pub parameters: [f64; 2],
-    /// Share of the height of the face; zero on other surfaces.
-    pub height: f64,
+    /// Coordinates of its chart, each in [0, 1]: on a face along it, and up from its root.
+    pub at: [f64; 2],
 }
 
 /// Where something begins to hold that does not hold at `from` and holds at `to`: the side on which it holds.
@@ -91,8 +91,8 @@ impl<'a> Band<'a> {
     }
 
     /// The cutter on the curves: the lower one is the path of its tip.
-    pub fn tool(&self) -> Mounted {
-        Mounted { cutter: self.cutter, height: 0.0 }
+    pub fn tool(&self) -> Mounted<'static> {
+        Mounted { cutter: self.cutter, height: 0.0, body: &[] }
     }
 
     /// True when this pass also makes the fillet: its ball has the radius of the fillet.
@@ -107,46 +107,10 @@ impl<'a> Band<'a> {
     pub fn targets(&self, fineness: f64) -> Vec<Placed> {
         let part = self.around.part;
         let first = self.side == part.first_wall;
-        // The channel before this face, and the vane beyond it.
-        let (to_channel, to_vane) = if first { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
-        let (to_channel, to_vane) = (part.sector_rotation(to_channel), part.sector_rotation(to_vane));
-        let [low, high] = self.span;
-        let sharp = part.fillet.is_none();
         let mut out = Vec::new();
         for chart in &self.around.charts {
-            let [columns, rows] = match chart.kind {
-                SurfaceKind::Face(side) if side == self.side => FACE,
-                SurfaceKind::Fillet(side) if side == self.side => FILLET,
-                SurfaceKind::Hub => HUB,
-                _ => NEIGHBOUR,
-            }
-            .map(|n| (n as f64 * fineness).round().max(2.0) as usize);
-            let mut add = |x: f64, y: f64| {
-                let place = chart.place(x, y);
-                // Under a sharp root the ball reaches no lower than where it touches the hub.
-                let reached = || {
-                    let asked = sharp && chart.kind == SurfaceKind::Face(self.side);
-                    asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
-                };
-                let touched = |asked: bool| match asked {
-                    true => Target::touched(place.position),
-                    false => Target::clear(place.position, 0.0),
-                };
-                let target = match chart.kind {
-                    SurfaceKind::Face(side) if side == self.side => {
-                        let in_band = (low - 1e-9..=high + 1e-9).contains(&y);
-                        touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
-                    }
-                    // On beyond the part as well, so that the pass begins and ends as smoothly as it runs.
-                    SurfaceKind::Fillet(side) if side == self.side => {
-                        touched(self.makes_fillet() && chart.is_milled(&place.position))
-                    }
-                    SurfaceKind::Hub => Target::clear(to_channel * place.position, 0.0),
-                    _ => Target::clear(to_vane * place.position, SIDE_CLEARANCE),
-                };
-                let height = if chart.kind == SurfaceKind::Face(self.side) { y } else { 0.0 };
-                out.push(Placed { target, kind: chart.kind, parameters: place.parameters, height });
-            };
+            let [columns, rows] = self.counts(chart.kind).map(|n| (n as f64 * fineness).round().max(2.0) as usize);
+            let mut add = |x: f64, y: f64| out.push(self.placed(chart, x, y));
             let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
             let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
             let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
@@ -181,6 +145,66 @@ impl<'a> Band<'a> {
         out
     }
 
+    /// Columns and rows of targets of a surface at a fineness of one.
+    fn counts(&self, kind: SurfaceKind) -> [usize; 2] {
+        match kind {
+            SurfaceKind::Face(side) if side == self.side => FACE,
+            SurfaceKind::Fillet(side) if side == self.side => FILLET,
+            SurfaceKind::Hub => HUB,
+            _ => NEIGHBOUR,
+        }
+    }
+
+    /// What the pass is asked for at the place of a chart.
+    fn placed(&self, chart: &Chart<'_>, x: f64, y: f64) -> Placed {
+        let part = self.around.part;
+        // The channel before this face, and the vane beyond it.
+        let (to_channel, to_vane) =
+            if self.side == part.first_wall { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
+        let [low, high] = self.span;
+        let place = chart.place(x, y);
+        // Under a sharp root the ball reaches no lower than where it touches the hub.
+        let reached = || {
+            let asked = part.fillet.is_none() && chart.kind == SurfaceKind::Face(self.side);
+            asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
+        };
+        let touched = |asked: bool| match asked {
+            true => Target::touched(place.position),
+            false => Target::clear(place.position, 0.0),
+        };
+        let target = match chart.kind {
+            SurfaceKind::Face(side) if side == self.side => {
+                let in_band = (low - 1e-9..=high + 1e-9).contains(&y);
+                touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
+            }
+            // On beyond the part as well, so that the pass begins and ends as smoothly as it runs.
+            SurfaceKind::Fillet(side) if side == self.side => {
+                touched(self.makes_fillet() && chart.is_milled(&place.position))
+            }
+            SurfaceKind::Hub => Target::clear(part.sector_rotation(to_channel) * place.position, 0.0),
+            _ => Target::clear(part.sector_rotation(to_vane) * place.position, SIDE_CLEARANCE),
+        };
+        Placed { target, kind: chart.kind, parameters: place.parameters, at: [x, y] }
+    }
+
+    /// Points about some of those of the face and its fillet at a fineness: the surroundings of each, five times as dense.
+    pub fn about(&self, placed: &[Placed], fineness: f64) -> Vec<Placed> {
+        const DENSER: i32 = 5;
+        let [face, fillet] = [SurfaceKind::Face(self.side), SurfaceKind::Fillet(self.side)];
+        let offsets = || (-DENSER..=DENSER).flat_map(|i| (-DENSER..=DENSER).map(move |j| [i, j]));
+        let mut out = Vec::new();
+        for chart in self.around.charts.iter().filter(|c| c.kind == face || c.kind == fillet) {
+            let step = self.counts(chart.kind).map(|n| 1.0 / (n as f64 * fineness * f64::from(DENSER)));
+            let moved = |at: f64, k: i32, step: f64| (at + f64::from(k) * step).clamp(0.0, 1.0);
+            for p in placed.iter().filter(|p| p.kind == chart.kind) {
+                let about = offsets().map(|[i, j]| [moved(p.at[0], i, step[0]), moved(p.at[1], j, step[1])]);
+                let points = about.map(|[x, y]| self.placed(chart, x, y));
+                out.extend(points.filter(|p| chart.kind == fillet || chart.is_milled(&p.target.point)));
+            }
+        }
+        out
+    }
+
     /// Those of some targets that a path near `start` may touch or cut.
     pub fn near<T>(&self, start: &DualCurve, placed: Vec<T>, target: impl Fn(&T) -> Target) -> Vec<T> {
         /// Farther than any path strays from its start, mm.
@@ -206,7 +230,8 @@ impl<'a> Band<'a> {
     }
 
     /// Where optimisation starts: the cutter rolls between face and hub, or stands on the lower edge of the band, and
-    /// its axis goes through the offset of a point below the upper edge. `None` where no ball rolls there.
+    /// its axis goes through the offset of a point below the upper edge; the arc of a barrel touches the middle of the band.
+    /// `None` where no ball rolls there.
     pub fn start(&self) -> Option<DualCurve> {
         /// Points of the curves that are fitted.
         const POINTS: usize = 300;
@@ -217,8 +242,7 @@ impl<'a> Band<'a> {
         let length =
             (0..=8).map(|i| f64::from(i) / 8.0).map(|u| face.surface.point(u, 1.0) - face.surface.point(u, 0.0));
         let length = length.map(|r| r.norm_squared().sqrt()).fold(0.0, f64::max);
-        // Where the cutter touches the lower edge: the end of its rounding, or the largest circle of a barrel.
-        let touches = self.cutter.barrel_height().unwrap_or(self.cutter.tip_radius());
+        let touches = self.cutter.tip_radius();
         let radius = |height: f64| self.cutter.radius_at(height.max(1e-9));
         let [low, high] = self.span;
         let [from, to] = self.extent();
@@ -227,16 +251,38 @@ impl<'a> Band<'a> {
                 let u = from + (to - from) * i as f64 / POINTS as f64;
                 let root = part.fillet_tangent(self.side, u, rolling(part, &self.cutter))?;
                 let at = |share: f64| root + (1.0 - root) * share;
-                let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
-                let upper = at(low + AIMED * (high - low));
-                let below = offset(at(low), radius(touches));
-                let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
-                let axis = (offset(upper, radius(touches + between)) - below).normalize();
-                let tip = below - axis * touches;
+                let (tip, axis) = if let Cutter::Barrel { .. } = self.cutter {
+                    self.on_its_arc(u, at(0.5 * (low + high)), root)?
+                } else {
+                    let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
+                    let upper = at(low + AIMED * (high - low));
+                    let below = offset(at(low), radius(touches));
+                    let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
+                    let axis = (offset(upper, radius(touches + between)) - below).normalize();
+                    (below - axis * touches, axis)
+                };
                 Some([tip, tip + axis * length])
             })
             .collect();
         DualCurve::through(&pairs?, CONTROL)
+    }
+
+    /// Tip and axis of a barrel that touches a point of the face with its arc, as high over its tip as the hub lets it.
+    fn on_its_arc(&self, u: f64, v: f64, root: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
+        let face = self.around.part.face(self.side);
+        let (point, normal) = (face.surface.point(u, v), face.normal(u, v));
+        let up = point - face.surface.point(u, root);
+        let lowest = self.cutter.profile_at(self.cutter.barrel_angle()?)?.s;
+        let widest = self.cutter.barrel_height()?;
+        let height = (up.norm_squared().sqrt() + self.cutter.tip_radius()).clamp(lowest, widest);
+        let Cutter::Barrel { barrel, .. } = self.cutter else { return None };
+        let angle = ((widest - height) / barrel).asin();
+        let along = face.surface.ruling(u);
+        let along = (along - normal * along.dot(&normal)).normalize();
+        let axis = along * angle.cos() + normal * angle.sin();
+        // Towards the face, across the axis.
+        let towards = normal * -angle.cos() + along * angle.sin();
+        Some((point - towards * self.cutter.radius_at(height) - axis * height, axis))
     }
 
     /// The least largest error of this band: on both sides even, nothing else being cut deeper. `None` where there is no

@@ -22,19 +22,42 @@ pub struct Section {
 impl Section {
     /// Signed distance to the closed frustum.
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
+        let square = |(r, h): (f64, f64)| r * r + h * h;
+        let [bottom, top, side] = self.offsets(rho, s).map(square);
+        // One root for all: planner and verifier ask this more than anything else.
+        let gap = bottom.min(top).min(side).sqrt();
+        if self.holds(rho, s) { -gap } else { gap }
+    }
+
+    /// [`Self::distance`] with its gradient; at a kink one of the slopes beside it.
+    pub fn slope(&self, rho: f64, s: f64) -> Slope {
+        let mut nearest = Slope { value: f64::INFINITY, rho: 1.0, s: 0.0 };
+        for (r, h) in self.offsets(rho, s) {
+            let gap = norm(r, h);
+            if gap < nearest.value {
+                // On the outline itself any direction is a slope.
+                let (r, h) = if gap > 0.0 { (r / gap, h / gap) } else { (1.0, 0.0) };
+                nearest = Slope { value: gap, rho: r, s: h };
+            }
+        }
+        let sign = if self.holds(rho, s) { -1.0 } else { 1.0 };
+        Slope { value: sign * nearest.value, rho: sign * nearest.rho, s: sign * nearest.s }
+    }
+
+    /// Ways to a point from the three edges of the half section: bottom, top, side.
+    fn offsets(&self, rho: f64, s: f64) -> [(f64, f64); 3] {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
         let (out, up) = (rho - self.radius_from, s - self.from);
-        // Squared distances to the three edges of the half section: bottom, top, side. One root for all: planner and verifier
-        // ask this more than anything else.
-        let square = |r: f64, h: f64| r * r + h * h;
-        let bottom = square(out.max(0.0), up);
-        let top = square((rho - self.radius_to).max(0.0), s - self.to);
-        let length = square(dr, ds);
+        let length = dr * dr + ds * ds;
         let t = if length > 0.0 { ((out * dr + up * ds) / length).clamp(0.0, 1.0) } else { 0.0 };
-        let side = square(out - t * dr, up - t * ds);
-        let gap = bottom.min(top).min(side).sqrt();
-        let inside = up > 0.0 && s < self.to && out * ds - up * dr < 0.0;
-        if inside { -gap } else { gap }
+        [(out.max(0.0), up), ((rho - self.radius_to).max(0.0), s - self.to), (out - t * dr, up - t * ds)]
+    }
+
+    /// True inside.
+    fn holds(&self, rho: f64, s: f64) -> bool {
+        let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
+        let (out, up) = (rho - self.radius_from, s - self.from);
+        up > 0.0 && s < self.to && out * ds - up * dr < 0.0
     }
 }
 

@@ -58,7 +58,7 @@ const BACK: usize = 8;
 /// its bounds; some twenty take most of the motion away.
 pub fn ease(
     start: &DualCurve,
-    tool: &Mounted,
+    tool: &Mounted<'_>,
     targets: &[Target],
     rotary: &Rotary<'_>,
     reach: f64,
@@ -87,7 +87,7 @@ pub fn ease(
         let aim = Aim::Quadratic { hessian: &hessian, slope: &slope };
         let rows = Row::all(&curve, &measured);
         let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
-        let model = Model { rows: &rows, values: &values, targets, control: curve.control_count(), trust };
+        let model = Model { rows: &rows, values: &values, targets, curve: &curve, trust };
         let Some(step) = best(&model, &aim, &mut kept) else {
             trust *= 0.5;
             continue;

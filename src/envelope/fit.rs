@@ -24,7 +24,7 @@ fn fault(value: f64, target: &Target) -> f64 {
 }
 
 /// The curve after least squares.
-pub fn least_squares(start: &DualCurve, tool: &Mounted, targets: &[Target]) -> DualCurve {
+pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
     let mut curve = start.clone();
     let sum = |m: &Measured| -> f64 { m.at.iter().zip(targets).map(|(d, t)| fault(d.value, t).powi(2)).sum() };
     let mut measured = Measured::new(&curve, tool, targets);

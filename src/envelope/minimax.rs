@@ -33,7 +33,7 @@ const NONE: f64 = 1e-6;
 
 /// The curves near `start` with the least widening of all bounds, until a step gains no more than `gain`, as a share.
 /// The start must keep the bounds that do not give way.
-pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target], gain: f64) -> Best {
+pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f64) -> Best {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
     let mut now = measured.widening(targets);
@@ -44,7 +44,7 @@ pub fn minimax(start: &DualCurve, tool: &Mounted, targets: &[Target], gain: f64)
         steps += 1;
         let rows = Row::all(&curve, &measured);
         let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
-        let model = Model { rows: &rows, values: &values, targets, control: curve.control_count(), trust };
+        let model = Model { rows: &rows, values: &values, targets, curve: &curve, trust };
         let Some(step) = best(&model, &Aim::Widening(now), &mut kept) else {
             trust *= 0.5;
             continue;
@@ -113,7 +113,7 @@ const SMALL: f64 = 1e-5;
 
 /// [`minimax`] over dense points of which few are looked at: those that stand out between the others join them. Spans of
 /// the knots are halved as long as that takes more than some per cent away.
-pub fn finest(start: &DualCurve, tool: &Mounted, targets: &[Target], dense: &[Target], gain: f64) -> Finest {
+pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: &[Target], gain: f64) -> Finest {
     let exchanged = |start: &DualCurve, mut targets: Vec<Target>| {
         let mut best = minimax(start, tool, &targets, gain);
         for _ in 0..EXCHANGES {

@@ -10,6 +10,7 @@
 //! A fault is how far the deviation of the swept tool, not that of one ruling from one axis, leaves what a point allows.
 
 mod band;
+mod bend;
 pub mod deviation;
 pub mod ease;
 pub mod fit;

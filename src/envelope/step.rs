@@ -5,8 +5,10 @@
 //! its solution breaks as well, until none is broken.
 
 use super::band::Band;
+use super::bend;
 use super::program::{Bound, Program};
-use super::target::{Measured, Row, Target};
+use super::target::{Measured, Of, Row, Target};
+use crate::geom::DualCurve;
 
 /// The linear model about a curve.
 pub(super) struct Model<'a> {
@@ -16,8 +18,8 @@ pub(super) struct Model<'a> {
     pub(super) values: &'a [f64],
     /// What they may be.
     pub(super) targets: &'a [Target],
-    /// Control points of one curve.
-    pub(super) control: usize,
+    /// The curve.
+    pub(super) curve: &'a DualCurve,
     /// Largest shift of a coordinate, mm.
     pub(super) trust: f64,
 }
@@ -62,8 +64,17 @@ const BROKEN: f64 = 1e-5;
 /// A bound as near as this is in the way, mm.
 const NEAR: f64 = 2e-4;
 
-/// Weight of the shifts themselves beside the aim: the curve may slide along itself, which changes no deviation.
+/// Weight of the shifts themselves beside the aim: the curve may slide along itself, which changes no deviation; and
+/// where something pushes it along itself.
 const IDLE: f64 = 1e-4;
+const IDLE_PUSHED: f64 = 1e-5;
+
+/// The same beside a quadratic aim, as a share of its largest curvature.
+const IDLE_IN_MOTION: f64 = 1e-6;
+
+/// Weight of the bend of the curves beside the widening where something pushes a curve along itself, 1/mm2: of two that
+/// do the same the one that bends less, instead of one that runs to and fro.
+const BEND: f64 = 1e-6;
 
 /// The best shifts. `None` when a program has no solution. `kept` are the numbers of the targets whose bounds were in
 /// the way in the step before; it is brought up to date.
@@ -133,25 +144,30 @@ impl Model<'_> {
 
 /// Unknowns are the shifts as shares of the trust region and, for a widening, that as a share of `unit`.
 fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option<Step> {
-    let n = 6 * model.control;
+    let n = model.curve.unknowns();
     let bound = |side: &Side| {
         let row = &model.rows[side.target];
         let scale = side.sign * model.trust / unit;
         Bound { first: row.first, a: row.change.map(|x| x * scale), room: side.room / unit, give: side.give }
     };
     let bounds: Vec<Bound> = active.iter().map(bound).collect();
-    let (quadratic, linear) = match aim {
+    let (quadratic, linear): (Band, Vec<f64>) = match aim {
         Aim::Widening(_) => {
-            let mut idle = Band::new(n, 0);
-            (0..n).for_each(|i| *idle.diagonal(i) = IDLE);
-            (idle, vec![0.0; n])
+            let (mut beside, mut slope) = (Band::new(n, bend::WIDTH), vec![0.0; n]);
+            let pushed = model.targets.iter().any(|t| t.of != Of::Cutter);
+            if pushed {
+                bend::add_model(model.curve, BEND, &mut beside, &mut slope);
+                beside.scale(model.trust * model.trust);
+            }
+            (0..n).for_each(|i| *beside.diagonal(i) += if pushed { IDLE_PUSHED } else { IDLE });
+            (beside, slope.iter().map(|x| x * model.trust).collect())
         }
         Aim::Quadratic { hessian, slope } => {
             // In shares of the trust region, and of the largest curvature.
             let scale = hessian.largest();
             let mut quadratic = (*hessian).clone();
             quadratic.scale(1.0 / scale);
-            (0..n).for_each(|i| *quadratic.diagonal(i) += IDLE * 1e-2);
+            (0..n).for_each(|i| *quadratic.diagonal(i) += IDLE_IN_MOTION);
             (quadratic, slope.iter().map(|x| x / (scale * model.trust)).collect())
         }
     };

@@ -6,11 +6,33 @@ use super::program::ENTRIES;
 use crate::geom::DualCurve;
 use nalgebra::Point3;
 
+/// What of the tool a target is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Of {
+    /// Signed distance of the swept cutter to the point.
+    Cutter,
+    /// What shank and holder have to spare there beyond the clearance that is asked of each.
+    Body,
+    /// How much further from Z the axis could lean at a parameter, up to an angle in radians; as the way of the point of
+    /// the axis [`LEVER`] up.
+    Lean {
+        /// Parameter of the curves.
+        t: f64,
+        /// Largest angle between the axis and Z, radians.
+        most: f64,
+    },
+}
+
+/// Length that makes an angle a way, mm.
+pub const LEVER: f64 = 100.0;
+
 /// A point of the design with the deviation that it may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Position.
+    /// Position; for a lean where the tool is.
     pub point: Point3<f64>,
+    /// What of the tool it is about.
+    pub of: Of,
     /// Least deviation, mm: above zero keeps clear, minus infinity asks for nothing.
     pub low: f64,
     /// Largest deviation, mm; infinite where the tool need not reach.
@@ -22,12 +44,12 @@ pub struct Target {
 impl Target {
     /// A point that the tool has to touch.
     pub fn touched(point: Point3<f64>) -> Self {
-        Self { point, low: 0.0, high: 0.0, give: [1.0; 2] }
+        Self { point, of: Of::Cutter, low: 0.0, high: 0.0, give: [1.0; 2] }
     }
 
     /// A point that the tool keeps a distance from.
     pub fn clear(point: Point3<f64>, distance: f64) -> Self {
-        Self { point, low: distance, high: f64::INFINITY, give: [1.0; 2] }
+        Self { point, of: Of::Cutter, low: distance, high: f64::INFINITY, give: [1.0; 2] }
     }
 
     /// With more room below and above.
@@ -46,13 +68,13 @@ pub struct Measured {
 
 impl Measured {
     /// Measures a curve.
-    pub fn new(curve: &DualCurve, tool: &Mounted, targets: &[Target]) -> Self {
+    pub fn new(curve: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> Self {
         Self { at: deviations(curve, tool, targets, None) }
     }
 
     /// Measures a curve that runs near the one measured here.
     #[must_use]
-    pub fn again(&self, curve: &DualCurve, tool: &Mounted, targets: &[Target]) -> Self {
+    pub fn again(&self, curve: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> Self {
         Self { at: deviations(curve, tool, targets, Some(&self.at)) }
     }
 

@@ -115,6 +115,15 @@ impl DualCurve {
         )
     }
 
+    /// Weights of three neighbouring control points that make each control point of the second derivative by t.
+    pub fn second_derivative(&self) -> Vec<[f64; 3]> {
+        let k = &self.knots;
+        let first = |i: usize| DEGREE as f64 / (k[i + DEGREE + 1] - k[i + 1]);
+        let second = |i: usize| (DEGREE - 1) as f64 / (k[i + DEGREE + 1] - k[i + 2]);
+        let weights = |i: usize| [first(i), -first(i) - first(i + 1), first(i + 1)].map(|w| second(i) * w);
+        (0..self.control_count() - 2).map(weights).collect()
+    }
+
     /// The same curves on knots of which half of each span is one.
     #[must_use]
     pub fn refined(&self) -> Self {

@@ -86,6 +86,11 @@ impl Machine {
         [at.x, at.y]
     }
 
+    /// Largest angle between tool axis and Z of the part that the travel of A has, radians, on either of its branches.
+    pub fn most_lean(&self) -> f64 {
+        self.tilt.max.max(-self.tilt.min)
+    }
+
     /// Acceleration limits of X, Y, Z (mm/s2), A and C (rad/s2).
     pub fn accelerations(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.acceleration);

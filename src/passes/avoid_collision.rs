@@ -11,10 +11,12 @@ use super::obstacles::{Keep, Obstacles};
 use super::orient_tool::{Lean, leaning_points};
 use super::pipeline::PassContext;
 use super::smooth_axis::no_axis;
+use super::way_out::way_out;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
+use crate::entity::PrimaryMap;
 use crate::ir::design::SurfaceKind;
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program};
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program, Tool};
 use crate::method::AxisMethod;
 use rayon::prelude::*;
 
@@ -67,7 +69,15 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             })
             .collect();
         let mut steepest = 0.0_f64;
-        for (result, pass) in repaired.into_iter().zip(&mut oriented.passes) {
+        // What would do in the first sector does in all.
+        let ways_out: Vec<Option<String>> = (0..per_sector)
+            .into_par_iter()
+            .map(|i| {
+                let (cc, cl) = (planned.passes.get(i)?, oriented.passes.get(i)?);
+                first.get(i)?.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
+            })
+            .collect();
+        for (i, (result, pass)) in repaired.into_iter().zip(&mut oriented.passes).enumerate() {
             match result {
                 Ok((points, lean)) => {
                     steepest = steepest.max(lean);
@@ -77,21 +87,24 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     failed = true;
                     let tool = &cx.program.tools[operation.tool];
                     let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
-                    cx.sink.push(
-                        Diag::error(
-                            orientation::COLLISION,
-                            format!(
-                                "`{}`: {} comes within {distance:.2} mm of the part; {:.2} mm are asked for",
-                                operation.name,
-                                tool.name,
-                                cx.program.clearance.get()
-                            ),
-                        )
-                        .label(operation.span, "in this operation")
-                        .label(tool.span, "with this tool")
-                        .place(pass.label.clone(), at)
-                        .help("take a longer reach, a slimmer holder, or a thinner shank"),
-                    );
+                    let diag = Diag::error(
+                        orientation::COLLISION,
+                        format!(
+                            "`{}`: {} comes within {distance:.2} mm of the part; {:.2} mm are asked for",
+                            operation.name,
+                            tool.name,
+                            cx.program.clearance.get()
+                        ),
+                    )
+                    .label(operation.span, "in this operation")
+                    .label(tool.span, "with this tool")
+                    .place(pass.label.clone(), at);
+                    // The part looks the same from every sector: it is told once.
+                    if i >= per_sector && first.get(i % per_sector.max(1)).is_some_and(Result::is_err) {
+                        continue;
+                    }
+                    let way_out = ways_out.get(i % per_sector.max(1)).cloned().flatten();
+                    cx.sink.push(way_out.into_iter().fold(diag, Diag::help));
                 }
             }
         }
@@ -160,6 +173,27 @@ pub(super) fn repeat(program: &Program, operation: &Operation, first: &[Vec<ClPo
             .map(|p| ClPoint { tip: turn * p.tip, axis: turn * p.axis, contact: p.contact.map(|c| turn * c) })
             .collect();
     }
+}
+
+/// What tool clears a pass that this one does not. A pass along the rulings is given by its cutter, which then stays.
+fn tool_that_clears(
+    program: &Program,
+    obstacles: &Obstacles,
+    operation: &Operation,
+    cc: &CcPass,
+    points: &[ClPoint],
+) -> String {
+    let free = leans(operation, cc);
+    way_out(&program.tools[operation.tool].solid, free, |solid| {
+        let mut program = program.clone();
+        let mut tools = PrimaryMap::new();
+        for (id, tool) in program.tools.iter() {
+            let solid = if id == operation.tool { solid } else { &tool.solid };
+            tools.push(Tool { solid: solid.clone(), ..tool.clone() });
+        }
+        program.tools = tools;
+        clearing_lean(&program, obstacles, operation, cc, points).is_ok()
+    })
 }
 
 /// The least lean, degrees, that clears a pass, or the worst place and distance.

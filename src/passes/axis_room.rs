@@ -7,6 +7,7 @@
 //! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
 
 use super::obstacles::{Ends, Obstacles};
+use super::way_out::way_out;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::Guarded;
 use crate::geom::EllipticCone;
@@ -42,17 +43,19 @@ pub(super) struct AxisRoom<'a> {
     /// Distances of side of the cutter, shank and holder, mm.
     asked: [f64; 3],
     /// Largest angle between tool axis and axis of the table that the travel of A has, radians.
-    most_tilt: f64,
+    most_lean: f64,
 }
 
 impl<'a> AxisRoom<'a> {
     pub(super) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
         let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
         let solid = &program.tools[operation.tool].solid;
-        let tilt = &program.machine.tilt;
-        // A pass may run on either branch of A.
-        let most_tilt = tilt.max.max(-tilt.min);
-        Self { obstacles, solid, asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)], most_tilt }
+        Self {
+            obstacles,
+            solid,
+            asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
+            most_lean: program.machine.most_lean(),
+        }
     }
 
     /// Distances asked of the side of the cutter, shank and holder, mm.
@@ -81,7 +84,7 @@ impl<'a> AxisRoom<'a> {
     /// to spare.
     pub(super) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
-        axis.x.hypot(axis.y).atan2(axis.z) + cap <= self.most_tilt
+        axis.x.hypot(axis.y).atan2(axis.z) + cap <= self.most_lean
             && self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
     }
 
@@ -118,59 +121,9 @@ impl<'a> AxisRoom<'a> {
         best
     }
 
-    /// What would do where no axis is clear: the shortest reach, the widest share of the holder, the largest share of
-    /// the cutter with which some axis about a direction is, each alone.
+    /// What tool would do where no axis is clear: with which some axis about a direction is.
     pub(super) fn way_out(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
-        let works = |solid: &ToolSolid| self.with_any(solid, centre, middle);
-        let from = self.solid.holder.first().map_or(0.0, |h| h.from);
-        let longer = (1..=16).map(|k| 5.0 * f64::from(k)).find(|more| {
-            let mut solid = self.solid.clone();
-            if let Some(last) = solid.shank.last_mut() {
-                last.to += more;
-            }
-            for section in &mut solid.holder {
-                section.from += more;
-                section.to += more;
-            }
-            works(&solid)
-        });
-        let widest = self.solid.holder.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
-        let slimmer = (1..=8).map(|k| 1.0 - 0.1 * f64::from(k)).find(|share| {
-            let mut solid = self.solid.clone();
-            for section in &mut solid.holder {
-                section.radius_from *= share;
-                section.radius_to *= share;
-            }
-            works(&solid)
-        });
-        let diameter = 2.0 * self.solid.radius();
-        let thinner = (1..=7).map(|k| 1.0 - 0.1 * f64::from(k)).find(|share| {
-            let mut solid = self.solid.clone();
-            for section in &mut solid.shank {
-                section.radius_from *= share;
-                section.radius_to *= share;
-            }
-            let radius = self.radius() * share;
-            solid.cutter = match solid.cutter {
-                crate::collide::Cutter::Lollipop { .. } => crate::collide::Cutter::Lollipop { radius },
-                _ => crate::collide::Cutter::Ball { radius },
-            };
-            works(&solid)
-        });
-        let mut ways = Vec::new();
-        if let Some(more) = longer {
-            ways.push(format!("a reach of {:.0} mm", from + more));
-        }
-        if let Some(share) = slimmer {
-            ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest * share));
-        }
-        if let Some(share) = thinner {
-            ways.push(format!("a cutter of {:.1} mm diameter with a shank as thin", diameter * share));
-        }
-        match ways.as_slice() {
-            [] => "no longer reach, slimmer holder or smaller cutter alone would do; open the channel".to_owned(),
-            ways => format!("with all else as it is, this would do: {}", ways.join("; or ")),
-        }
+        way_out(self.solid, true, |solid| self.with_any(solid, centre, middle))
     }
 
     fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {

@@ -1,9 +1,12 @@
-//! The axis path of one band by `method minimax`: within the bounds of the contracts, and of those paths the one with
-//! the least motion of the rotary axes.
+//! The axis path of one band by `method minimax`: within the bounds of the contracts, of clearance and of travel, and of
+//! those paths the one with the least motion of the rotary axes.
 
+use super::flank_clearance::Clearances;
+use super::obstacles::Obstacles;
 use crate::analysis::flank::{Band, Placed};
 use crate::analysis::flank_room::{SLACK, room};
-use crate::envelope::{Deviation, Measured, Target, ease, finest, least_squares, minimax};
+use crate::envelope::target::Of;
+use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
 use crate::geom::DualCurve;
 use crate::ir::design::SurfaceKind;
 use crate::ir::{OperationId, Program, Side};
@@ -25,8 +28,14 @@ const EASING: [usize; 3] = [20, 3, 3];
 const DENSE: f64 = 5.0;
 const NEAR: f64 = 1e-3;
 
+/// Points of the last look whose surroundings are looked at more closely.
+const CRESTS: usize = 30;
+
 /// A lack that is none, mm.
 pub(super) const NO_LACK: f64 = 5e-5;
+
+/// Times at most that what is in the way of a path joins its bounds.
+const CLEARINGS: usize = 6;
 
 /// Weight of accelerations against speeds in the motion of the rotary axes, as a length of way, mm.
 const REACH: f64 = 3.0;
@@ -48,6 +57,8 @@ pub(super) struct Sweep {
     pub(super) span: [f64; 2],
     /// By how much the bounds had to give way, mm; zero where they are kept.
     pub(super) lacks: f64,
+    /// By how much the bounds would have to give way beside clearances and travel, mm; zero where these are kept.
+    pub(super) crowded: f64,
 }
 
 /// What a band is optimised for.
@@ -55,6 +66,26 @@ pub(super) struct Task<'a> {
     pub(super) program: &'a Program,
     pub(super) operation: OperationId,
     pub(super) choices: Flank,
+    pub(super) obstacles: &'a Obstacles,
+}
+
+/// How closely a path is looked at in the end.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// Between the points of the search.
+    Between,
+    /// On crests as well, as they stand where the envelope folds: a path that is pushed along itself comes near to that.
+    OnCrests,
+}
+
+/// Points that bound a path.
+struct Points {
+    /// Those that programs know of.
+    looked_at: Vec<Target>,
+    /// Those among which the broken ones are looked for.
+    all: Vec<Target>,
+    /// Those of the last look, with their places.
+    dense: Vec<(Target, Placed)>,
 }
 
 impl Task<'_> {
@@ -64,17 +95,20 @@ impl Task<'_> {
     }
 
     /// Optimises a band. `None` where the cutter finds no place to start from.
+    ///
+    /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
+    /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
+    /// Twisted faces give little room to lean along them: of the height of a band with its square.
     pub(super) fn sweep(&self, band: &Band<'_>) -> Option<Sweep> {
-        let tool = band.tool();
         let start = band.start()?;
         let coarse = band.near(&start, band.targets(1.0), |p| p.target);
         let fine = band.targets(2.0);
         let plain = |placed: &[Placed]| placed.iter().map(|p| p.target).collect::<Vec<Target>>();
-        let start = least_squares(&start, &tool, &plain(&coarse));
+        let start = least_squares(&start, &band.tool(), &plain(&coarse));
         let face = SurfaceKind::Face(band.side);
         // Without contracts, the least error there is.
         let least = self.room(face, band.side).is_none().then(|| {
-            let best = finest(&start, &tool, &plain(&coarse), &plain(&fine), GAIN).best;
+            let best = finest(&start, &band.tool(), &plain(&coarse), &plain(&fine), GAIN).best;
             let even = best.widening + SLACK;
             (best.curve, if self.choices.side == ErrorSide::Both { [even; 2] } else { [0.0, 2.0 * even] })
         });
@@ -87,18 +121,92 @@ impl Task<'_> {
             let target = if placed.target.low > 0.0 { placed.target } else { placed.target.widened(below, above) };
             self.giving(target, placed, band)
         };
-        let mut targets: Vec<Target> = coarse.iter().map(bounded).collect();
-        let mut all: Vec<Target> = fine.iter().map(bounded).collect();
-        let dense: Vec<Target> = band.near(&start, band.targets(DENSE), |p| p.target).iter().map(bounded).collect();
-        let mut path = least.map_or(start, |l| l.0);
+        let dense = band.near(&start, band.targets(DENSE), |p| p.target);
+        let mut points = Points {
+            looked_at: coarse.iter().map(bounded).collect(),
+            all: fine.iter().map(bounded).collect(),
+            dense: dense.iter().map(|p| (bounded(p), *p)).collect(),
+        };
+        let clearances = Clearances::new(self.program, self.operation, self.obstacles);
+        let tool = Mounted { body: clearances.body(), ..band.tool() };
+        let start = least.clone().map_or(start, |l| l.0);
+        let (path, lacks, _) = self.within_bounds(start, band, &tool, &bounded, &mut points, Look::Between);
+        let mut clear = || {
+            self.cleared(&path, &clearances, |path, near| {
+                points.looked_at.extend(near);
+                points.all.extend(near);
+                self.within_bounds(path, band, &tool, &bounded, &mut points, Look::OnCrests)
+            })
+        };
+        let (path, crowded) = match if lacks > NO_LACK { Ok(path.clone()) } else { clear() } {
+            Ok(path) => (path, 0.0),
+            Err(crowded) => (path, crowded),
+        };
+        let exact = plain(&fine);
+        let measured = Measured::new(&path, &tool, &exact);
+        let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.at[1]);
+        let edge = band.span[0];
+        // The row of targets nearest to the lower edge from above.
+        let row = lowest.filter(|h| *h >= edge - 1e-9).fold(1.0, f64::min);
+        let mut contacts: Vec<(f64, [f64; 2])> = fine
+            .iter()
+            .zip(&measured.at)
+            .filter(|(p, _)| p.kind == face && (p.at[1] - row).abs() < 1e-9)
+            .map(|(p, d)| (d.t, p.parameters))
+            .collect();
+        contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let error = measured.lack(&exact);
+        let operation = &self.program.operations[self.operation];
+        let length = [operation.lead_in.get(), operation.lead_out.get()];
+        let (directions, blocked) = leads(band, &path, length, &points.all, &clearances);
+        let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
+        Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
+    }
+
+    /// A path near one that shank, holder and travel may not allow, which they do; else by how much the bounds would have
+    /// to give way for it, mm. `within` finds a path from another, with more bounds.
+    fn cleared(
+        &self,
+        path: &DualCurve,
+        clearances: &Clearances<'_>,
+        mut within: impl FnMut(DualCurve, &[Target]) -> (DualCurve, f64, f64),
+    ) -> Result<DualCurve, f64> {
+        let mut path = path.clone();
         let mut lacks = 0.0;
+        for _ in 0..CLEARINGS {
+            let found = clearances.found(&path);
+            if found.kept {
+                return Ok(path);
+            }
+            let (next, given, left) = within(path, &found.near);
+            (path, lacks) = (next, given.max(left));
+            if lacks > NO_LACK {
+                break;
+            }
+        }
+        Err(lacks.max(NO_LACK))
+    }
+
+    /// The path with the least motion that keeps the bounds of all points, by how much they had to give way, and by how
+    /// much more some are broken that never came to hold, mm.
+    fn within_bounds(
+        &self,
+        mut path: DualCurve,
+        band: &Band<'_>,
+        tool: &Mounted<'_>,
+        bounded: &impl Fn(&Placed) -> Target,
+        points: &mut Points,
+        look: Look,
+    ) -> (DualCurve, f64, f64) {
+        let mut lacks = 0.0;
+        let mut broken = Vec::new();
         for round in 0..EXCHANGES {
-            let guarded = self.guarded(path, band, &targets);
-            let mut best = minimax(&guarded, &tool, &targets, GAIN);
+            let guarded = self.guarded(path, tool, &points.looked_at);
+            let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
             if round == 0 && best.widening > NO_LACK {
                 // Finer knots may do what more bands would.
-                (best, targets) = {
-                    let found = finest(&guarded, &tool, &targets, &all, GAIN);
+                (best, points.looked_at) = {
+                    let found = finest(&guarded, tool, &points.looked_at, &points.all, GAIN);
                     (found.best, found.targets)
                 };
             }
@@ -106,48 +214,42 @@ impl Task<'_> {
             let give = |t: &Target| t.widened(lacks * t.give[0], lacks * t.give[1]);
             path = match EASING.get(round) {
                 Some(steps) => {
-                    let widened: Vec<Target> = targets.iter().map(give).collect();
-                    ease(&best.curve, &tool, &widened, &rotary, REACH, SLACK, *steps).curve
+                    let widened: Vec<Target> = points.looked_at.iter().map(give).collect();
+                    ease(&best.curve, tool, &widened, &rotary, REACH, SLACK, *steps).curve
                 }
                 None => best.curve,
             };
-            // Those that are nearer to a bound than `room`, or over it by more than that with the other sign.
-            let within = |among: &[Target], room: f64| -> Vec<Target> {
-                let measured = Measured::new(&path, &tool, among);
-                let lack = |(d, t): &(&Deviation, &Target)| (give(t).low - d.value).max(d.value - give(t).high);
-                measured.at.iter().zip(among).filter(|x| lack(x) > -room).map(|x| *x.1).collect()
+            let lack = |d: &Deviation, t: &Target| (give(t).low - d.value).max(d.value - give(t).high);
+            let broken_of = |among: &[Target]| -> Vec<Target> {
+                let measured = Measured::new(&path, tool, among);
+                let broken = measured.at.iter().zip(among).filter(|(d, t)| lack(d, t) > 1.5 * SLACK);
+                broken.map(|x| *x.1).collect()
             };
-            let mut broken = within(&all, -1.5 * SLACK);
+            broken = broken_of(&points.all);
             if broken.is_empty() {
                 // What easing gains it takes from between the points, most of all at both ends.
-                let near = within(&dense, NEAR);
-                broken = within(&near, -1.5 * SLACK);
-                all.extend(near);
+                let dense: Vec<Target> = points.dense.iter().map(|p| p.0).collect();
+                let measured = Measured::new(&path, tool, &dense);
+                let mut near: Vec<(f64, &(Target, Placed))> =
+                    measured.at.iter().zip(&points.dense).map(|(d, p)| (lack(d, &p.0), p)).collect();
+                near.retain(|x| x.0 > -NEAR);
+                near.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let crests: Vec<Placed> = near.iter().take(CRESTS).map(|x| x.1.1).collect();
+                let mut finer: Vec<Target> = near.iter().map(|x| x.1.0).collect();
+                if look == Look::OnCrests {
+                    finer.extend(band.about(&crests, DENSE).iter().map(bounded));
+                }
+                broken = broken_of(&finer);
+                points.all.extend(near.iter().map(|x| x.1.0));
+                points.all.extend(&broken);
             }
             if broken.is_empty() {
                 break;
             }
-            targets.extend(broken);
+            points.looked_at.extend(&broken);
         }
-        let exact = plain(&fine);
-        let measured = Measured::new(&path, &tool, &exact);
-        let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.height);
-        let edge = band.span[0];
-        // The row of targets nearest to the lower edge from above.
-        let row = lowest.filter(|h| *h >= edge - 1e-9).fold(1.0, f64::min);
-        let mut contacts: Vec<(f64, [f64; 2])> = fine
-            .iter()
-            .zip(&measured.at)
-            .filter(|(p, _)| p.kind == face && (p.height - row).abs() < 1e-9)
-            .map(|(p, d)| (d.t, p.parameters))
-            .collect();
-        contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let error = measured.lack(&exact);
-        let operation = &self.program.operations[self.operation];
-        let length = [operation.lead_in.get(), operation.lead_out.get()];
-        let (directions, blocked) = leads(band, &path, length, &all);
-        let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
-        Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks })
+        let left = Measured::new(&path, tool, &broken).widening(&broken) - lacks;
+        (path, lacks, left.max(0.0))
     }
 
     /// Shares in which the bounds of a target give way.
@@ -159,19 +261,19 @@ impl Task<'_> {
             Conflict::GougeFree => Target { give: [0.0, 1.0], ..target },
             Conflict::ContactBoth => {
                 let held = placed.kind == SurfaceKind::Face(band.side)
-                    && band.span.iter().any(|edge| (placed.height - edge).abs() < 1e-9);
+                    && band.span.iter().any(|edge| (placed.at[1] - edge).abs() < 1e-9);
                 Target { give: if held { [HELD; 2] } else { [1.0; 2] }, ..target }
             }
         }
     }
 
     /// A path that keeps the bounds which do not give way, from one that may not: excess is free on the way there.
-    fn guarded(&self, path: DualCurve, band: &Band<'_>, targets: &[Target]) -> DualCurve {
+    fn guarded(&self, path: DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
         if self.choices.conflict != Conflict::GougeFree {
             return path;
         }
         let firm: Vec<Target> = targets.iter().map(|t| Target { high: f64::INFINITY, give: [1.0; 2], ..*t }).collect();
-        minimax(&path, &band.tool(), &firm, GAIN).curve
+        minimax(&path, tool, &firm, GAIN).curve
     }
 }
 
@@ -194,8 +296,14 @@ pub(super) fn contact(contacts: &[(f64, [f64; 2])], t: f64) -> Option<[f64; 2]> 
 }
 
 /// Directions of the leads beyond both ends of a path: on along the path, or bent away from face and hub until the tool,
-/// which shifts without turning, cuts nothing there; and whether none of these does.
-fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]) -> ([Vector3<f64>; 2], [bool; 2]) {
+/// which shifts without turning, cuts nothing there and is clear; and whether none of these does.
+fn leads(
+    band: &Band<'_>,
+    path: &DualCurve,
+    length: [f64; 2],
+    targets: &[Target],
+    clearances: &Clearances<'_>,
+) -> ([Vector3<f64>; 2], [bool; 2]) {
     /// Shares of normals of face and hub that are tried, from straight on to steeply away.
     const BENDS: [[f64; 2]; 8] =
         [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
@@ -208,7 +316,8 @@ fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]
         let direction = |bend: &[f64; 2]| (straight + normals[0] * bend[0] + normals[1] * bend[1]).normalize();
         let clear = |direction: &Vector3<f64>| {
             let line = [0.0, length[end]].map(|s| at.lower + direction * s);
-            targets.par_iter().all(|t| {
+            let of_cutter = targets.par_iter().filter(|t| t.of == Of::Cutter);
+            let cuts_nothing = of_cutter.all(|t| {
                 let distance = |s: f64| {
                     let d = t.point - (line[0] + (line[1] - line[0]) * s);
                     let height = d.dot(&at.axis);
@@ -216,7 +325,8 @@ fn leads(band: &Band<'_>, path: &DualCurve, length: [f64; 2], targets: &[Target]
                 };
                 // The end of the path is measured with it; a convex function beyond it.
                 least_convex(distance) >= (t.low - SLACK).min(distance(0.0))
-            })
+            });
+            cuts_nothing && clearances.kept_on(&line, &at.axis)
         };
         BENDS.iter().map(direction).find(clear).ok_or(straight)
     });

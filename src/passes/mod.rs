@@ -7,6 +7,7 @@ mod axis_room;
 mod axis_way;
 mod chart;
 mod constant_scallop;
+mod flank_clearance;
 mod flank_sweep;
 mod layers;
 mod obstacles;
@@ -14,6 +15,7 @@ mod spiral;
 mod surface_lines;
 mod vane_axis;
 mod vane_ground;
+mod way_out;
 
 pub mod assign_feeds;
 pub mod avoid_collision;

@@ -159,8 +159,24 @@ impl Obstacles {
         walls.into_iter().chain(hub).reduce(f64::min)
     }
 
-    /// How far shank and holder are from their clearance to the part, where that is lacking; with `side_free` also the
-    /// side of the cutter, from a radius above the middle of its ball, from its own.
+    /// Where a distance to the tool is least on each of the obstacles, and that distance less than what the samples see too
+    /// much of it, as far as it is below `cutoff`.
+    pub fn nearest<'a>(
+        &'a self,
+        (tip, axis): (&'a Point3<f64>, &'a Vector3<f64>),
+        distance: impl Fn(f64, f64) -> f64 + 'a,
+        cutoff: f64,
+    ) -> impl Iterator<Item = (f64, Point3<f64>)> + 'a {
+        let part = [(&self.walls, EDGE_MARGIN), (&self.hub, EDGE_MARGIN)];
+        let all = part.into_iter().chain(self.carried.iter().map(|(cloud, beside)| (cloud, *beside)));
+        all.filter_map(move |(cloud, margin)| {
+            let (least, index) = cloud.nearest(tip, axis, &distance, cutoff + margin)?;
+            Some((least - margin, cloud.points()[index].position))
+        })
+    }
+
+    /// How far shank and holder are from their clearance to part, table and fixtures, where that is lacking; with
+    /// `side_free` also the side of the cutter, from a radius above the middle of its ball, from its own.
     pub fn body_lack(
         &self,
         solid: &ToolSolid,
@@ -180,11 +196,6 @@ impl Obstacles {
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
             body.min(side - keep.vane)
         };
-        let walls = self.walls.nearest(tip, axis, lack, EDGE_MARGIN);
-        let hub = self.hub.nearest(tip, axis, lack, EDGE_MARGIN);
-        match (walls, hub) {
-            (Some(a), Some(b)) => Some(a.0.min(b.0)),
-            (a, b) => a.or(b).map(|x| x.0),
-        }
+        self.nearest((tip, axis), lack, 0.0).map(|(least, _)| least).reduce(f64::min)
     }
 }

@@ -6,6 +6,7 @@
 //! ruling by itself, and leave the axis to `orient-tool`.
 
 use super::flank_sweep::{self, NO_LACK, Sweep, Task};
+use super::obstacles::Obstacles;
 use super::pipeline::{PassContext, check_fillet};
 use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
 use crate::analysis::flank_room::{SLACK, kept};
@@ -33,6 +34,9 @@ const NEARLY: f64 = 1.1;
 
 /// Share of the room from which evening out the heights further will not help, nor more bands do what the cube law says.
 const HOPEFUL: f64 = 1.5;
+
+/// Share of what is missing of clearance or travel that one more band has to take away for a further one to be tried.
+const WORTH: f64 = 0.8;
 
 /// A band of a face in sector 0, ready to be turned into the sectors.
 struct Planned {
@@ -100,10 +104,16 @@ enum Bands {
 
 /// The axis paths of the bands of a face, from the root, as a flank operation by `minimax` plans them. `None` where no
 /// ball rolls along the root, where no number of bands keeps the contracts, and for an operation of another kind.
-pub fn axis_paths(program: &Program, id: OperationId, side: Side, around: &Surroundings<'_>) -> Option<Vec<DualCurve>> {
+pub fn axis_paths(
+    program: &Program,
+    id: OperationId,
+    side: Side,
+    around: &Surroundings<'_>,
+    obstacles: &Obstacles,
+) -> Option<Vec<DualCurve>> {
     let operation = &program.operations[id];
     let OperationKind::Flank { flank, .. } = operation.kind else { return None };
-    let task = Task { program, operation: id, choices: flank };
+    let task = Task { program, operation: id, choices: flank, obstacles };
     match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
         Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
         Bands::Never { .. } => None,
@@ -132,6 +142,8 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter)
         error * (f64::from(fewer) / f64::from(strips)).powi(3) <= HOPEFUL * needed
     };
     let mut last: Option<(u32, f64)> = None;
+    // Bands that keep the bounds, but not clearances or travel, and by how much they miss these.
+    let mut crowded: Option<(Vec<Sweep>, f64)> = None;
     for strips in 1..=MOST_STRIPS {
         if last.is_some_and(|last| !may(last, strips)) {
             continue;
@@ -147,9 +159,24 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter)
             continue;
         }
         let found = sweeps(&bands)?;
-        if found.iter().all(|s| s.lacks <= NO_LACK) {
+        if found.iter().any(|s| s.lacks > NO_LACK) {
+            continue;
+        }
+        let misses = found.iter().map(|s| s.crowded).fold(0.0, f64::max);
+        if misses == 0.0 {
             return Some(Bands::Found(found));
         }
+        // Lower bands may lean further, if that is what is missing.
+        let before = crowded.as_ref().map_or(f64::INFINITY, |c| c.1);
+        if misses < before {
+            crowded = Some((found, misses));
+        }
+        if misses > WORTH * before {
+            break;
+        }
+    }
+    if let Some((found, _)) = crowded {
+        return Some(Bands::Found(found));
     }
     let worst = flank::least_error(around, side, MOST_STRIPS, cutter, 1)?;
     Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
@@ -179,7 +206,7 @@ fn optimised(
     let program = cx.program;
     let tool = &program.tools[operation.tool];
     let around = Surroundings::new(&program.part);
-    let task = Task { program, operation: id, choices };
+    let task = Task { program, operation: id, choices, obstacles: cx.obstacles };
     let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
     let found: Vec<Option<Bands>> =
         faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();

@@ -4,7 +4,8 @@ crate::codes! {
     COLLISION = "IMP0501", "shank, holder or cutter side too near to the part",
         "For a pass of this operation no tool axis was found that keeps the shank and the holder away from vanes and \
 hub by the clearance of the job (`require clearance`). At the machine this bends the tool or breaks the spindle.\n\n\
-Way out: a longer reach, a slimmer holder, a thinner shank, or a smaller clearance.";
+Way out: the help names the reach, the diameter of holder, shank or cutter with which the pass is clear, each by \
+itself; or a smaller clearance.";
     NO_AXIS = "IMP0502", "no clear tool axis at a contact",
         "At a contact of this operation no tool axis keeps the side of the cutter, the shank and the holder away from \
 vanes and hub by what is asked. Axes were looked for all around the direction of the channel, up to 41 deg from it. The \
