@@ -57,9 +57,14 @@ fn floor(job: &Program, method: AxisMethod, lines: Lines, scallop: f64) -> Progr
     alone(job, kind, 8.0)
 }
 
+/// What finishing of the vanes may leave, mm, or cut too deep: the contract on excess of the main job.
+const ASKED: f64 = 0.012;
+
 /// Finishing of both faces of a vane alone.
 fn vanes(job: &Program, flank: Flank) -> Program {
-    alone(job, OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank }, 12.0)
+    let mut program = alone(job, OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank }, 12.0);
+    program.contracts.extend([ContractKind::Gouge, ContractKind::Excess].map(|kind| Contract::whole(kind, ASKED)));
+    program
 }
 
 fn job(name: &str) -> Program {
@@ -83,10 +88,12 @@ fn turboexpander() -> Program {
 struct Row {
     /// Largest turns of A and C a mm of the way of the tip, deg/mm, over blocks of some length.
     turn: [f64; 2],
-    /// Length, mm, and time of cutting, s, and time with links and rapids, s.
+    /// Length, mm, and time of cutting, s, time with links and rapids, s, and what the process feed alone would take of
+    /// the time of cutting, s.
     length: f64,
     time: f64,
     whole: f64,
+    at_feed: f64,
     /// Largest acceleration that the feed asks of A and C, as a share of the limit.
     asked: [f64; 2],
 }
@@ -107,7 +114,9 @@ fn row(program: &Program, motion: &Motion) -> Row {
         }
     }
     let asked = [run.asked[3].value, run.asked[4].value];
-    Row { turn, length, time: run.time[0], whole: run.time.iter().sum(), asked }
+    let cuts = motion.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut);
+    let at_feed = cuts.map(|m| m.time).sum();
+    Row { turn, length, time: run.time[0], whole: run.time.iter().sum(), at_feed, asked }
 }
 
 fn planned(program: &Program) -> Motion {
@@ -172,9 +181,6 @@ impl Planned {
     }
 }
 
-/// What finishing of the vanes may leave, mm: the contract of the main job.
-const ASKED: f64 = 0.012;
-
 /// Most passes a face that are tried.
 const MOST_STRIPS: u32 = 8;
 
@@ -235,6 +241,8 @@ fn told(what: &str, before: &[&Row], after: &[&Row]) {
     let ([from, to], ratio) = ([b, a].map(|x| x[0] / x[1] * 60.0), b[1] / a[1]);
     println!("{what}, before and after: {from:.0} and {to:.0} mm/min, {:.1} and {:.1} s, {ratio:.2} to 1", b[1], a[1]);
     println!("    with ways {:.1} and {:.1} s, {:.2} to 1", b[2], a[2], b[2] / a[2]);
+    let at_feed = sum(after, |r| r.at_feed);
+    println!("    the process feed alone takes {at_feed:.1} s: no more than {:.2} to 1", b[1] / at_feed);
 }
 
 fn check(tables: &[[Row; 7]]) {
