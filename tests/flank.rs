@@ -268,3 +268,29 @@ fn a_holder_that_no_path_clears_is_refused_with_the_tool_that_would_do() {
         assert!(pipeline::run(&with_holder(Side::Pressure, reach, radius), &mut sink).is_ok(), "{reach} {radius}");
     }
 }
+
+#[test]
+fn a_shank_that_touches_the_face_is_refused_with_the_flutes_that_would_do() {
+    let mut program = with_holder(Side::Pressure, 28.0, 16.0);
+    let with_flutes = |program: &Program, flutes: f64, reach: f64| {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            let mut tool = tool.clone();
+            tool.solid.flute_length = flutes;
+            tool.solid.shank = vec![Section { from: flutes, to: reach, radius_from: 3.0, radius_to: 3.0 }];
+            tool.solid.holder = vec![Section { from: reach, to: reach + 60.0, radius_from: 16.0, radius_to: 22.0 }];
+            tools.push(tool);
+        }
+        tools
+    };
+    program.tools = with_flutes(&program, 22.0, 28.0);
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&program, &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0501").expect("the reason");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    let numbers: Vec<f64> = help.split([' ', ';']).filter_map(|w| w.parse().ok()).collect();
+    let [flutes, reach] = numbers[..] else { panic!("{help}") };
+    program.tools = with_flutes(&program, flutes, reach);
+    assert!(pipeline::run(&program, &mut Sink::default()).is_ok(), "{flutes} {reach}");
+}

@@ -2,7 +2,7 @@
 
 use crate::collide::{Section, ToolSolid};
 
-/// The shortest reach, the largest share of the holder, of the shank and, where the cutter is not given by what it cuts, of
+/// The shortest reach, or flutes and reach, the largest share of the holder, of the shank and, where the cutter is not given by what it cuts, of
 /// cutter and shank with which a pass `works`, each alone, in words.
 pub(super) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
     let from = solid.holder.first().map_or(0.0, |h| h.from);
@@ -19,19 +19,34 @@ pub(super) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&Tool
         works(&other)
     };
     let mut ways = Vec::new();
-    let longer = (1..=16).map(|k| 5.0 * f64::from(k)).find(|more| {
+    let lengths = || (1..=16).map(|k| 5.0 * f64::from(k));
+    let raised = |sections: &mut [Section], more: f64| {
+        for section in sections {
+            section.from += more;
+            section.to += more;
+        }
+    };
+    let longer = lengths().find(|more| {
         works_with(&|s| {
             if let Some(last) = s.shank.last_mut() {
                 last.to += more;
             }
-            for section in &mut s.holder {
-                section.from += more;
-                section.to += more;
-            }
+            raised(&mut s.holder, *more);
         })
     });
     if let Some(more) = longer {
         ways.push(format!("a reach of {:.0} mm", from + more));
+    }
+    // Where the shank is in the way as well as the holder.
+    let longer_flutes = lengths().filter(|_| longer.is_none()).find(|more| {
+        works_with(&|s| {
+            s.flute_length += more;
+            raised(&mut s.shank, *more);
+            raised(&mut s.holder, *more);
+        })
+    });
+    if let Some(more) = longer_flutes {
+        ways.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
     }
     let widest = |sections: &[Section]| sections.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
     if let Some(share) = shares(2).find(|share| works_with(&|s| slimmed(&mut s.holder, *share))) {
