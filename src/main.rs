@@ -1,6 +1,7 @@
 //! Command line of the compiler.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;

@@ -58,7 +58,7 @@ impl<'a> Channel<'a> {
     fn corner(&self, side: usize, s: f64, wall: f64, floor: f64) -> Option<Point3<f64>> {
         let face = &self.walls[side];
         let u = s.clamp(0.0, 1.0);
-        let (sin, cos) = ((s - u) * FRAC_PI_2).sin_cos();
+        let (sin, cos) = libm::sincos((s - u) * FRAC_PI_2);
         let at = |v: f64| {
             let (point, su, sv) = face.surface.tangents(u, v);
             let n = su.cross(&sv).normalize() * face.orientation;
@@ -128,7 +128,7 @@ impl<'a> Channel<'a> {
 
     /// Where the curves have changed sides: the deepest place, its width as a negative arc.
     fn crossing(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<Room> {
-        let along = |p: &Point3<f64>| self.part.hub.closest(nalgebra::Vector2::new(p.x.hypot(p.y), p.z)).0;
+        let along = |p: &Point3<f64>| self.part.hub.closest(nalgebra::Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
         let stations: Vec<f64> = b.iter().map(along).collect();
         let mut worst: Option<Room> = None;
         for (i, p) in a.iter().enumerate() {
@@ -139,8 +139,8 @@ impl<'a> Channel<'a> {
             let q = b[k - 1] + (b[k] - b[k - 1]) * t;
             // Measured around the pitch, so that it holds for few vanes too.
             let pitch = self.part.pitch();
-            let gap = pitch + turn_between(p.y.atan2(p.x) + pitch, q.y.atan2(q.x));
-            let width = gap * p.x.hypot(p.y);
+            let gap = pitch + turn_between(libm::atan2(p.y, p.x) + pitch, libm::atan2(q.y, q.x));
+            let width = gap * libm::hypot(p.x, p.y);
             if width < 0.0 && worst.is_none_or(|w| width < w.width) {
                 worst = Some(Room { width, u: station(20 + i), point: nalgebra::center(p, &q) });
             }

@@ -276,12 +276,12 @@ impl<'a> Band<'a> {
         let widest = self.cutter.barrel_height()?;
         let height = (up.norm_squared().sqrt() + self.cutter.tip_radius()).clamp(lowest, widest);
         let Cutter::Barrel { barrel, .. } = self.cutter else { return None };
-        let angle = ((widest - height) / barrel).asin();
+        let angle = libm::asin((widest - height) / barrel);
         let along = face.surface.ruling(u);
         let along = (along - normal * along.dot(&normal)).normalize();
-        let axis = along * angle.cos() + normal * angle.sin();
+        let axis = along * libm::cos(angle) + normal * libm::sin(angle);
         // Towards the face, across the axis.
-        let towards = normal * -angle.cos() + along * angle.sin();
+        let towards = normal * -libm::cos(angle) + along * libm::sin(angle);
         Some((point - towards * self.cutter.radius_at(height) - axis * height, axis))
     }
 
@@ -335,7 +335,8 @@ pub fn bands<'a>(
     let mut best = first;
     for _ in 0..rounds {
         // As high as the cube law makes all errors the same.
-        let even = |(band, w): &(Band<'_>, Worst)| (band.span[1] - band.span[0]) * w.error.max(1e-6).powf(-1.0 / 3.0);
+        let even =
+            |(band, w): &(Band<'_>, Worst)| (band.span[1] - band.span[0]) * libm::pow(w.error.max(1e-6), -1.0 / 3.0);
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
         let mut borders = vec![0.0];

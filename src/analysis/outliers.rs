@@ -75,8 +75,8 @@ fn values(points: &[Point3<f64>], pattern: Pattern) -> Vec<f64> {
     let mut before = 0.0;
     for p in points {
         before = match pattern {
-            Pattern::Angle => before + super::channel::turn_between(before, p.y.atan2(p.x)),
-            Pattern::Radius => p.x.hypot(p.y),
+            Pattern::Angle => before + super::channel::turn_between(before, libm::atan2(p.y, p.x)),
+            Pattern::Radius => libm::hypot(p.x, p.y),
             Pattern::Height => p.z,
         };
         values.push(before);
@@ -120,7 +120,7 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
             let others: Vec<usize> = rows.iter().copied().filter(|r| r != k).collect();
             let expected = expectation(&between, &others, *k)?;
             let gap = (between[*k] - expected).abs();
-            let scale = if pattern == Pattern::Angle { tables[0][*k].x.hypot(tables[0][*k].y) } else { 1.0 };
+            let scale = if pattern == Pattern::Angle { libm::hypot(tables[0][*k].x, tables[0][*k].y) } else { 1.0 };
             let rough = roughness(&between, &others);
             (gap > BREAK * rough && gap * scale > LEAST).then_some((*k, expected, rough))
         });
@@ -165,10 +165,10 @@ fn own_break(values: &[f64], others: &[usize], row: usize) -> f64 {
 }
 
 fn moved(p: &Point3<f64>, pattern: Pattern, change: f64) -> Point3<f64> {
-    let (radius, angle) = (p.x.hypot(p.y), p.y.atan2(p.x));
+    let (radius, angle) = (libm::hypot(p.x, p.y), libm::atan2(p.y, p.x));
     match pattern {
-        Pattern::Angle => Point3::new(radius * (angle + change).cos(), radius * (angle + change).sin(), p.z),
-        Pattern::Radius => Point3::new((radius + change) * angle.cos(), (radius + change) * angle.sin(), p.z),
+        Pattern::Angle => Point3::new(radius * libm::cos(angle + change), radius * libm::sin(angle + change), p.z),
+        Pattern::Radius => Point3::new((radius + change) * libm::cos(angle), (radius + change) * libm::sin(angle), p.z),
         Pattern::Height => Point3::new(p.x, p.y, p.z + change),
     }
 }

@@ -96,5 +96,5 @@ fn formula_8(part: &Part, data: &[DataCurve]) -> f64 {
         }
         _ => (stations(&part.vane.pressure.surface), stations(&part.vane.suction.surface)),
     };
-    p.iter().zip(&s).map(|(p, s)| p.x.hypot(p.y) * part.pitch() - (p - s).norm()).fold(f64::INFINITY, f64::min)
+    p.iter().zip(&s).map(|(p, s)| libm::hypot(p.x, p.y) * part.pitch() - (p - s).norm()).fold(f64::INFINITY, f64::min)
 }

@@ -72,7 +72,7 @@ impl Cutter {
     /// The point of the rounded profile whose outward normal leans from the radial direction towards the tip by an angle,
     /// radians in (0, pi/2]; `None` for a flat end, which has none.
     pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         let on_arc =
             |rho: f64, s: f64, bend: f64| Some(ProfilePoint { rho: rho + bend * cos, s: s - bend * sin, bend });
         match *self {
@@ -95,7 +95,7 @@ impl Cutter {
     pub fn barrel_angle(&self) -> Option<f64> {
         match *self {
             Self::Barrel { radius, barrel, tip } => {
-                Some(((barrel_height(radius, barrel, tip) - tip) / (barrel - tip)).asin())
+                Some(libm::asin((barrel_height(radius, barrel, tip) - tip) / (barrel - tip)))
             }
             _ => None,
         }
@@ -132,7 +132,7 @@ impl Cutter {
             Self::Ball { radius } | Self::Lollipop { radius } => from_centre(rho, s - radius, radius),
             Self::TaperedBall { ball, half_angle } => {
                 // Side line through the tangent point of the ball; its region begins at the normal of the ball there.
-                let (sin, cos) = half_angle.sin_cos();
+                let (sin, cos) = libm::sincos(half_angle);
                 let height = s - ball;
                 if height * cos + rho * sin > 0.0 {
                     Slope { value: rho * cos - height * sin - ball, rho: cos, s: -sin }
@@ -164,8 +164,12 @@ impl Cutter {
             Self::Ball { radius } => cap(radius, s),
             Self::Bull { radius, corner } => radius - corner + cap(corner, s),
             Self::TaperedBall { ball, half_angle } => {
-                let tangent = ball * (1.0 - half_angle.sin());
-                if s < tangent { cap(ball, s) } else { (ball + (s - ball) * half_angle.sin()) / half_angle.cos() }
+                let tangent = ball * (1.0 - libm::sin(half_angle));
+                if s < tangent {
+                    cap(ball, s)
+                } else {
+                    (ball + (s - ball) * libm::sin(half_angle)) / libm::cos(half_angle)
+                }
             }
             Self::Barrel { radius, barrel, tip } => {
                 let height = barrel_height(radius, barrel, tip);

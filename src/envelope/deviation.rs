@@ -57,11 +57,11 @@ fn body_slope(tool: &Mounted<'_>, rho: f64, s: f64) -> Slope {
 
 /// How much further the axis could lean, see [`Of::Lean`].
 fn leaning(at: &AxisAt, t: f64, most: f64) -> Deviation {
-    let radial = at.axis.x.hypot(at.axis.y);
+    let radial = libm::hypot(at.axis.x, at.axis.y);
     // Where the axis is Z it may lean any way.
     let out = if radial > 0.0 { Vector3::new(at.axis.x, at.axis.y, 0.0) / radial } else { Vector3::x() };
     let upper = (Vector3::z() * radial - out * at.axis.z) * (LEVER / at.length);
-    Deviation { value: LEVER * (most - radial.atan2(at.axis.z)), t, lower: -upper, upper }
+    Deviation { value: LEVER * (most - libm::atan2(radial, at.axis.z)), t, lower: -upper, upper }
 }
 
 /// Distance and how it changes with both points of the axis.

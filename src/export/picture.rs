@@ -185,7 +185,7 @@ pub fn picture(program: &Program, motion: &Motion) -> Vec<u8> {
         for m in &operation.moves {
             let tip = program.machine.forward(&m.joints).tip;
             // Tips outside of the part would hide it.
-            let inside = tip.x.hypot(tip.y) <= outlet.x + 1.0;
+            let inside = libm::hypot(tip.x, tip.y) <= outlet.x + 1.0;
             if let (Some(from), MoveKind::Cut, true) = (before, m.kind, inside) {
                 canvas.line(&from, &tip, colour);
             }
@@ -201,7 +201,7 @@ fn draw_part(part: &Part, back: f64, canvas: &mut Canvas) {
     let outlet = part.hub.meridian(1.0).point;
     let ring = |r: f64, z: f64, a: f64| {
         let angle = a * std::f64::consts::TAU;
-        Point3::new(r * angle.cos(), r * angle.sin(), z)
+        Point3::new(r * libm::cos(angle), r * libm::sin(angle), z)
     };
     canvas.patch([200, 1], METAL, |a, t| ring(outlet.x, outlet.y + (back - outlet.y) * t, a));
     let inlet = part.hub.meridian(0.0).point;

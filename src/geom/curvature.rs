@@ -45,9 +45,9 @@ impl SurfaceDerivatives {
         let yy = (n - sx * sx * xx - 2.0 * sx * sy * xy) / (sy * sy);
         let mean = 0.5 * (xx + yy);
         let half = 0.5 * (xx - yy);
-        let radius = half.hypot(xy);
-        let angle = 0.5 * xy.atan2(half);
-        let (sin, cos) = angle.sin_cos();
+        let radius = libm::hypot(half, xy);
+        let angle = 0.5 * libm::atan2(xy, half);
+        let (sin, cos) = libm::sincos(angle);
         Some(SurfaceCurvature {
             normal,
             first_form: [e, f, g],

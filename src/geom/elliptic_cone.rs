@@ -47,14 +47,14 @@ impl EllipticCone {
 
     /// The map from the ellipse to the unit circle about the origin.
     pub fn to_circle(&self) -> Matrix2<f64> {
-        let (sin, cos) = self.roll.sin_cos();
+        let (sin, cos) = libm::sincos(self.roll);
         let [a, b] = self.half_axes;
         Matrix2::new(cos / a, sin / a, -sin / b, cos / b)
     }
 
     /// The point of the plane w = 1 at a point of the unit disc.
     pub fn from_disc(&self, at: &Vector2<f64>) -> Vector2<f64> {
-        let (sin, cos) = self.roll.sin_cos();
+        let (sin, cos) = libm::sincos(self.roll);
         let (p, q) = (at.x * self.half_axes[0], at.y * self.half_axes[1]);
         self.centre + Vector2::new(cos * p - sin * q, sin * p + cos * q)
     }

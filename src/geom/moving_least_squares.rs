@@ -66,7 +66,7 @@ pub fn curvature(
         let d = (mesh.points()[*index] - origin) / width;
         let (u, v, w) = (d.dot(&x), d.dot(&y), d.dot(&normal));
         // Square root of the weight: it is squared in the normal equations.
-        let weight = (-0.5 * d.norm_squared()).exp();
+        let weight = libm::exp(-0.5 * d.norm_squared());
         let row_terms = [u * u, v * v, u * v, u, v, 1.0, u * u * u, u * u * v, u * v * v, v * v * v];
         for (column, term) in row_terms.iter().take(terms).enumerate() {
             matrix[(row, column)] = weight * term;

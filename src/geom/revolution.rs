@@ -51,14 +51,14 @@ impl Revolution {
         let [lo, hi] = self.generator.domain();
         let inside = u.clamp(lo, hi);
         let d = self.generator.derivatives(inside);
-        let r = d.point.x.hypot(d.point.y);
+        let r = libm::hypot(d.point.x, d.point.y);
         let (dr, ddr) = if r > 0.0 {
             let dr = (d.point.x * d.first.x + d.point.y * d.first.y) / r;
             let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
             (dr, (along - dr * dr) / r)
         } else {
             // On the axis the radius grows with the speed across it.
-            (d.first.x.hypot(d.first.y), 0.0)
+            (libm::hypot(d.first.x, d.first.y), 0.0)
         };
         let mut m = Meridian {
             point: Vector2::new(r, d.point.z),
@@ -97,13 +97,13 @@ impl Revolution {
     /// Point at u and azimuth.
     pub fn point(&self, u: f64, azimuth: f64) -> Point3<f64> {
         let m = self.meridian(u).point;
-        Point3::new(m.x * azimuth.cos(), m.x * azimuth.sin(), m.y)
+        Point3::new(m.x * libm::cos(azimuth), m.x * libm::sin(azimuth), m.y)
     }
 
     /// Unit normal out of the material at u and azimuth.
     pub fn normal(&self, u: f64, azimuth: f64) -> Vector3<f64> {
         let n = self.meridian_normal(u);
-        Vector3::new(n.x * azimuth.cos(), n.x * azimuth.sin(), n.y)
+        Vector3::new(n.x * libm::cos(azimuth), n.x * libm::sin(azimuth), n.y)
     }
 
     /// Parameter of the meridian point that is closest to (r, z), ends continued along their tangents, and the signed
@@ -170,7 +170,7 @@ impl Revolution {
 
     /// Signed distance of a point to the surface, positive out of the material.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
-        self.closest(Vector2::new(p.x.hypot(p.y), p.z)).1
+        self.closest(Vector2::new(libm::hypot(p.x, p.y), p.z)).1
     }
 
     /// The whole surface as a NURBS surface: u along the generator, v once around, counter-clockwise from the

@@ -238,10 +238,10 @@ impl Shape for Chart<'_> {
             Form::Fillet { radius, u, balls } => {
                 let [centre, to_face, to_hub] = smooth(balls, x);
                 let (to_face, to_hub) = (to_face.normalize(), to_hub.normalize());
-                let angle = to_face.dot(&to_hub).clamp(-1.0, 1.0).acos();
+                let angle = libm::acos(to_face.dot(&to_hub).clamp(-1.0, 1.0));
                 // Great arc from the face contact to the hub contact.
                 let direction = if angle > 1e-9 {
-                    (to_face * ((1.0 - y) * angle).sin() + to_hub * (y * angle).sin()) / angle.sin()
+                    (to_face * libm::sin((1.0 - y) * angle) + to_hub * libm::sin(y * angle)) / libm::sin(angle)
                 } else {
                     to_face
                 };

@@ -199,9 +199,9 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
 pub fn project(part: &Part, surface: SurfaceId, near: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
     match surface.kind {
         SurfaceKind::Hub => {
-            let r = near.x.hypot(near.y);
+            let r = libm::hypot(near.x, near.y);
             let (u, _) = part.hub.closest(Vector2::new(r, near.z));
-            let azimuth = near.y.atan2(near.x);
+            let azimuth = libm::atan2(near.y, near.x);
             let u = u.clamp(0.0, 1.0);
             Some((part.hub.point(u, azimuth), part.hub.normal(u, azimuth)))
         }
@@ -347,7 +347,7 @@ impl Room {
     /// How far a point lies beyond the inlet cone (`u` 0) or the outlet cylinder (1), by a measure that is zero on it and
     /// linear in r and z.
     pub fn beyond(&self, u: f64, p: &Point3<f64>) -> f64 {
-        let r = p.x.hypot(p.y);
+        let r = libm::hypot(p.x, p.y);
         if u > 0.5 { r - self.outlet } else { -self.side(r, p.z) / self.across.norm() }
     }
 
@@ -370,14 +370,14 @@ fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut V
         let to_face = -face.normal(u, v);
         let centre = face.surface.point(u, v) - to_face * radius;
         let to_hub = -hub_normal(part, &centre);
-        let angle = to_face.dot(&to_hub).clamp(-1.0, 1.0).acos();
+        let angle = libm::acos(to_face.dot(&to_hub).clamp(-1.0, 1.0));
         let n = steps(angle * radius, spacing);
         let width = guide_length_at(part, side, nu);
         for j in 0..=n {
             let share = j as f64 / n as f64;
             // Great arc from the face contact to the hub contact.
             let direction = if angle > 1e-9 {
-                (to_face * ((1.0 - share) * angle).sin() + to_hub * (share * angle).sin()) / angle.sin()
+                (to_face * libm::sin((1.0 - share) * angle) + to_hub * libm::sin(share * angle)) / libm::sin(angle)
             } else {
                 to_face
             };
@@ -406,7 +406,7 @@ fn guide_length_at(part: &Part, side: Side, nu: usize) -> f64 {
 
 /// Normal of the hub at the foot of a point.
 pub fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
-    let r = at.x.hypot(at.y);
+    let r = libm::hypot(at.x, at.y);
     let (u, _) = part.hub.closest(Vector2::new(r, at.z));
     let n = part.hub.meridian_normal(u);
     Vector3::new(n.x * at.x / r, n.x * at.y / r, n.y)
@@ -429,8 +429,8 @@ pub(super) fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
             },
             None => face.surface.point(u, part.ruling_meets(side, u, &part.hub, 0.0)),
         };
-        let (hub_u, _) = part.hub.closest(Vector2::new(at.x.hypot(at.y), at.z));
-        let mut azimuth = at.y.atan2(at.x);
+        let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(at.x, at.y), at.z));
+        let mut azimuth = libm::atan2(at.y, at.x);
         if let Some(last) = border.last() {
             azimuth -= std::f64::consts::TAU * ((azimuth - last[1]) / std::f64::consts::TAU).round();
         }
@@ -487,11 +487,11 @@ fn sample_hub(part: &Part, spacing: f64, out: &mut Vec<Sample>) {
 
 /// The point a share of the way from one point to another about Z, as a lathe leaves them.
 pub(super) fn arc_between(from: &Point3<f64>, to: &Point3<f64>, share: f64) -> Point3<f64> {
-    let [p, q] = [from, to].map(|p| [p.x.hypot(p.y), p.z, p.y.atan2(p.x)]);
+    let [p, q] = [from, to].map(|p| [libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)]);
     let ahead = q[2] - p[2];
     let ahead = ahead - std::f64::consts::TAU * (ahead / std::f64::consts::TAU).round();
     let ([r, z], angle) = ([0, 1].map(|k| p[k] + (q[k] - p[k]) * share), p[2] + ahead * share);
-    Point3::new(r * angle.cos(), r * angle.sin(), z)
+    Point3::new(r * libm::cos(angle), r * libm::sin(angle), z)
 }
 
 /// Turned surfaces of the vane of sector 0: tip, inlet edge, outlet edge, spanned between its two faces.

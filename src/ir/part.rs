@@ -104,7 +104,7 @@ impl Part {
         let (p, s) = (middle(&pressure), middle(&suction));
         // The suction face is ahead (counter-clockwise) when the turn from pressure to suction is positive.
         let first_wall = if p.x * s.y - p.y * s.x > 0.0 { Side::Suction } else { Side::Pressure };
-        let meridian = |q: nalgebra::Point3<f64>| Vector2::new(q.x.hypot(q.y), q.z);
+        let meridian = |q: nalgebra::Point3<f64>| Vector2::new(libm::hypot(q.x, q.y), q.z);
         let outside = meridian(pressure.point(0.5, 1.0));
         // Beyond the tips by the height of the vane.
         let beyond = meridian(pressure.point(0.5, 2.0));

@@ -117,7 +117,7 @@ pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) 
         grid.push(
             ring.iter()
                 .map(|p| {
-                    let radius = p.x.hypot(p.y);
+                    let radius = libm::hypot(p.x, p.y);
                     Point3::new(p.x / radius * r, p.y / radius * r, *z)
                 })
                 .collect(),
@@ -153,10 +153,10 @@ fn bridge(
     (steps, about): (usize, f64),
     on: Option<&Revolution>,
 ) -> Vec<Point3<f64>> {
-    let flat = |p: &Point3<f64>| Vector2::new(p.x.hypot(p.y), p.z);
+    let flat = |p: &Point3<f64>| Vector2::new(libm::hypot(p.x, p.y), p.z);
     let (a, b) = (flat(from), flat(to));
-    let start = from.y.atan2(from.x);
-    let turn = to.y.atan2(to.x) - start;
+    let start = libm::atan2(from.y, from.x);
+    let turn = libm::atan2(to.y, to.x) - start;
     let turn = turn - TAU * ((turn - about) / TAU).round();
     let ends = on.map(|s| [s.closest(a).0, s.closest(b).0]);
     (0..=steps)
@@ -169,7 +169,7 @@ fn bridge(
                 (_, Some(surface), Some([u, v])) => surface.point(u + (v - u) * t, azimuth),
                 _ => {
                     let p = a + (b - a) * t;
-                    Point3::new(p.x * azimuth.cos(), p.x * azimuth.sin(), p.y)
+                    Point3::new(p.x * libm::cos(azimuth), p.x * libm::sin(azimuth), p.y)
                 }
             }
         })
@@ -236,7 +236,7 @@ impl<'a> Sheet<'a> {
         let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
         let gap = |u: f64| {
             let p = self.point(u, w);
-            (Vector2::new(p.x.hypot(p.y), p.z) - hub).dot(&normal)
+            (Vector2::new(libm::hypot(p.x, p.y), p.z) - hub).dot(&normal)
         };
         let (mut out, mut inside) = (self.range[end as usize], 0.5);
         let sign = gap(inside).signum();

@@ -49,13 +49,13 @@ impl Interpolation {
 
 /// Even turn from one unit vector to another; of opposite ones, which have no great circle of their own, the first.
 fn great_circle(from: &Vector3<f64>, to: &Vector3<f64>, t: f64) -> Vector3<f64> {
-    let angle = from.cross(to).norm().atan2(from.dot(to));
-    let sine = angle.sin();
+    let angle = libm::atan2(from.cross(to).norm(), from.dot(to));
+    let sine = libm::sin(angle);
     // So near to each other the chord is the arc; opposite ones end here too.
     if sine < 1e-9 {
         return if angle < 1.0 { (from + (to - from) * t).normalize() } else { *from };
     }
-    (from * ((1.0 - t) * angle).sin() + to * (t * angle).sin()) / sine
+    (from * libm::sin((1.0 - t) * angle) + to * libm::sin(t * angle)) / sine
 }
 
 #[cfg(test)]

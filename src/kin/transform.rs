@@ -25,20 +25,20 @@ pub struct Pose {
 
 /// Tool axis in the part frame at rotary angles (ISO).
 pub fn axis_at(a: f64, c: f64) -> Vector3<f64> {
-    let (sa, ca) = a.sin_cos();
-    let (sc, cc) = c.sin_cos();
+    let (sa, ca) = libm::sincos(a);
+    let (sc, cc) = libm::sincos(c);
     Vector3::new(sa * sc, -sa * cc, ca)
 }
 
 /// Both (A, C) that give a tool axis: A >= 0 first, C in (-pi, pi]. At the pole, where C is free, `c_pole` is taken.
 pub fn inverse(axis: &Vector3<f64>, c_pole: f64) -> [(f64, f64); 2] {
-    let radial = axis.x.hypot(axis.y);
-    let a = radial.atan2(axis.z);
+    let radial = libm::hypot(axis.x, axis.y);
+    let a = libm::atan2(radial, axis.z);
     // Below this the azimuth of a unit vector is rounding noise.
     if radial < 1e-12 {
         return [(a, c_pole), (-a, c_pole)];
     }
-    let c = axis.x.atan2(-axis.y);
+    let c = libm::atan2(axis.x, -axis.y);
     let opposite = if c > 0.0 { c - std::f64::consts::PI } else { c + std::f64::consts::PI };
     [(a, c), (-a, opposite)]
 }

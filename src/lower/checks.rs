@@ -28,7 +28,7 @@ fn u(i: usize) -> f64 {
 }
 
 fn meridian(p: &Point3<f64>) -> Vector2<f64> {
-    Vector2::new(p.x.hypot(p.y), p.z)
+    Vector2::new(libm::hypot(p.x, p.y), p.z)
 }
 
 fn names(side: Side, tip: bool) -> String {
@@ -148,7 +148,7 @@ fn face_spec(spec: &PartSpec, side: Side) -> &FaceSpec {
 fn gap(part: &Part, u: f64, v: f64) -> f64 {
     let p = part.vane.pressure.surface.point(u, v);
     let s = part.vane.suction.surface.point(u, v);
-    (p.x * s.y - p.y * s.x).atan2(p.x * s.x + p.y * s.y)
+    libm::atan2(p.x * s.y - p.y * s.x, p.x * s.x + p.y * s.y)
 }
 
 /// The faces of the vane do not cross, and no face folds over.

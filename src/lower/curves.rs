@@ -77,7 +77,7 @@ fn point_fault(error: &GeomError, spec: &CurveSpec, name: &str) -> Diag {
 fn crossing(curve: &NurbsCurve, spec: &CurveSpec, name: &str, sink: &mut Sink) {
     let at = |i: usize| curve.point(i as f64 / PIECES as f64);
     let space: Vec<Point3<f64>> = (0..=PIECES).map(at).collect();
-    let flat: Vec<Vector2<f64>> = space.iter().map(|p| Vector2::new(p.x.hypot(p.y), p.z)).collect();
+    let flat: Vec<Vector2<f64>> = space.iter().map(|p| Vector2::new(libm::hypot(p.x, p.y), p.z)).collect();
     for i in 0..PIECES {
         for j in i + 2..PIECES {
             if segments_cross(flat[i], flat[i + 1], flat[j], flat[j + 1]) {

@@ -185,9 +185,9 @@ impl Corridor {
         let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
         let to_circle = cone.to_circle();
         let (turned, offset) = (to_circle * jacobian, to_circle * (here - cone.centre));
-        let inner = INSIDE * (TAU / (2.0 * SIDES as f64)).cos();
+        let inner = INSIDE * libm::cos(TAU / (2.0 * SIDES as f64));
         for side in 0..SIDES {
-            let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * side as f64 / SIDES as f64);
             let out = Vector2::new(cos, sin);
             let slope = turned.transpose() * out;
             let bound = inner - out.dot(&offset) + slope.x * a + slope.y * c;

@@ -27,7 +27,7 @@ pub struct Contact {
 /// a finite one.
 pub fn weight(curvature: f64, mean: f64) -> f64 {
     let ratio = (curvature / mean).abs();
-    if ratio > 0.0 && ratio.is_finite() { ratio.ln().abs().min(3.0) } else { 3.0 }
+    if ratio > 0.0 && ratio.is_finite() { libm::log(ratio).abs().min(3.0) } else { 3.0 }
 }
 
 /// Axes of a row of contacts `spacing` apart, mm, in their order. `neighbours` are the axes of the row before, where
@@ -54,7 +54,7 @@ pub fn choose(
             // The rim itself is left out: rounding could fall on either side.
             let radius = 0.999 * ring as f64 / RINGS as f64;
             for k in 0..AROUND {
-                let (sin, cos) = (TAU * k as f64 / AROUND as f64).sin_cos();
+                let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
                 let at = contact.cone.from_disc(&Vector2::new(radius * cos, radius * sin));
                 let axis = contact.cone.direction(&at);
                 let found = cost(&axis);

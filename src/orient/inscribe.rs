@@ -58,7 +58,7 @@ pub fn inscribe(
     }
     let ends: Vec<Vector2<f64>> = (0..RAYS)
         .map(|k| {
-            let (sin, cos) = (TAU * k as f64 / RAYS as f64).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * k as f64 / RAYS as f64);
             let along = |r: f64| seed + Vector2::new(cos, sin) * r;
             let mut inside = 0.0;
             while inside < reach && clear(&direction(&along(inside + STEP)), 0.0) {
@@ -118,15 +118,19 @@ fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector
     let towards = spread.eigenvectors.column(main);
     let ratio = (lengths[1] / lengths[0].max(1e-12)).clamp(0.05, 1.0);
     let sized = |v: &[f64; 4]| {
-        let mut cone =
-            EllipticCone { frame: *frame, centre: Vector2::new(v[0], v[1]), half_axes: [1.0, v[2].exp()], roll: v[3] };
+        let mut cone = EllipticCone {
+            frame: *frame,
+            centre: Vector2::new(v[0], v[1]),
+            half_axes: [1.0, libm::exp(v[2])],
+            roll: v[3],
+        };
         let m = cone.to_circle();
         let scale = ends.iter().map(|p| (m * (p - cone.centre)).norm()).fold(f64::INFINITY, f64::min);
         cone.half_axes = cone.half_axes.map(|h| h * scale);
         let holds = (cone.to_circle() * (seed - cone.centre)).norm() <= 0.9;
         (if holds { cone.area() } else { 0.0 }, cone)
     };
-    let mut at = [seed.x + middle.x, seed.y + middle.y, ratio.ln(), towards[1].atan2(towards[0])];
+    let mut at = [seed.x + middle.x, seed.y + middle.y, libm::log(ratio), libm::atan2(towards[1], towards[0])];
     let mut best = sized(&at);
     if best.0 <= 0.0 {
         at = [seed.x, seed.y, 0.0, 0.0];
@@ -169,7 +173,7 @@ pub fn covered(cone: &EllipticCone, clear: &dyn Fn(&Vector3<f64>, f64) -> bool) 
         }
         let at = cone.from_disc(&middle);
         // The plane at height one lies outside of the sphere of unit vectors: angles are smaller than lengths in it.
-        let cap = half * cone.half_axes[0].hypot(cone.half_axes[1]);
+        let cap = half * libm::hypot(cone.half_axes[0], cone.half_axes[1]);
         if cap <= 1.0 && clear(&cone.direction(&at), cap) {
             continue;
         }

@@ -75,7 +75,7 @@ impl<'a> AxisRoom<'a> {
         let cutter = if s >= from {
             self.solid.cutter_distance(rho, s)
         } else {
-            self.solid.cutter_distance(rho, from).max(0.0).hypot(from - s)
+            libm::hypot(self.solid.cutter_distance(rho, from).max(0.0), from - s)
         };
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
@@ -84,7 +84,7 @@ impl<'a> AxisRoom<'a> {
     /// to spare.
     pub(super) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
-        axis.x.hypot(axis.y).atan2(axis.z) + cap <= self.most_lean
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
             && self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
     }
 
@@ -137,9 +137,9 @@ impl<'a> AxisRoom<'a> {
 fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
     let [x, y, w] = frame_about(middle, &Vector3::z());
     let rings = RINGS.into_iter().flat_map(move |ring| {
-        let radius = ring.to_radians().tan();
+        let radius = libm::tan(ring.to_radians());
         (0..AROUND).map(move |k| {
-            let (sin, cos) = (TAU * k as f64 / AROUND as f64).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
             (w + (x * cos + y * sin) * radius).normalize()
         })
     });

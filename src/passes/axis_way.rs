@@ -121,7 +121,7 @@ impl Stations {
                 }
                 clear
                     .iter()
-                    .filter(|axis| axis.x.hypot(axis.y) >= LEAST_TILT.sin())
+                    .filter(|axis| libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT))
                     .take(MOST_CANDIDATES)
                     .flat_map(|axis| {
                         let penalty = AWAY * axis.angle(middle);
@@ -224,7 +224,7 @@ pub(super) fn greedy_axes(
                     let laid = |to: &Vector3<f64>, proof: Proof| room.cone(&centre, to, proof, 0.0);
                     let steep = |cone: &EllipticCone| {
                         let axis = cone.axis();
-                        axis.x.hypot(axis.y) >= LEAST_TILT.sin()
+                        libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
                     };
                     let cone = laid(&normal, Proof::Covered)
                         .filter(steep)
@@ -267,14 +267,14 @@ pub(super) fn greedy_axes(
 fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) {
     let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
     // Azimuths count from the first contact: a channel spans less than half a turn from it.
-    let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| p.position.y.atan2(p.position.x));
+    let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| libm::atan2(p.position.y, p.position.x));
     for (i, (cc, way)) in planned.iter().zip(ways).enumerate() {
         for (k, length) in way.stops.iter().enumerate() {
             let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
-            let (r, azimuth) = (p.position.x.hypot(p.position.y), p.position.y.atan2(p.position.x));
+            let (r, azimuth) = (libm::hypot(p.position.x, p.position.y), libm::atan2(p.position.y, p.position.x));
             let ahead = azimuth - first;
             let place = [*length, r * (ahead - TAU * (ahead / TAU).round())];
-            if chart.iter().all(|c: &[f64; 2]| (c[0] - place[0]).hypot(c[1] - place[1]) > 1e-6) {
+            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > 1e-6) {
                 points.push(p.position);
                 chart.push(place);
                 owner.push((i, k));

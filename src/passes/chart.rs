@@ -42,7 +42,8 @@ impl<'a> Chart<'a> {
 
     /// Points on both walls at the same (u, v), azimuths such that the second follows the first.
     fn walls(&self, u: f64, v: f64) -> (Cylindrical, Cylindrical) {
-        let cylindrical = |p: Point3<f64>| Cylindrical { r: p.x.hypot(p.y), azimuth: p.y.atan2(p.x), z: p.z };
+        let cylindrical =
+            |p: Point3<f64>| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z };
         let first = cylindrical(self.first.surface.point(u, v));
         let mut second = cylindrical(self.second.surface.point(u, v));
         // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
@@ -56,7 +57,7 @@ impl<'a> Chart<'a> {
         let (a, b) = self.walls(u, v);
         let mix = |x: f64, y: f64| x + (y - x) * w;
         let (r, azimuth) = (mix(a.r, b.r), mix(a.azimuth, b.azimuth));
-        Point3::new(r * azimuth.cos(), r * azimuth.sin(), mix(a.z, b.z))
+        Point3::new(r * libm::cos(azimuth), r * libm::sin(azimuth), mix(a.z, b.z))
     }
 
     /// Length of the arc between the walls at (u, v).
@@ -90,7 +91,7 @@ impl<'a> Chart<'a> {
         let along = (self.point(u + step, 0.5, w) - self.point(u - step, 0.5, w)).normalize();
         let along = (along - ruling * along.dot(&ruling)).normalize();
         let lack = LEAST_LEAN - ruling.dot(&outward);
-        let soft = 0.5 * (lack + lack.hypot(LEAN_SOFTNESS));
+        let soft = 0.5 * (lack + libm::hypot(lack, LEAN_SOFTNESS));
         // At the inlet the channel does not run outward, but there nothing is lacking either.
         (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
     }

@@ -87,7 +87,7 @@ impl<'a> Clearances<'a> {
                 let unseen = self.spare(rho, s) - spare;
                 (spare, Target { of: Of::Body, give: [FREELY; 2], ..Target::clear(point, unseen + SPARE) })
             });
-            let lean = LEVER * (self.most_lean - at.axis.x.hypot(at.axis.y).atan2(at.axis.z));
+            let lean = LEVER * (self.most_lean - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
             let of = Of::Lean { t, most: self.most_lean };
             let lean = (lean < NEAR).then(|| (lean, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
             bodies.chain(lean).collect::<Vec<_>>()

@@ -282,7 +282,7 @@ fn rotary(axis: &Vector3<f64>) -> [(f64, Vector3<f64>); 2] {
     /// Below this the axis is that of C, which then is free.
     const POLE: f64 = 1e-6;
     let [(a, c), _] = inverse(axis, 0.0);
-    let radial = axis.x.hypot(axis.y).max(POLE);
+    let radial = libm::hypot(axis.x, axis.y).max(POLE);
     let (x, y) = (axis.x / radial, axis.y / radial);
     [(a, Vector3::new(axis.z * x, axis.z * y, -radial)), (c, Vector3::new(-y, x, 0.0) / radial)]
 }

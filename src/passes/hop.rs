@@ -75,7 +75,7 @@ impl<'a> Hops<'a> {
             let way = (over[1].tip - over[0].tip).norm();
             // A block at feed has to move its tip.
             let moves = way > 1e-2;
-            let thin = || self.ridge(way, (a1 - a0).hypot(c1 - c0), height) <= RIDGE;
+            let thin = || self.ridge(way, libm::hypot(a1 - a0, c1 - c0), height) <= RIDGE;
             let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.lack(rho, s, least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
@@ -110,7 +110,7 @@ impl<'a> Hops<'a> {
             let p = at.tip + at.axis * s;
             let body = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from <= s && s <= x.to);
             let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
-            near_profile(self.blank, [p.x.hypot(p.y), p.z], widest + HEIGHT_STEP)
+            near_profile(self.blank, [libm::hypot(p.x, p.y), p.z], widest + HEIGHT_STEP)
         };
         (0..=count).rev().find(inside).map_or(0.0, |k| k as f64 * HEIGHT_STEP)
     }
@@ -125,7 +125,7 @@ fn near_profile(profile: &[[f64; 2]], [r, z]: [f64; 2], within: f64) -> bool {
         let (dr, dz) = (r - a[0], z - a[1]);
         let length = er * er + ez * ez;
         let t = if length > 0.0 { ((dr * er + dz * ez) / length).clamp(0.0, 1.0) } else { 0.0 };
-        if (dr - t * er).hypot(dz - t * ez) <= within {
+        if libm::hypot(dr - t * er, dz - t * ez) <= within {
             return true;
         }
         if (a[1] > z) != (b[1] > z) && r < a[0] + er * (z - a[1]) / ez {

@@ -39,14 +39,14 @@ impl ClearanceSphere {
         let (low, high) =
             profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[1]), h.max(p[1])));
         let centre = Point3::new(0.0, 0.0, 0.5 * (low + high));
-        let far = profile.iter().map(|p| p[0].hypot(p[1] - centre.z)).fold(0.0, f64::max);
+        let far = profile.iter().map(|p| libm::hypot(p[0], p[1] - centre.z)).fold(0.0, f64::max);
         // A point s over the tip and r beside the axis, which is at worst at right angles to the radius of the tip.
         let sections = tool.shank.iter().chain(&tool.holder);
         let corners = sections.flat_map(|x| [(x.radius_from, x.from), (x.radius_to, x.to)]);
         let cutter = [(tool.cutter.widest_below(tool.flute_length), 0.0)];
         let wide = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
         // Chords between steps lie inside.
-        let wide = wide.fold(0.0, f64::max) / (0.5 * SPHERE_STEP).cos();
+        let wide = wide.fold(0.0, f64::max) / libm::cos(0.5 * SPHERE_STEP);
         Self { centre, radius: wide.max(far + SPHERE_GAP) }
     }
 
@@ -62,7 +62,7 @@ impl ClearanceSphere {
     pub(super) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
         let (a, b) = (from - self.centre, to - self.centre);
         let (ra, rb) = (a.norm(), b.norm());
-        (ra - rb).hypot(a.angle(&b) * 0.5 * (ra + rb))
+        libm::hypot(ra - rb, a.angle(&b) * 0.5 * (ra + rb))
     }
 
     /// Tips and rotary angles on the way from one place outside to another, both excluded. The rotary axes turn evenly;
@@ -76,14 +76,14 @@ impl ClearanceSphere {
         if s.dot(&e) < -0.999 {
             e = (e + Vector3::z() * 0.1).normalize();
         }
-        let angle = s.dot(&e).clamp(-1.0, 1.0).acos();
+        let angle = libm::acos(s.dot(&e).clamp(-1.0, 1.0));
         let turn = (to.a - from.a).abs() + (to.c - from.c).abs();
         let count = ((angle + turn) / SPHERE_STEP).ceil() as usize;
         (1..count)
             .map(|i| {
                 let t = i as f64 / count as f64;
                 let direction = if angle > 1e-9 {
-                    (s * ((1.0 - t) * angle).sin() + e * (t * angle).sin()) / angle.sin()
+                    (s * libm::sin((1.0 - t) * angle) + e * libm::sin(t * angle)) / libm::sin(angle)
                 } else {
                     s
                 };

@@ -28,7 +28,7 @@ pub(super) type Ends = [(Point3<f64>, f64, f64); 2];
 
 /// Samples of a solid about the C axis, and the distance within which every point of its outside has one.
 fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
-    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])));
+    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
     let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
     let spacing = CARRIED_SPACING.max((area / MOST_CARRIED).sqrt());
     let mut points = Vec::new();
@@ -39,7 +39,7 @@ fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
             let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
             let around = (TAU * r / spacing).ceil().max(1.0) as usize;
             points.extend((0..around).map(|k| {
-                let (sin, cos) = (TAU * k as f64 / around as f64).sin_cos();
+                let (sin, cos) = libm::sincos(TAU * k as f64 / around as f64);
                 CloudPoint { position: Point3::new(x + r * cos, y + r * sin, z), normal: Vector3::z(), tag: 0 }
             }));
         }
@@ -124,7 +124,7 @@ impl Obstacles {
             let (a, c) = (0.5 * (p.1 + q.1), 0.5 * (p.2 + q.2));
             let tip = p.0 + (q.0 - p.0) * 0.5;
             // A and C turn about axes at right angles.
-            let (turn, shift) = (0.5 * (q.1 - p.1).hypot(q.2 - p.2), 0.5 * (q.0 - p.0).norm());
+            let (turn, shift) = (0.5 * libm::hypot(q.1 - p.1, q.2 - p.2), 0.5 * (q.0 - p.0).norm());
             if self.keeps((&tip, &axis_at(a, c)), &lack, (&tip, turn, shift)) {
                 continue;
             }
@@ -192,7 +192,7 @@ impl Obstacles {
             if !side_free {
                 return body;
             }
-            let side = solid.cutter_distance(rho, s.max(from)).max(0.0).hypot((from - s).max(0.0));
+            let side = libm::hypot(solid.cutter_distance(rho, s.max(from)).max(0.0), (from - s).max(0.0));
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
             body.min(side - keep.vane)
         };

@@ -208,5 +208,5 @@ fn hub_axis(chart: &Chart<'_>, turn: &Rotation3<f64>, u: f64, w: f64, at: &Point
     // Across the channel, from the first wall to the second: about Z, counter-clockwise.
     let across = Vector3::new(-at.y, at.x, 0.0).normalize();
     let across = (across - ruling * across.dot(&ruling)).normalize();
-    (ruling + across * (lean * (1.0 - 2.0 * w)).tan()).normalize()
+    (ruling + across * libm::tan(lean * (1.0 - 2.0 * w))).normalize()
 }

@@ -63,7 +63,7 @@ impl Ground for Floor<'_> {
 
     fn speed(&self, x: f64, _y: f64, slope: f64) -> f64 {
         let m = self.part.hub.meridian(x);
-        m.first.norm().hypot(m.point.x * slope)
+        libm::hypot(m.first.norm(), m.point.x * slope)
     }
 
     /// Along and across the meridian, the principal directions, it has the exact step.
@@ -156,7 +156,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
     }
     // In the middle of the channel, nearly.
     let root = part.face(part.first_wall).surface.point(worst, 0.0);
-    let at = part.hub.point(worst, root.y.atan2(root.x) + 0.5 * part.pitch());
+    let at = part.hub.point(worst, libm::atan2(root.y, root.x) + 0.5 * part.pitch());
     cx.sink.push(
         Diag::error(
             planning::TOO_HOLLOW,
@@ -311,8 +311,8 @@ fn contact(part: &Part, side: Side, radius: f64) -> Option<Contact> {
         let u = from + (to - from) * i as f64 / STATIONS as f64;
         let v = part.fillet_tangent(side, u, radius)?;
         let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
-        let (hub_u, _) = part.hub.closest(Vector2::new(centre.x.hypot(centre.y), centre.z));
-        let mut azimuth = centre.y.atan2(centre.x);
+        let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
+        let mut azimuth = libm::atan2(centre.y, centre.x);
         if let Some(last) = line.last() {
             azimuth -= TAU * ((azimuth - last[1]) / TAU).round();
         }

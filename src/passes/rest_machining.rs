@@ -147,7 +147,7 @@ fn stations(pass: &ClPass) -> Vec<Station> {
         let to = Station { point: *point, a, c: c - TAU * ((c - before) / TAU).round(), planned: true };
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
-            let turn = (to.a - from.a).hypot(to.c - from.c);
+            let turn = libm::hypot(to.a - from.a, to.c - from.c);
             let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;

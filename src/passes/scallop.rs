@@ -22,7 +22,7 @@ pub fn curved_step(radius: f64, h: f64, curvature: f64) -> f64 {
     // For a hollow surface rho is negative, and so are all lengths from its centre.
     let (centre, ridge) = (rho + radius, rho + h);
     // Law of cosines for the quarter angle: without the cancellation of an arc cosine near one.
-    let quarter = ((2.0 * radius * h - h * h) / (4.0 * centre * ridge)).clamp(0.0, 1.0).sqrt().asin();
+    let quarter = libm::asin(((2.0 * radius * h - h * h) / (4.0 * centre * ridge)).clamp(0.0, 1.0).sqrt());
     4.0 * rho.abs() * quarter
 }
 

@@ -304,7 +304,7 @@ fn line(
         let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
         let speed = ground.speed(end, at(end), turn);
         (1..=ARC_STATIONS).map(move |i| {
-            let (sin, cos) = (FRAC_PI_2 * i as f64 / ARC_STATIONS as f64).sin_cos();
+            let (sin, cos) = libm::sincos(FRAC_PI_2 * i as f64 / ARC_STATIONS as f64);
             (end + direction * radius * sin / speed, radius * (1.0 - cos))
         })
     };

@@ -54,7 +54,7 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
     for (i, pair) in moves.windows(2).enumerate() {
         let (from, to) = (&pair[0].joints, &pair[1].joints);
         let next = machine.forward(to).tip;
-        let count = ((to.a - from.a).hypot(to.c - from.c) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
+        let count = (libm::hypot(to.a - from.a, to.c - from.c) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
         for k in 1..=count as usize {
             let t = k as f64 / count;
             let at = tip + (next - tip) * t;

@@ -43,7 +43,7 @@ impl<'a> VaneAxis<'a> {
             self.part.sector_rotation(1).inverse() * self.channel.leaning(u, 1.0, 1.0)
         };
         let along = (along - normal * along.dot(&normal)).normalize();
-        along * tilt.cos() + normal * tilt.sin()
+        along * libm::cos(tilt) + normal * libm::sin(tilt)
     }
 
     /// Tool axis round a vane: of the pressure face (`round` 0), over the inlet edge (to 2) to the suction face (2), over the
@@ -77,7 +77,7 @@ impl<'a> VaneAxis<'a> {
         let away = if u > 0.5 { along } else { -along };
         let away = (away - ruling * away.dot(&ruling)).normalize();
         let tilt = tilt + EDGE_TILT;
-        ruling * tilt.cos() + away * tilt.sin()
+        ruling * libm::cos(tilt) + away * libm::sin(tilt)
     }
 }
 
@@ -94,7 +94,7 @@ pub(super) fn tip_at(
         let radius = cutter.tip_radius();
         return Some(contact + (normal - axis) * radius);
     }
-    let at = cutter.profile_at(sin.asin())?;
+    let at = cutter.profile_at(libm::asin(sin))?;
     // From the axis to the contact.
     let outward = (axis * sin - normal).try_normalize(1e-9)?;
     Some(contact - outward * at.rho - axis * at.s)

@@ -79,7 +79,7 @@ impl VaneGround<'_> {
         let [u, v] = place.parameters;
         let axis = self.axes.axis(self.chart.kind, u, v, Lean::Away(nominal_tilt(&self.cutter)));
         let sin = axis.dot(&place.normal).clamp(-1.0, 1.0);
-        let Some(profile) = self.cutter.profile_at(sin.asin()) else { return at.first };
+        let Some(profile) = self.cutter.profile_at(libm::asin(sin)) else { return at.first };
         let along = (axis - place.normal * sin).normalize();
         let around = place.normal.cross(&along);
         let tangents = [at.px, at.py];

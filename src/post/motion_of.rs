@@ -292,7 +292,7 @@ impl Interpreter<'_> {
 
 /// The rotary position of a direction that the control takes: of both that fit, with any whole turns, the nearest.
 fn nearest(axis: &Vector3<f64>, before: (f64, f64)) -> (f64, f64) {
-    let way = |p: &(f64, f64)| (p.0 - before.0).hypot(p.1 - before.1);
+    let way = |p: &(f64, f64)| libm::hypot(p.0 - before.0, p.1 - before.1);
     let [one, other] = inverse(axis, before.1).map(|(a, c)| (a, c + TAU * ((before.1 - c) / TAU).round()));
     if way(&other) < way(&one) { other } else { one }
 }

@@ -101,7 +101,7 @@ impl Field {
                     let depth = [low[axis], low[axis] + cell * count[axis] as f64];
                     Tile::new([place(0, u, 0), place(1, v, 0)], cell, depth, rays, |i, j| {
                         if axis == 2 {
-                            along_axis(profile, place(0, u, i).hypot(place(1, v, j)))
+                            along_axis(profile, libm::hypot(place(0, u, i), place(1, v, j)))
                         } else {
                             // The ray lies at height z, at distance y from the axis.
                             let (a, b) = (place(0, u, i), place(1, v, j));

@@ -83,7 +83,7 @@ impl Shape {
     pub(super) fn section(section: &Section) -> Option<Self> {
         let (rise, run) = (section.to - section.from, section.radius_to - section.radius_from);
         (rise > 0.0).then(|| {
-            let length = rise.hypot(run);
+            let length = libm::hypot(rise, run);
             let side = [rise / length, -run / length];
             Self::Frustum { from: section.from, to: section.to, radius: section.radius_from, side }
         })

@@ -24,7 +24,7 @@ impl Ball {
         let upper = match solid.cutter {
             Cutter::Flat { .. } | Cutter::Bull { .. } => return None,
             Cutter::Ball { .. } | Cutter::Lollipop { .. } => 0.0,
-            Cutter::TaperedBall { half_angle, .. } => -half_angle.sin(),
+            Cutter::TaperedBall { half_angle, .. } => -libm::sin(half_angle),
             Cutter::Barrel { barrel, .. } => -(solid.cutter.barrel_height()? - radius) / (barrel - radius),
         };
         (solid.flute_length >= 2.0 * radius).then_some(Self { radius, upper })

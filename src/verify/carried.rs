@@ -37,7 +37,7 @@ pub struct CarriedReport {
 
 /// Samples of the outside of a solid about the C axis, and the distance within which every point of it has one.
 fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
-    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])));
+    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
     let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
     let spacing = SPACING.max((area / MOST_POINTS).sqrt());
     let mut points = Vec::new();
@@ -49,7 +49,7 @@ fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
             let around = (TAU * r / spacing).ceil().max(1.0) as usize;
             points.extend((0..around).map(|k| {
                 let angle = TAU * k as f64 / around as f64;
-                let position = Point3::new(x + r * angle.cos(), y + r * angle.sin(), z);
+                let position = Point3::new(x + r * libm::cos(angle), y + r * libm::sin(angle), z);
                 CloudPoint { position, normal: Vector3::z(), tag: 0 }
             }));
         }

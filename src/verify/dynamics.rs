@@ -317,7 +317,7 @@ fn block(
         let tip = tips[0] + (tips[1] - tips[0]) * t;
         joints5(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t))
     };
-    let count = ((to.a - from.a).hypot(to.c - from.c) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
+    let count = (libm::hypot(to.a - from.a, to.c - from.c) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
     let width = time / count;
     let first = cells.len();
     let mut ends = [[0.0; 5]; 2];
@@ -376,12 +376,12 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
     }
     let jump: Joint5 = std::array::from_fn(|k| v2[k] * ratio - v1[k]);
     let rounded = (0..5).map(|k| jump[k].abs() / limits.acceleration[k]).fold(0.0, f64::max);
-    let flutes = (block.tip * ratio - before.tip).norm() + limits.height * jump[3].hypot(jump[4]);
+    let flutes = (block.tip * ratio - before.tip).norm() + limits.height * libm::hypot(jump[3], jump[4]);
     let cell = &mut cells[at];
     cell.ratio = ratio;
     cell.rounding = rounded * flutes / 8.0;
     // A and C turn about axes at right angles: the tool turns by no more.
-    cell.tilting = rounded * jump[3].hypot(jump[4]) / 8.0;
+    cell.tilting = rounded * libm::hypot(jump[3], jump[4]) / 8.0;
     cell.flutes = flutes;
     cell.room = 0.5 * (before.time + block.time / ratio);
     if rounded > 0.0 {

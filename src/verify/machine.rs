@@ -181,7 +181,7 @@ fn to_pole(from: f64, to: f64) -> f64 {
     if half_turns(from) != half_turns(to) {
         return 0.0;
     }
-    from.sin().abs().asin().min(to.sin().abs().asin())
+    libm::asin(libm::sin(from).abs()).min(libm::asin(libm::sin(to).abs()))
 }
 
 /// The axis of a run that comes nearest to its limit.

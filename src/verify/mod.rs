@@ -239,7 +239,7 @@ fn stock_points(program: &Program) -> Vec<CloudPoint> {
     let mut points = Vec::new();
     for pair in profile.windows(2) {
         let (a, b) = (pair[0], pair[1]);
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = libm::hypot(b[0] - a[0], b[1] - a[1]);
         let n = (length / STOCK_SPACING).ceil().max(1.0) as usize;
         for i in 0..=n {
             let t = i as f64 / n as f64;
@@ -248,7 +248,7 @@ fn stock_points(program: &Program) -> Vec<CloudPoint> {
             for k in 0..around {
                 let angle = std::f64::consts::TAU * k as f64 / around as f64;
                 points.push(CloudPoint {
-                    position: Point3::new(r * angle.cos(), r * angle.sin(), z),
+                    position: Point3::new(r * libm::cos(angle), r * libm::sin(angle), z),
                     normal: Vector3::z(),
                     tag: 0,
                 });

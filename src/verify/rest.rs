@@ -77,7 +77,7 @@ fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
     for p in profile {
         (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
     }
-    let grid = GRID.max((4.0 * r_max * r_max * (high - low) / MOST_POINTS).cbrt());
+    let grid = GRID.max(libm::cbrt(4.0 * r_max * r_max * (high - low) / MOST_POINTS));
     let steps = |length: f64| (length / grid).floor() as i64;
     let n = steps(r_max);
     let levels = steps(high - low);
@@ -94,7 +94,7 @@ fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
             })
         })
         .filter_map(|p| {
-            let r = p.x.hypot(p.y);
+            let r = libm::hypot(p.x, p.y);
             if r > r_max || !inside(profile, r, p.z) || part.hub.distance(&p) <= 0.0 {
                 return None;
             }

@@ -266,7 +266,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         Some(Peak { value: value(c), at: at(c.block), tip: [tip.x, tip.y, tip.z] })
     };
     let radius = solid.cutter.widest_below(solid.flute_length);
-    let angle = |side: f64| (side / radius).clamp(-1.0, 1.0).asin();
+    let angle = |side: f64| libm::asin((side / radius).clamp(-1.0, 1.0));
     let arc = |c: &BlockCut| (angle(c.side[1]) - angle(c.side[0])).to_degrees();
     let moves = engagement(operation.moves.len(), &places, &removal, &outcome.cuts, &arc);
     let mut collisions: Vec<StockCollision> = Vec::new();
@@ -396,7 +396,7 @@ fn steps<'a>(
     let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
     let way = tips[1] - tips[0];
     // A and C turn about axes at right angles: the turn of the tool is at most this.
-    let turn = (to.a - from.a).hypot(to.c - from.c);
+    let turn = libm::hypot(to.a - from.a, to.c - from.c);
     let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
     let axis = move |t: f64| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
     (0..count as usize).map(move |k| {

@@ -188,7 +188,7 @@ impl Piece {
 
 /// Upper bound of the turn of the axis between rotary positions: A and C turn about axes at right angles.
 fn turn([(a0, c0), (a1, c1)]: [(f64, f64); 2]) -> f64 {
-    (a1 - a0).hypot(c1 - c0)
+    libm::hypot(a1 - a0, c1 - c0)
 }
 
 /// Pieces of the moves of an operation, in order.

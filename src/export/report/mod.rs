@@ -259,7 +259,7 @@ fn scale(input: &Input<'_>) -> [f64; 2] {
 
 /// The next of 1, 2, 5, 10, ... times a power of ten.
 fn round_up(x: f64) -> f64 {
-    let power = 10f64.powf(x.log10().floor());
+    let power = libm::pow(10f64, libm::log10(x).floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - 1e-9)).unwrap_or(x)
 }
 

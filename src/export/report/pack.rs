@@ -21,7 +21,7 @@ pub(super) fn deviation_law() -> [f64; 2] {
 
 /// Code of a deviation in mm.
 pub(super) fn deviation(g: f64) -> i16 {
-    let code = ((g / DEVIATION_KNEE).asinh() * DEVIATION_STEPS).round();
+    let code = (libm::asinh(g / DEVIATION_KNEE) * DEVIATION_STEPS).round();
     code.clamp(f64::from(NOT_MILLED + 1), f64::from(NOT_REACHED - 1)) as i16
 }
 

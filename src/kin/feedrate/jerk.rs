@@ -74,7 +74,7 @@ impl Bounds {
 pub fn steady([_, bend, twist]: &Most, limits: &Limits) -> f64 {
     let acceleration = (0..AXES).map(|k| limits.acceleration[k] / bend[k]).fold(f64::INFINITY, f64::min);
     let jerk = (0..AXES).map(|k| limits.jerk[k] / twist[k]).fold(f64::INFINITY, f64::min);
-    acceleration.min((CURVATURE * jerk).cbrt().powi(2))
+    acceleration.min(libm::cbrt(CURVATURE * jerk).powi(2))
 }
 
 /// What a run has to keep, span by span.
@@ -113,9 +113,9 @@ pub fn time(width: f64, [from, middle, to]: [f64; 3]) -> f64 {
     let shape = if root < 1e-3 {
         1.0 + bend / 3.0 + bend * bend / 5.0
     } else if bend > 0.0 {
-        root.atanh() / root
+        libm::atanh(root) / root
     } else {
-        root.atan() / root
+        libm::atan(root) / root
     };
     2.0 * width / sum * shape
 }
@@ -279,7 +279,7 @@ pub fn limit(
     // Acceleration falls with y, jerk with its power 3/2.
     let over = |j: usize| {
         let [acceleration, jerk] = rows.shares(j, &over_span(widths, &last, j));
-        acceleration.max(jerk.cbrt().powi(2))
+        acceleration.max(libm::cbrt(jerk).powi(2))
     };
     let slower = (0..n).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
     Some(last.iter().map(|c| c / slower).collect())

@@ -75,7 +75,7 @@ impl Path {
         }
         for i in 1..n.saturating_sub(1) {
             let turn = |k: usize| path.slope[i + 1][k] - path.slope[i][k];
-            let away = distance(&tips[i], &tips[i + 1]) + rounding.height * turn(3).hypot(turn(4));
+            let away = distance(&tips[i], &tips[i + 1]) + rounding.height * libm::hypot(turn(3), turn(4));
             let lengths = [path.at[i] - path.at[i - 1], path.at[i + 1] - path.at[i]];
             let allowed = 6.0 * rounding.tolerance / away;
             let [short, long] = [lengths[0].min(lengths[1]), lengths[0].max(lengths[1])];

@@ -232,7 +232,7 @@ impl Creep {
             (most, Self { rate, acceleration: end, way, time })
         };
         let over = if still { way * jerk.sqrt() } else { 3.0 * way * (0.5 * jerk).sqrt() };
-        let mut rate = rate.min(over.cbrt().powi(2));
+        let mut rate = rate.min(libm::cbrt(over).powi(2));
         let fits = |rate: f64| {
             let (rise, _) = reach(rate);
             (0..AXES).all(|k| {

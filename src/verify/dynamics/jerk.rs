@@ -48,7 +48,7 @@ fn excess(before: &Cell, cell: &Cell) -> Joint5 {
 pub(super) fn rounding(limits: &Limits, before: Option<&Cell>, cell: &Cell, y: f64) -> (f64, f64) {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
-    let lean = (cell.jump[3] * cell.ratio).hypot(cell.jump[4] * cell.ratio) * root * time / 8.0;
+    let lean = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
     ((cell.flutes * root * time / 8.0).max(y * cell.rounding), lean.max(y * cell.tilting))
 }
 
