@@ -13,10 +13,11 @@ use crate::diag::{Aborted, Diag, Sink};
 use crate::export::certificate_file::{CertificateFile, HEAD, Inputs, Lines, NcText, sha256};
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, PostChoice, Program};
-use crate::job::Job;
+use crate::job::{Files, Job};
 use crate::passes::pipeline;
 use crate::post::{self, NcProgram, Post};
 use crate::source::SourceMap;
+use crate::syntax::ast::{File, ItemKind};
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, export, job, lower, output};
@@ -32,6 +33,8 @@ pub struct RunOptions {
     pub library: Option<PathBuf>,
     /// Dialect instead of the job's.
     pub post: Option<String>,
+    /// Name of the machine file instead of the job's.
+    pub machine: Option<String>,
     /// Where to write the report, also when a contract fails.
     pub report: Option<PathBuf>,
     /// Edge of the cells of the stock simulation, mm, instead of the usual.
@@ -220,13 +223,16 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
 
     let text = read_job(&options.job, sink)?;
     let source = sources.add(options.job.display().to_string(), text.clone());
-    let ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
+    let mut ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
     if options.emit == Some(Emit::Ast) {
         *emitted = Some(crate::syntax::print::print(&ast));
         return Ok(None);
     }
 
     let mut files = DiskFiles::new(&options.job, options.run.library.clone());
+    if let Some(name) = &options.run.machine {
+        take_machine(name, &mut ast, &mut files, sink)?;
+    }
     let job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
     if options.emit == Some(Emit::Job) {
         *emitted = Some(job::print::print(&job));
@@ -238,6 +244,28 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         program.post = PostChoice { name: name.clone(), span: None };
     }
     Ok(Some(program))
+}
+
+/// The job with the machine of the command line instead of its own.
+fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
+    if let Err(missing) = library.machine(name) {
+        let mut diag = Diag::error(files::NOT_IN_LIBRARY, format!("there is no machine file `{name}`"))
+            .note(missing.reason)
+            .note("asked for by `--machine`");
+        if !missing.known.is_empty() {
+            diag = diag.help(format!("the machines are {}", missing.known.join(", ")));
+        }
+        sink.push(diag);
+        return Err(Aborted);
+    }
+    for item in &mut ast.items {
+        if let ItemKind::Use { kind, what } = &mut item.kind
+            && kind.text == "machine"
+        {
+            name.clone_into(&mut what.text);
+        }
+    }
+    Ok(())
 }
 
 /// The dialect of the job or of the command line.

@@ -54,6 +54,10 @@ struct RunArguments {
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
 
+    /// Machine file to take instead of the job's, by its name in the library
+    #[arg(long, value_name = "NAME")]
+    machine: Option<String>,
+
     /// File to write a report for a browser to: deviations, paths, stock, plots, contracts; also when a contract fails
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -78,8 +82,8 @@ struct RunArguments {
 impl RunArguments {
     /// As the driver takes them.
     fn options(self, post: Option<String>) -> RunOptions {
-        let Self { library, report, stock_cell, stock, .. } = self;
-        RunOptions { library, post, report, stock_cell, stock }
+        let Self { library, machine, report, stock_cell, stock, .. } = self;
+        RunOptions { library, post, machine, report, stock_cell, stock }
     }
 }
 

@@ -13,7 +13,9 @@ use std::process::Command;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-static MACHINE: LazyLock<Machine> = LazyLock::new(support::machine);
+/// For the dialects as in `POSTS`.
+static MACHINES: LazyLock<[Machine; 2]> =
+    LazyLock::new(|| ["siemens-840d", "linuxcnc"].map(|d| support::machine_for(d, &support::machine())));
 
 const SIEMENS: &str = "\
 ; %_N_TEST_MPF
@@ -61,7 +63,8 @@ M2
 ";
 
 fn read(dialect: &str, text: &str) -> Result<Vec<NcMove>, Vec<ReadError>> {
-    post::find(dialect).unwrap().read(text, &MACHINE)
+    let machine = &MACHINES[usize::from(dialect == "linuxcnc")];
+    post::find(dialect).unwrap().read(text, machine)
 }
 
 fn original(dialect: &str) -> &'static str {
@@ -444,7 +447,7 @@ proptest! {
     #[test]
     fn changed_text_is_read_or_refused_with_a_line_of_it((which, text) in mutated()) {
         let post: &dyn Post = post::POSTS[which];
-        match post.read(&text, &MACHINE) {
+        match post.read(&text, &MACHINES[which]) {
             Ok(moves) => {
                 for m in &moves {
                     prop_assert!(m.tip.iter().all(|x| x.is_finite() && x.abs() <= 1e5));

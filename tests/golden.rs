@@ -6,6 +6,7 @@
 use impellerc::driver::{self, Emit, Options, Outcome, Stages};
 use impellerc::ir::print::{self, Detail};
 use impellerc::ir::{Motion, Program};
+use impellerc::kin::{Machine, RotaryAxis};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::post;
 use impellerc::verify::{Certificate, Verified, verify};
@@ -55,7 +56,24 @@ fn compiled(job: &str) -> Compiled {
 impl Compiled {
     /// NC text without the header, which names the hash of the inputs.
     fn nc(&self, post: &dyn post::Post) -> String {
-        post.emit(&self.program, &self.motion, &[]).text()
+        post.emit(&self.program_for(post), &self.motion, &[]).text()
+    }
+
+    /// The program with the machine that has the senses of the dialect; but for its name and its words the motion is that
+    /// of the job's own machine.
+    fn program_for(&self, post: &dyn post::Post) -> Program {
+        if post.name() != "linuxcnc" {
+            return self.program.clone();
+        }
+        let machine = shipped("5mc850-c-linuxcnc");
+        let of_job = Machine {
+            name: self.program.machine.name.clone(),
+            tilt: RotaryAxis { word_sign: 1.0, ..machine.tilt },
+            turn: RotaryAxis { word_sign: 1.0, ..machine.turn },
+            ..machine.clone()
+        };
+        assert_eq!(of_job, self.program.machine);
+        Program { machine, ..self.program.clone() }
     }
 }
 
@@ -63,6 +81,13 @@ impl Compiled {
 fn bytes(name: &str, text: &str) -> String {
     assert!(text.is_ascii() && text.ends_with('\n') && !text.ends_with("\n\n") && !text.contains('\r'), "{name}");
     format!("{name}: {} bytes, {} lines, blake3 {}\n", text.len(), text.lines().count(), blake3::hash(text.as_bytes()))
+}
+
+/// A machine of the library, as `--machine` takes it.
+fn shipped(name: &str) -> Machine {
+    let mut options = options("reduced", None);
+    options.run.machine = Some(name.to_owned());
+    driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap().machine
 }
 
 fn on_threads(threads: usize) -> Compiled {
@@ -116,7 +141,7 @@ fn in_short(job: &str) {
     check(job, "certificate", &c.certificate.text(&c.program, c.motion.get()));
     for post in post::POSTS {
         let text = c.nc(*post);
-        let read = post::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
+        let read = post::read_back(*post, &c.program_for(*post), &c.motion, &text).expect("the motion");
         let lines: Vec<&str> = text.lines().collect();
         let short = format!(
             "{}{} moves read back\n\n{}\n...\n{}\n",

@@ -321,7 +321,7 @@ static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     let plan = impellerc::passes::pipeline::run(&program, &mut sink).unwrap();
     let (motion, _) = impellerc::verify::verify(&program, plan.motion, &mut sink).unwrap();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
-    let whole = post::POSTS.iter().map(|p| p.emit(&program, &motion, &[]).text());
+    let whole = post::POSTS.iter().map(|p| p.emit(&support::program_for(p.name(), &program), &motion, &[]).text());
     let texts = whole.map(|text| {
         let lines: Vec<&str> = text.lines().collect();
         let ends = lines.len() - 12;
@@ -337,6 +337,7 @@ proptest! {
     fn nc_texts(which in 0..2_usize, changes in changes()) {
         let start = Instant::now();
         let (program, texts) = &*NC;
+        let program = &support::program_for(post::POSTS[which].name(), program);
         let text = changed(&texts[which], &changes);
         let lines = text.lines().count().max(1);
         let file = SourceId(7);
@@ -370,6 +371,7 @@ fn the_originals_are_read() {
     }
     let (program, texts) = &*NC;
     for (post, text) in post::POSTS.iter().zip(texts) {
+        let program = &support::program_for(post.name(), program);
         let moves = post.read(text, &program.machine).unwrap();
         assert!(motion_of(program, &moves, &|_| Span::default(), &mut Sink::default()).is_some(), "{}", post.name());
     }

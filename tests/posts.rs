@@ -21,20 +21,27 @@ static PROGRAM: LazyLock<(Program, Verified<Motion>)> = LazyLock::new(|| {
     (program, motion)
 });
 
-fn written(post: &dyn Post) -> NcProgram {
+/// With the machine that the dialect can have.
+fn program(post: &dyn Post) -> (Program, &'static Verified<Motion>) {
     let (program, motion) = &*PROGRAM;
+    (support::program_for(post.name(), program), motion)
+}
+
+fn written(post: &dyn Post) -> NcProgram {
+    let (program, motion) = program(post);
     let mut sink = Sink::default();
-    post.check(program, motion.get(), &mut sink);
+    post.check(&program, motion.get(), &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
-    post.emit(program, motion, &["a test (with brackets); and more".to_owned()])
+    post.emit(&program, motion, &["a test (with brackets); and more".to_owned()])
 }
 
 #[test]
 fn texts_read_back_as_the_motion_within_the_word_quantum() {
-    let (program, motion) = &*PROGRAM;
     for post in post::POSTS {
+        let (program, motion) = program(*post);
         let text = written(*post).text();
-        let found = post::read_back(*post, program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
+        let found =
+            post::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
         assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
         assert!(found.tip <= 0.5e-4 + 1e-10, "{}: {}", post.name(), found.tip);
         assert!(found.axis <= 2e-7, "{}: {}", post.name(), found.axis);
@@ -54,12 +61,12 @@ fn bytes_are_plain() {
 /// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.
 #[test]
 fn a_changed_text_is_noticed() {
-    let (program, motion) = &*PROGRAM;
     for post in post::POSTS {
+        let (program, motion) = program(*post);
         let nc = written(*post);
         let moves: Vec<usize> =
             nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some()).map(|(i, _)| i).collect();
-        let judge = |lines: Vec<String>| post::read_back(*post, program, motion, &(lines.join("\n") + "\n"));
+        let judge = |lines: Vec<String>| post::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
         let lines = || nc.lines.iter().map(|l| l.text.clone()).collect::<Vec<_>>();
         assert!(judge(lines()).is_ok());
         for at in moves.iter().step_by(97) {
@@ -85,8 +92,8 @@ fn a_changed_text_is_noticed() {
 proptest! {
     #[test]
     fn readers_never_panic(text in "[A-Z0-9=.()\" \n;-]{0,200}") {
-        let (program, _) = &*PROGRAM;
         for post in post::POSTS {
+            let (program, _) = program(*post);
             let _ = post.read(&text, &program.machine);
         }
     }

@@ -11,6 +11,11 @@ const JOB: &str = "jobs/reduced/reduced.imp";
 
 const DIALECTS: [&str; 2] = ["siemens-840d", "linuxcnc"];
 
+/// The machine with the senses of rotary words that a dialect can have.
+fn machine(dialect: &str) -> [&str; 2] {
+    ["--machine", if dialect == "linuxcnc" { "5mc850-c-linuxcnc" } else { "5mc850-c" }]
+}
+
 fn impellerc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_impellerc")).args(arguments).output().unwrap()
 }
@@ -22,7 +27,7 @@ static WRITTEN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
         let out = folder.path().join(dialect);
         let certificate = folder.path().join(format!("{dialect}.json"));
         let more = ["-o", out.to_str().unwrap(), "--certificate", certificate.to_str().unwrap()];
-        let run = impellerc(&[&[JOB, "--post", dialect], &more[..]].concat());
+        let run = impellerc(&[&[JOB, "--post", dialect], &machine(dialect)[..], &more[..]].concat());
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
     folder
@@ -46,6 +51,7 @@ fn edited(text: &str) -> Edited {
 
 fn verify(path: &Path, dialect: &str, more: &[&str]) -> (bool, String, String) {
     let mut arguments = vec!["verify", path.to_str().unwrap(), "--job", JOB];
+    arguments.extend(machine(dialect));
     // The compiler's own texts are recognised; the others are read as they are meant.
     if !path.starts_with(WRITTEN.path()) {
         arguments.extend(["--post", dialect]);
@@ -424,8 +430,9 @@ fn text_and_certificate_belong_together_or_not() {
 #[test]
 fn a_certificate_is_compared_with_job_and_measurement() {
     let dialect = "linuxcnc";
+    let machine = machine(dialect);
     let nc = WRITTEN.path().join(dialect);
-    let (ok, out, err) = belongs(&nc, &certificate(dialect), &["--job", JOB]);
+    let (ok, out, err) = belongs(&nc, &certificate(dialect), &["--job", JOB, machine[0], machine[1]]);
     assert!(ok && out.contains("belong together") && out.contains("are those of the certificate"), "{out}{err}");
     // A wider contract in the job, and a certificate with another figure.
     let folder = tempfile::tempdir().unwrap();
@@ -437,14 +444,19 @@ fn a_certificate_is_compared_with_job_and_measurement() {
     let found = forged["measured"]["contracts"][0]["found"].as_f64().unwrap();
     forged["measured"]["contracts"][0]["found"] = Value::from(found + 0.01);
     let file = edited(&forged.to_string());
-    let (ok, out, err) = belongs(&nc, &file.path, &["--job", job.to_str().unwrap(), "--error-format", "json"]);
+    let (ok, out, err) =
+        belongs(&nc, &file.path, &["--job", job.to_str().unwrap(), machine[0], machine[1], "--error-format", "json"]);
     assert!(!ok && out.contains("moves read as linuxcnc"), "{out}{err}");
     // Contracts that are not asked for.
     let mut more = json(&certificate(dialect));
     let mut first = more["measured"]["contracts"][0].clone();
     first["kind"] = Value::from("gouge");
     more["measured"]["contracts"].as_array_mut().unwrap().push(first);
-    let (ok, _, said) = belongs(&nc, &edited(&more.to_string()).path, &["--job", JOB, "--error-format", "json"]);
+    let (ok, _, said) = belongs(
+        &nc,
+        &edited(&more.to_string()).path,
+        &["--job", JOB, machine[0], machine[1], "--error-format", "json"],
+    );
     assert!(!ok && said.contains("asks for no such contract"), "{said}");
     let all = diagnostics(&err);
     let changed = all.iter().find(|d| d["message"].as_str().unwrap().contains("another job")).unwrap();
@@ -471,6 +483,7 @@ fn wrong_files_are_told_apart() {
         (vec!["verify", nc, "--job", missing], "IMP0901", "there is no such file"),
         (vec!["verify", nc, "--job", JOB, "--post", "linuxcnc"], "IMP0821", "its words are those of siemens-840d"),
         (vec!["verify", nc, "--job", JOB, "--post", "heidenhain"], "IMP0807", "siemens-840d, linuxcnc"),
+        (vec!["verify", nc, "--job", JOB, "--machine", "5mc850-d"], "IMP0902", "5mc850-c, 5mc850-c-linuxcnc"),
         (vec!["verify", nc, "--job", "jobs/small/small.imp"], "IMP0822", "bring tools, speeds and order"),
     ] {
         let run = impellerc(&arguments);

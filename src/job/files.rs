@@ -46,6 +46,7 @@ pub mod shipped {
     /// Machine files by name.
     pub const MACHINES: &[(&str, &str)] = &[
         ("5mc850-c", include_str!("../../jobs/_lib/machines/5mc850-c.toml")),
+        ("5mc850-c-linuxcnc", include_str!("../../jobs/_lib/machines/5mc850-c-linuxcnc.toml")),
         ("linuxcnc-xyzac-trt", include_str!("../../jobs/_lib/machines/linuxcnc-xyzac-trt.toml")),
     ];
     /// Tool libraries by name.

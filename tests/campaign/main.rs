@@ -11,6 +11,8 @@
 
 mod blocks;
 mod faults;
+#[path = "../support/mod.rs"]
+mod support;
 mod truth;
 
 use blocks::{Dialect, stations};
@@ -226,6 +228,7 @@ fn faults_are_found_with_size_and_line() {
     let mut complaints = Vec::new();
     let mut must = 0;
     for (k, dialect) in [Dialect::Siemens, Dialect::LinuxCnc].into_iter().enumerate() {
+        let program = support::program_for(dialect.name(), &program);
         let text = post::find(dialect.name()).unwrap().emit(&program, &motion, &[]).text();
         let original = Original::new(dialect, &text, &program);
         let said = ask(dialect, &program, &original.lines, None);

@@ -118,6 +118,19 @@ pub fn machine() -> Machine {
     }
 }
 
+/// A machine with the senses of rotary words that the transformation of a dialect has: LinuxCNC turns the part with a
+/// positive word as a right-hand screw.
+pub fn machine_for(dialect: &str, machine: &Machine) -> Machine {
+    let word_sign = if dialect == "linuxcnc" { -1.0 } else { 1.0 };
+    let with_sense = |axis: RotaryAxis| RotaryAxis { word_sign, ..axis };
+    Machine { tilt: with_sense(machine.tilt), turn: with_sense(machine.turn), ..machine.clone() }
+}
+
+/// A program for [`machine_for`] a dialect.
+pub fn program_for(dialect: &str, program: &Program) -> Program {
+    Program { machine: machine_for(dialect, &program.machine), ..program.clone() }
+}
+
 /// A tool with a cylindrical shank and a slim collet holder.
 pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> Tool {
     let radius = cutter.radius_at(flute);
