@@ -2,7 +2,11 @@
 //!
 //! Meaning of a move, shared by planner, verifier and posts: tool centre point control is on. Between two moves of
 //! one operation the tip, in the part frame, runs on a straight line and the rotary axes run linearly with it; the
-//! linear joints follow from both. The first move of an operation is a positioning with the tool clear of everything.
+//! linear joints follow from both.
+//!
+//! The first and the last move of an operation lead to stations at the retract height of the machine. The tool goes down
+//! from the first station and up to the last one along Z. Between operations the tool stays at that height, where X, Y, A
+//! and C move with tool centre point control off, from wherever they stand.
 
 use crate::ir::cl::MoveKind;
 use crate::ir::program::OperationId;

@@ -152,6 +152,13 @@ pub struct Tool {
     pub span: Span,
 }
 
+impl Tool {
+    /// Height of the gauge line over the tip, mm: what the tool table of the control holds as length of the tool.
+    pub fn length(&self) -> f64 {
+        self.solid.length()
+    }
+}
+
 /// One operation.
 #[derive(Clone, Debug)]
 pub struct Operation {

@@ -37,6 +37,7 @@ struct MachineFile {
     axes: AxesTable,
     part: PartTable,
     spindle: SpindleTable,
+    retract: Option<RetractTable>,
     rapid: Text,
     cycle: Option<Text>,
     table: Option<CarriedTable>,
@@ -89,6 +90,12 @@ struct RotaryTable {
 #[serde(deny_unknown_fields)]
 struct PartTable {
     origin: [Text; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RetractTable {
+    z: Text,
 }
 
 #[derive(Deserialize)]
@@ -355,9 +362,20 @@ pub(super) fn machine(
     if !silent.is_empty() {
         assumed.push(format!("no limit of the jerk of {}, the default", silent.join(", ")));
     }
+    let linear = [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)];
+    let [low, top] = linear[2].travel;
+    let retract = match &table.retract {
+        Some(t) => Mm(reader.quantity(&t.z, Dimension::LENGTH, low.get(), top.get())),
+        None => {
+            assumed
+                .push(format!("retract to the upper end of the travel of Z, {} mm, the default", trim(top.get(), 6)));
+            top
+        }
+    };
     let spec = MachineSpec {
         name: name.to_owned(),
-        linear: [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)],
+        linear,
+        retract,
         tilt: reader.rotary(a),
         turn: reader.rotary(c),
         part_origin: reader.point(&table.part.origin),

@@ -47,6 +47,8 @@ pub struct MachineSpec {
     pub turn: RotarySpec,
     /// Origin of the part at A = C = 0 in the machine frame.
     pub part_origin: [Mm; 3],
+    /// Height of the gauge line at which tools are changed and X, Y, A and C may move.
+    pub retract: Mm,
     /// Spindle range.
     pub spindle: [Rpm; 2],
     /// Speed of rapid moves.

@@ -61,6 +61,7 @@ fn machine(out: &mut String, job: &Job) {
     }
     let [x, y, z] = m.part_origin;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");
+    let _ = writeln!(out, "  retract z {}", m.retract);
     let _ = writeln!(out, "  spindle {} to {}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
     let _ = writeln!(out, "  cycle {} s", trim(m.cycle, 6));
     for assumed in &m.assumed {

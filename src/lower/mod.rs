@@ -222,6 +222,7 @@ fn machine(spec: &MachineSpec) -> Machine {
         tilt_point: point(spec.tilt.point),
         turn_point: point(spec.turn.point),
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
+        retract: spec.retract.get(),
         spindle: spec.spindle.map(crate::units::Rpm::get),
         rapid: spec.rapid.get() / 60.0,
         cycle: spec.cycle,

@@ -115,7 +115,8 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &mut ClPlan) -> Result<(), Abort
     let program = cx.program;
     for planned in &mut cl.operations {
         let operation = &program.operations[planned.operation];
-        let sphere = ClearanceSphere::new(program, &program.tools[operation.tool].solid);
+        let tool = &program.tools[operation.tool];
+        let sphere = ClearanceSphere::new(program, &tool.solid);
         let lifted = |p: &ClPoint| {
             let tip = p.tip + p.axis * sphere.exit(&p.tip, &p.axis);
             ClPoint { tip, axis: p.axis, contact: None }
@@ -142,7 +143,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &mut ClPlan) -> Result<(), Abort
             let mut open = vec![run];
             while let Some(run) = open.pop() {
                 let linked = linked(&planned.passes, &short, run.clone(), &lifted);
-                if run.len() > 1 && !within_travel(&program.machine, &linked) {
+                if run.len() > 1 && !within_travel(&program.machine, &linked, tool.length()) {
                     let middle = run.start + run.len() / 2;
                     open.extend([middle..run.end, run.start..middle]);
                 } else {

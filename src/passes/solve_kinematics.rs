@@ -27,10 +27,10 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
             labels: operation.passes.iter().map(|p| p.label.clone()).collect(),
             moves: Vec::with_capacity(operation.moves.len()),
         };
-        let tool = cx.program.operations[operation.operation].tool;
-        let sphere = ClearanceSphere::new(cx.program, &cx.program.tools[tool].solid);
+        let tool = &cx.program.tools[cx.program.operations[operation.operation].tool];
+        let sphere = ClearanceSphere::new(cx.program, &tool.solid);
         for run in contiguous(&operation.moves) {
-            match solve_run(&cx.program.machine, run, at) {
+            match solve_run(&cx.program.machine, run, tool.length(), at) {
                 Ok(rotary) => {
                     append(&cx.program.machine, &sphere, run, &rotary, &mut solved.moves);
                     at = rotary.last().copied().unwrap_or(at);
@@ -41,9 +41,22 @@ pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
                 }
             }
         }
+        add_stations(&cx.program.machine, tool.length(), &mut solved.moves);
         motion.operations.push(solved);
     }
     if failed { Err(Aborted) } else { Ok(motion) }
+}
+
+/// Puts the stations at retract height before the first and behind the last move.
+fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
+    let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
+    let over = |m: JointMove| {
+        let mut joints = m.joints;
+        joints.xyz.z = machine.retract - length;
+        JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: m.pass }
+    };
+    moves.insert(0, over(first));
+    moves.push(over(last));
 }
 
 /// Splits the moves into runs: each from a rapid up to the next.
@@ -69,13 +82,13 @@ struct OutOfTravel {
     unit: &'static str,
 }
 
-/// True when some branch and winding keep a run within the travel of all axes.
-pub(super) fn within_travel(machine: &Machine, run: &[ClMove]) -> bool {
-    solve_run(machine, run, (0.0, 0.0)).is_ok()
+/// True when some branch and winding keep a run within the travel of all axes, with a tool of a length (mm).
+pub(super) fn within_travel(machine: &Machine, run: &[ClMove], length: f64) -> bool {
+    solve_run(machine, run, length, (0.0, 0.0)).is_ok()
 }
 
 /// Rotary angles of a run.
-fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
+fn solve_run(machine: &Machine, run: &[ClMove], length: f64, at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
     let mut best: Option<(f64, Vec<(f64, f64)>)> = None;
     let mut nearest_miss: Option<OutOfTravel> = None;
     for branch in 0..2 {
@@ -91,7 +104,7 @@ fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f
         let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
             let moved: Vec<(f64, f64)> = angles.iter().map(|(a, c)| (*a, c + turns)).collect();
-            if let Some(miss) = out_of_travel(machine, run, &moved) {
+            if let Some(miss) = out_of_travel(machine, run, length, &moved) {
                 if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
                     nearest_miss = Some(miss);
                 }
@@ -111,7 +124,7 @@ fn solve_run(machine: &Machine, run: &[ClMove], at: (f64, f64)) -> Result<Vec<(f
 }
 
 /// The first place where an axis leaves its travel.
-fn out_of_travel(machine: &Machine, run: &[ClMove], angles: &[(f64, f64)]) -> Option<OutOfTravel> {
+fn out_of_travel(machine: &Machine, run: &[ClMove], length: f64, angles: &[(f64, f64)]) -> Option<OutOfTravel> {
     let rotary = |index: usize, axis: &'static str, value: f64, limits: &RotaryAxis| {
         (value < limits.min || value > limits.max).then(|| OutOfTravel {
             index,
@@ -122,7 +135,8 @@ fn out_of_travel(machine: &Machine, run: &[ClMove], angles: &[(f64, f64)]) -> Op
         })
     };
     run.iter().zip(angles).enumerate().find_map(|(i, (m, (a, c)))| {
-        let linear = machine.joints(&m.to.tip, *a, *c).xyz;
+        let mut linear = machine.joints(&m.to.tip, *a, *c).xyz;
+        linear.z += length;
         rotary(i, "A", *a, &machine.tilt).or_else(|| rotary(i, "C", *c, &machine.turn)).or_else(|| {
             ["X", "Y", "Z"].into_iter().enumerate().find_map(|(k, axis)| {
                 let limits = &machine.linear[k];

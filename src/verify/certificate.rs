@@ -4,6 +4,7 @@ use super::alike::{Alike, alike};
 use super::carried::{CarriedReport, SEARCH};
 use super::clearance::Clearance;
 use super::machine::MachineReport;
+use super::perimeter::PerimeterReport;
 use super::rest::RestReport;
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
@@ -118,6 +119,8 @@ pub struct Certificate {
     pub labels: Vec<Vec<(u32, String)>>,
     /// Least distance of the whole tool to the turned stock at rapid.
     pub rapid: Option<Clearance>,
+    /// Before, between and behind the operations.
+    pub perimeter: PerimeterReport,
     /// Axes.
     pub machine: MachineReport,
     /// Stock after each roughing operation.
@@ -298,6 +301,20 @@ impl Certificate {
             Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
         }
+        let p = &self.perimeter;
+        writeln!(
+            t,
+            "  X, Y, A and C move without tool centre point control at Z {:.3} of the gauge line only, with every tip at least {}",
+            p.retract,
+            length(p.clearance)
+        )?;
+        writeln!(
+            t,
+            "  over Z {:.3}, which the {} does not pass under any A and C; required {}",
+            p.height,
+            p.highest,
+            length(p.required)
+        )?;
         for c in &self.carried {
             match &c.clearance {
                 Some(found) => {

@@ -13,6 +13,9 @@ use serde::Serialize;
 /// between two of 16 places a linear joint leaves its chord by less than 1/256 of its sag over the whole move.
 const PLACES: usize = 16;
 
+/// Excess over a travel that is rounding of the way from joints to the part and back, mm and radians.
+const TRAVEL_ROUNDING: f64 = 1e-9;
+
 /// Excess of an axis speed over its limit that is rounding of times and feeds.
 const SPEED_ROUNDING: f64 = 1e-3;
 
@@ -91,8 +94,9 @@ pub struct MachineReport {
 
 const LETTERS: [char; 5] = ['X', 'Y', 'Z', 'A', 'C'];
 
-fn coordinates(j: &Joints) -> [f64; 5] {
-    [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+/// Positions of the axes; Z is that of the gauge line, `length` over the tip.
+fn coordinates(j: &Joints, length: f64) -> [f64; 5] {
+    [j.xyz.x, j.xyz.y, j.xyz.z + length, j.a, j.c]
 }
 
 /// Travel in the units of the joints.
@@ -115,6 +119,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let mut pole = f64::INFINITY;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
     for (o, operation) in motion.operations.iter().enumerate() {
+        let length = program.tools[program.operations[operation.operation].tool].length();
         let mut before: Option<&Joints> = None;
         for (i, m) in operation.moves.iter().enumerate() {
             let at =
@@ -122,13 +127,13 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             if m.kind == MoveKind::Cut {
                 pole = pole.min(to_pole(before.map_or(m.joints.a, |b| b.a), m.joints.a));
             }
-            let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some());
+            let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some(), length);
             for k in 0..5 {
                 for q in &places {
                     used[k] = [used[k][0].min(q[k]), used[k][1].max(q[k])];
                     let beyond = (q[k] - travel[k][1]).max(travel[k][0] - q[k]);
                     let worse = faults[k].as_ref().is_none_or(|f| beyond > (f.value - f.bound).abs());
-                    if beyond > 0.0 && worse {
+                    if beyond > TRAVEL_ROUNDING && worse {
                         let bound = if q[k] > travel[k][1] { travel[k][1] } else { travel[k][0] };
                         faults[k] = Some(AxisFault { axis: LETTERS[k], value: q[k], bound, speed: false, at });
                     }
@@ -209,17 +214,17 @@ fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRul
     found
 }
 
-/// Joints along a move; only its end when it positions from an unknown place.
-fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool) -> Vec<[f64; 5]> {
+/// Positions of the axes along a move; only its end when it positions from an unknown place.
+fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64) -> Vec<[f64; 5]> {
     if !moves {
-        return vec![coordinates(to)];
+        return vec![coordinates(to, length)];
     }
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     (0..=PLACES)
         .map(|k| {
             let t = k as f64 / PLACES as f64;
             let tip = tips[0] + (tips[1] - tips[0]) * t;
-            coordinates(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t))
+            coordinates(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t), length)
         })
         .collect()
 }

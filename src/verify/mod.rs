@@ -11,6 +11,7 @@
 //! | | how near comes the tool to table and fixtures? | [`carried`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what happens to the stock, block by block? | [`stock`] |
+//! | | does the tool stand over everything while X, Y, A and C move without tool centre point control? | [`perimeter`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
 //! | | what feed is reached within accelerations and jerks, how far does the real motion leave the verified one? | [`dynamics`] |
 
@@ -28,6 +29,7 @@ mod grid;
 mod hierarchy;
 pub mod machine;
 mod measure;
+pub mod perimeter;
 pub mod rest;
 mod roof;
 pub mod stock;
@@ -145,6 +147,7 @@ pub fn certify_with(
         operations,
         labels: Vec::new(),
         rapid,
+        perimeter: perimeter::check(program, motion),
         machine: machine::check(program, motion),
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing, progress),
         stock: stock::simulate(program, motion, settings, progress, sink),
@@ -157,6 +160,7 @@ pub fn certify_with(
         operation.time = run.time;
     }
     report_faults(program, motion, &certificate, sink);
+    perimeter::report(program, motion, &certificate.perimeter, sink);
     carried::report(program, motion, &certificate.carried, sink);
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);

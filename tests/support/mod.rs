@@ -110,6 +110,7 @@ pub fn machine() -> Machine {
         tilt_point: Point3::origin(),
         turn_point: Point3::origin(),
         part_origin: Vector3::new(0.0, 0.0, 80.0),
+        retract: 350.0,
         spindle: [100.0, 18000.0],
         rapid: 500.0,
         cycle: 0.002,

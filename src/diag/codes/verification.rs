@@ -93,6 +93,14 @@ Way out: a larger `--stock-cell`.";
 more stock a minute than any cut of the operation, for which its feed was never chosen. At the machine the tool breaks.\n\n\
 Example: `F1000` in a block of a slot that is cut with 150 mm/min.\n\n\
 Way out: the process feed in this block, or leads that begin and end outside of the stock.";
+    RETRACT_TOO_LOW = "IMP0740", "a tool does not stand over everything while the machine positions",
+        "Before the first and behind the last move of an operation tools are changed, and X, Y, A and C move with tool centre \
+point control off. Where they come from nobody knows: a program may begin after an abort, or after another program. So the \
+tip must stand higher than stock, table and fixture can come under any A and C of their travel.\n\n\
+Example: a machine whose Z ends 120 mm over its rotation point, a wheel that reaches 104 mm when A turns, and a tool with \
+its holder of 40 mm.\n\n\
+Way out: `[retract] z` of the machine file as high as Z goes, a shorter tool or holder, or a part that stands lower or nearer \
+to the axis of A.";
     CARRIED = "IMP0734", "the tool runs into table or fixture",
         "The machine file has a table or a fixture; at this block the cutter, the shank or the holder is inside of it. All \
 moves are looked at: cuts, links and rapids, over continuous time. The solids are sampled, and the spacing of the samples \

@@ -1,0 +1,105 @@
+//! The perimeter of a program: what the machine does before the first and behind the last move of an operation.
+//!
+//! There X, Y, A and C move with tool centre point control off, from wherever they stand, with the tool of this operation or
+//! of the one before in the spindle. Nothing is known of their way but the height: so the tip of every tool must stand higher
+//! than part, stock, table and fixtures can come under any A and C of their travel. The ways down to the first target and up
+//! behind the last one are moves of the motion, which all other checks judge.
+
+use super::sweep::At;
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::{Motion, Program};
+use crate::units::length;
+use serde::Serialize;
+
+/// Difference of heights that is rounding, mm.
+const ROUNDING: f64 = 1e-6;
+
+/// Heights in the machine frame, mm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PerimeterReport {
+    /// Gauge line where tools are changed, by the machine file.
+    pub retract: f64,
+    /// What comes highest: `stock`, `table` or `fixture`.
+    pub highest: &'static str,
+    /// Its largest height under any A and C of their travel.
+    pub height: f64,
+    /// Least distance of a tool tip over that height while X, Y, A or C move.
+    pub clearance: f64,
+    /// Where the tool comes nearest: the first or the last move of an operation.
+    pub at: Option<At>,
+    /// Distance that the job asks for.
+    pub required: f64,
+}
+
+/// What can come highest, with its height.
+fn highest(program: &Program) -> (&'static str, f64) {
+    let machine = &program.machine;
+    let solids = machine.carried.iter().map(|solid| (solid.name, machine.highest(&solid.profile)));
+    let stock = ("stock", machine.highest(&program.stock.profile));
+    solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
+}
+
+/// Heights of the first and the last station of every operation, each with the tool of the operation.
+pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
+    let (highest, height) = highest(program);
+    let mut report = PerimeterReport {
+        retract: program.machine.retract,
+        highest,
+        height,
+        clearance: f64::INFINITY,
+        at: None,
+        required: program.clearance.get(),
+    };
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let last = operation.moves.len().saturating_sub(1);
+        for index in [0, last] {
+            let Some(station) = operation.moves.get(index) else { continue };
+            let clearance = station.joints.xyz.z - height;
+            if clearance < report.clearance {
+                let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+                report.clearance = clearance;
+                report.at = Some(At { operation: number(o), index: number(index) });
+            }
+        }
+    }
+    report
+}
+
+/// A tool that does not stand high enough as an error.
+pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport, sink: &mut Sink) {
+    let Some(at) = found.at.filter(|_| found.clearance < found.required - ROUNDING) else { return };
+    let Some(operation) = motion.operations.get(at.operation as usize) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let lack = found.required - found.clearance;
+    let Some(station) = operation.moves.get(at.index as usize) else { return };
+    sink.push(
+        Diag::error(
+            verification::RETRACT_TOO_LOW,
+            format!(
+                "the tip of {} stands {} over the height that the {} can reach while X, Y, A and C move; required {}",
+                tool.name,
+                length(found.clearance),
+                found.highest,
+                length(found.required)
+            ),
+        )
+        .label(declared.span, "before or after this operation")
+        .place(
+            if at.index == 0 { "way to the first target" } else { "retract after the last move" },
+            program.machine.forward(&station.joints).tip,
+        )
+        .block(at.operation, at.index)
+        .note(format!(
+            "Z {:.3} of the gauge line, less {:.3} mm of tool; the {} reaches Z {:.3} under some A and C",
+            station.joints.xyz.z + tool.length(),
+            tool.length(),
+            found.highest,
+            found.height
+        ))
+        .help(format!(
+            "a retract {} higher, a shorter tool or holder, or a part that stands lower or nearer to the axis of A",
+            length(lack)
+        )),
+    );
+}
