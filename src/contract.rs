@@ -137,6 +137,22 @@ impl ContractKind {
         if self.surfaces().is_empty() { &SurfaceClass::ALL } else { self.surfaces() }
     }
 
+    /// Bound that holds where a job neither requires nor allows the quantity; `None` where only a job asks for it. No program
+    /// is verified without these.
+    pub fn default_bound(self) -> Option<Bound> {
+        match self {
+            Self::Gouge => Some(self.bound(0.02)),
+            Self::Clearance(Guarded::Body | Guarded::Shank | Guarded::Holder) => Some(self.bound(0.5)),
+            _ => None,
+        }
+    }
+
+    /// Whether a contract on this quantity says something about another one: that on shank and holder speaks of both.
+    pub fn covers(self, other: Self) -> bool {
+        let parts = [Guarded::Shank, Guarded::Holder].map(Self::Clearance);
+        self == other || (self == Self::Clearance(Guarded::Body) && parts.contains(&other))
+    }
+
     /// What it means to ask for the quantity on operations.
     pub fn of_operations(self) -> OfOperations {
         match self {

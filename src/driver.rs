@@ -334,7 +334,9 @@ fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Li
 
 /// Lines of the comment block at the head of the NC text, with the hashes of inputs, body and certificate.
 fn header(program: &Program, certificate: &Certificate, hashes: [&str; 3]) -> Vec<String> {
-    let mut lines = vec![format!("impellerc {}, verified", env!("CARGO_PKG_VERSION"))];
+    let mut head = certificate.head();
+    let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
+    lines.extend(head);
     lines.extend(HEAD.iter().zip(hashes).map(|(word, hash)| format!("{word}{hash}")));
     lines.push(format!(
         "part {}, machine {}, zero at the origin of the part frame, mm",

@@ -145,7 +145,8 @@ fn at_feed(program: &Program, motion: &Motion, feed: f64) -> Motion {
 /// Largest deviation, gouge or excess, mm, that a plan leaves on both faces of the vane of the first sector.
 fn left_on_faces(program: &Program, motion: &Motion) -> f64 {
     let sweep = sweep::Sweep::new(program, motion, 0).expect("a sweep");
-    let found = surface::certify(&program.part, false, &[sweep], 1.0, &surface::Limits::NONE, &Progress::default());
+    let found =
+        surface::certify(&program.part, false, &[sweep], 1.0, &surface::Limits::default(), &Progress::default());
     let face = |r: &&surface::SurfaceReport| r.id.sector == 0 && matches!(r.id.kind, SurfaceKind::Face(_));
     found.iter().filter(face).map(|r| r.excess.value.max(r.gouge.value.abs())).fold(0.0, f64::max)
 }

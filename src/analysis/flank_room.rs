@@ -26,7 +26,8 @@ fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bou
     };
     let least = |kind: ContractKind| {
         let left = program.allowed.iter().any(|a| a.kind == kind && counts(&a.scope.operations, &a.scope.surfaces));
-        let asked = program.contracts.iter().filter(|c| c.kind == kind);
+        // A default says what no program may pass, not what the job would like to have.
+        let asked = program.contracts.iter().filter(|c| c.kind == kind && !c.default);
         let asked = asked.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
         asked.reduce(f64::min).filter(|_| !left)
     };

@@ -279,14 +279,16 @@ pub struct Contract {
     pub bound: Bound,
     /// Where it holds.
     pub scope: Scope<OperationId>,
-    /// Its line in the job.
+    /// True when the job says nothing: it holds wherever no other contract on the quantity does.
+    pub default: bool,
+    /// Its line in the job; nothing for a default.
     pub span: Span,
 }
 
 impl Contract {
     /// A contract on the whole part and program; `bound` in mm, s, mm3, mm3/min or as a share, as the quantity has it.
     pub fn whole(kind: ContractKind, bound: f64) -> Self {
-        Self { kind, bound: kind.bound(bound), scope: Scope::default(), span: Span::default() }
+        Self { kind, bound: kind.bound(bound), scope: Scope::default(), default: false, span: Span::default() }
     }
 }
 
@@ -295,7 +297,7 @@ impl Contract {
 pub struct Allowed {
     /// What is measured.
     pub kind: ContractKind,
-    /// Where; never everywhere.
+    /// Where; everywhere only where it stands in place of a default contract.
     pub scope: Scope<OperationId>,
     /// Why, in the words of the job.
     pub reason: String,

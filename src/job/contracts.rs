@@ -4,11 +4,11 @@ use super::eval::{suggest, unknown};
 use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationKind, OperationSpec};
 use super::quantity::Dimension;
 use super::resolve::Context;
-use crate::contract::{OfOperations, Region, Scope, SurfaceClass};
+use crate::contract::{Guarded, OfOperations, Region, Scope, SurfaceClass};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, File, ItemKind, Name, Target};
+use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, Target};
 
 /// Largest length of a bound, mm; no gap of a part is as wide.
 const LONGEST: f64 = 100.0;
@@ -44,12 +44,13 @@ pub(super) fn resolve(
                     let first = first.span;
                     reader.twice(kind, item.span, first, "required", "keep the stricter one");
                 } else if let Some(bound) = bound {
-                    contracts.push(ContractSpec { kind, bound, scope, span: item.span });
+                    contracts.push(ContractSpec { kind, bound, scope, default: false, span: item.span });
                 }
             }
             ItemKind::Allow { what, body, scope, reason } => {
                 let Some(kind) = reader.kind(what, body.as_ref(), "allowed") else { continue };
-                if !reader.may_be_allowed(kind, what, scope) {
+                let required = file.items.iter().any(|i| requires(i, kind));
+                if !reader.may_be_allowed(kind, what, scope, required) {
                     continue;
                 }
                 let Some(scope) = reader.scope(kind, scope) else { continue };
@@ -73,7 +74,32 @@ pub(super) fn resolve(
     if reader.complete {
         reader.emptied(&contracts, &allowed);
     }
+    add_defaults(&mut contracts, &allowed);
     (contracts, allowed)
+}
+
+/// Whether an item requires a quantity or a part of it.
+fn requires(item: &Item, kind: ContractKind) -> bool {
+    let ItemKind::Require { what, body, .. } = &item.kind else { return false };
+    let text = body.as_ref().map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text));
+    ContractKind::ALL.into_iter().any(|k| k.name() == text && kind.covers(k))
+}
+
+/// Adds the contracts that hold where the job says nothing: what it does not allow away is never left unjudged.
+fn add_defaults(contracts: &mut Vec<ContractSpec>, allowed: &[AllowedSpec]) {
+    use ContractKind::{Clearance, Gouge};
+    let body = Clearance(Guarded::Body);
+    let parts = [Guarded::Shank, Guarded::Holder].map(Clearance);
+    // Where the job tells shank and holder apart, so do the defaults.
+    let apart = contracts.iter().any(|c| parts.contains(&c.kind)) || allowed.iter().any(|a| parts.contains(&a.kind));
+    let kinds = if apart { vec![Gouge, parts[0], parts[1]] } else { vec![Gouge, body] };
+    for kind in kinds {
+        let whole = contracts.iter().any(|c| c.kind.covers(kind) && c.scope.is_whole());
+        let waived = allowed.iter().any(|a| a.kind.covers(kind) && a.scope.is_whole());
+        if let Some(bound) = kind.default_bound().filter(|_| !(whole || waived)) {
+            contracts.push(ContractSpec { kind, bound, scope: Scope::default(), default: true, span: Span::default() });
+        }
+    }
 }
 
 struct Reader<'a, 'b> {
@@ -245,8 +271,12 @@ impl Reader<'_, '_> {
     }
 
     /// An `allow` takes surfaces or operations out, as far as the quantity has them.
-    fn may_be_allowed(&mut self, kind: ContractKind, what: &Name, targets: &[Target]) -> bool {
+    /// Everything is allowed only in place of a default contract: where the job requires nothing of the kind.
+    fn may_be_allowed(&mut self, kind: ContractKind, what: &Name, targets: &[Target], required: bool) -> bool {
         let name = kind.name();
+        if targets.is_empty() && kind.default_bound().is_some() && !required {
+            return true;
+        }
         if targets.is_empty() {
             self.cx.sink.push(
                 Diag::error(codes::WRONG_FORM, format!("`allow {name}` does not say where"))

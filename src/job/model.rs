@@ -349,7 +349,9 @@ pub struct ContractSpec {
     pub bound: Bound,
     /// Where it holds; operations by their index.
     pub scope: Scope<usize>,
-    /// Its item.
+    /// True when the job says nothing: it holds wherever no other contract on the quantity does.
+    pub default: bool,
+    /// Its item; nothing for a default.
     pub span: Span,
 }
 
@@ -371,7 +373,7 @@ impl ContractSpec {
 pub struct AllowedSpec {
     /// Quantity.
     pub kind: ContractKind,
-    /// Where; never whole.
+    /// Where; whole only where it stands in place of a default contract.
     pub scope: Scope<usize>,
     /// Why, in the words of the job.
     pub reason: String,
@@ -379,8 +381,6 @@ pub struct AllowedSpec {
     pub span: Span,
 }
 
-/// Distance of shank and holder to the part where the job does not require one.
-pub const DEFAULT_CLEARANCE: Mm = Mm(0.5);
 /// Path tolerance in finishing where the job gives none.
 pub const DEFAULT_CHORD: Mm = Mm(0.001);
 /// Path tolerance in roughing where the job gives none.

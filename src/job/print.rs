@@ -27,7 +27,8 @@ pub fn print(job: &Job) -> String {
     let operation = |o: &usize| job.operations.get(*o).map_or_else(String::new, |o| o.name.clone());
     for c in &job.contracts {
         let (name, relation) = (c.kind.name(), c.kind.relation().sign());
-        let _ = writeln!(out, "require {name} {relation} {}{}", c.bound, c.scope.text(operation));
+        let default = if c.default { ", the default" } else { "" };
+        let _ = writeln!(out, "require {name} {relation} {}{}{default}", c.bound, c.scope.text(operation));
     }
     for a in &job.allowed {
         let _ = writeln!(out, "allow {}{} {:?}", a.kind.name(), a.scope.text(operation), a.reason);

@@ -3,9 +3,7 @@
 use super::eval::{Scope, suggest};
 use super::files::{Files, Missing};
 use super::library::{self, ToolLibrary};
-use super::model::{
-    ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, DEFAULT_CLEARANCE, Job, MachineSpec, PartSpec, StockSpec,
-};
+use super::model::{ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, StockSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::{contracts, operations, part, tools};
@@ -53,13 +51,11 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
     let (Some(machine), Some(part), Some(stock), Some(post), false) = (machine, part, stock, post, unfinished) else {
         return Err(Aborted);
     };
-    // What any contract asks of shank or holder anywhere, planning keeps everywhere.
-    let clearance = contracts
-        .iter()
-        .filter(|c| matches!(c.kind, ContractKind::Clearance(body) if body != Guarded::Tool))
-        .map(|c| c.bound.value())
-        .reduce(f64::max);
-    let clearance = clearance.map_or(DEFAULT_CLEARANCE, Mm);
+    // What any contract asks of shank or holder anywhere, planning keeps everywhere; the default where that is allowed away.
+    let body = ContractKind::Clearance(Guarded::Body);
+    let bounds = contracts.iter().filter(|c| c.kind == body || body.covers(c.kind)).map(|c| c.bound.value());
+    let usual = body.default_bound().map_or(0.0, |b| b.value());
+    let clearance = Mm(bounds.reduce(f64::max).unwrap_or(usual));
     let tools = tools.into_iter().filter_map(|t| t.spec).collect();
     Ok(Job { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, clearance, post })
 }

@@ -191,7 +191,7 @@ fn vane_surface(surface: VaneSurface) -> SurfaceKind {
 }
 
 fn contract(spec: &model::ContractSpec) -> Contract {
-    Contract { kind: spec.kind, bound: spec.bound, scope: scope(&spec.scope), span: spec.span }
+    Contract { kind: spec.kind, bound: spec.bound, scope: scope(&spec.scope), default: spec.default, span: spec.span }
 }
 
 fn allowed(spec: &model::AllowedSpec) -> Allowed {

@@ -58,8 +58,12 @@ pub struct ContractReport {
     pub place: String,
     /// Where on the part, mm; `None` for what has no place.
     pub point: Option<[f64; 3]>,
+    /// Move of the program; `None` for what has no place there.
+    pub at: Option<At>,
     /// Whether it holds.
     pub holds: bool,
+    /// True when the job says nothing, so that the default was judged.
+    pub default: bool,
     /// Bound and found for people.
     #[serde(skip)]
     pub figures: [String; 2],
@@ -90,10 +94,14 @@ pub struct AllowedReport {
     pub place: String,
     /// Where on the part, mm; `None` for what has no place.
     pub point: Option<[f64; 3]>,
+    /// Move of the program; `None` for what has no place there.
+    pub at: Option<At>,
     /// Why, in the words of the job.
     pub reason: String,
     /// True when a contract would fail without it.
     pub excuses: bool,
+    /// True when it stands in place of a default contract, so that nothing judges the quantity.
+    pub waives: bool,
     /// The figure for people.
     #[serde(skip)]
     pub figure: String,
@@ -166,6 +174,25 @@ fn figures(s: &SurfaceReport) -> [String; 8] {
 }
 
 impl Certificate {
+    /// What the head of the NC says of the proof: whether everything was verified, and what was.
+    pub fn head(&self) -> Vec<String> {
+        let waived = self.allowed.iter().filter(|a| a.waives);
+        let mut lines: Vec<String> =
+            waived.map(|a| format!("NOT VERIFIED: {}, which the job allows: {}", a.kind, a.reason)).collect();
+        if lines.is_empty() {
+            lines.push("verified from the first block to the last".to_owned());
+        }
+        let solids: String = self.carried.iter().map(|c| format!(", {}", c.solid)).collect();
+        lines.push(format!(
+            "checked: whole tool against part, stock{solids}; travel and speed of all axes; contracts below"
+        ));
+        lines.push(format!(
+            "at the start nothing is taken for known but that Z is not over {:.3}, the retract height",
+            self.perimeter.retract
+        ));
+        lines
+    }
+
     /// The text form. `places` names the moves.
     pub fn text(&self, program: &Program, motion: &Motion) -> String {
         let mut t = String::new();
@@ -334,7 +361,8 @@ impl Certificate {
         for c in &self.contracts {
             let verdict = if c.holds { "holds" } else { "FAILS" };
             let [bound, found] = &c.figures;
-            writeln!(t, "  {:<9} {} {bound}: {found}, {verdict}", c.name(), c.relation)?;
+            let default = if c.default { "; the default, as the job says nothing of it" } else { "" };
+            writeln!(t, "  {:<9} {} {bound}: {found}, {verdict}{default}", c.name(), c.relation)?;
         }
         if !self.allowed.is_empty() {
             writeln!(t)?;

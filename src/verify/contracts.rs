@@ -49,9 +49,14 @@ impl Judge<'_> {
     /// The region of a contract without what is allowed; `but` is an item to leave out.
     fn kept(&self, contract: &Contract, but: Option<&Allowed>) -> Region {
         let others = self.program.allowed.iter().filter(|a| a.kind == contract.kind && Some(*a) != but);
-        others.fold(self.region(contract.kind, &contract.scope), |region, a| {
+        let left = others.fold(self.region(contract.kind, &contract.scope), |region, a| {
             region.without(&self.region(a.kind, &a.scope))
-        })
+        });
+        // A default is for what no other contract speaks of.
+        let stated = self.program.contracts.iter().filter(|c| contract.default && !c.default);
+        stated
+            .filter(|c| c.kind.covers(contract.kind))
+            .fold(left, |region, c| region.without(&self.region(c.kind, &c.scope)))
     }
 
     fn figure(&self, contract: &Contract, region: &Region) -> Result<Figure, Unmeasured> {
@@ -63,7 +68,11 @@ impl Judge<'_> {
     }
 
     fn contract(&self, contract: &Contract, sink: &mut Sink) -> Option<ContractReport> {
-        let figure = match self.figure(contract, &self.kept(contract, None)) {
+        let region = self.kept(contract, None);
+        if contract.default && region.is_empty_on(contract.kind.speaks_of()) {
+            return None;
+        }
+        let figure = match self.figure(contract, &region) {
             Ok(figure) => figure,
             Err(reason) => {
                 sink.push(unmeasured(contract, reason));
@@ -83,7 +92,9 @@ impl Judge<'_> {
             found: figure.value,
             place: self.place(&figure),
             point: figure.point,
+            at: figure.at,
             holds,
+            default: contract.default,
             figures: [contract.bound.figure(), amount(contract.kind, figure.value)],
             span: contract.span,
         })
@@ -101,6 +112,11 @@ impl Judge<'_> {
             !without.is_empty_on(c.kind.speaks_of())
                 && self.figure(c, &without).is_ok_and(|f| !c.kind.relation().holds(f.value, c.bound.value()))
         });
+        let waives = allowed.scope.is_whole().then(|| allowed.kind.default_bound()).flatten();
+        let excuses = excuses
+            || waives
+                .zip(figure.as_ref())
+                .is_some_and(|(bound, f)| !allowed.kind.relation().holds(f.value, bound.value()));
         let name = allowed.kind.name();
         let scope = self.scope_text(&allowed.scope);
         if !excuses {
@@ -122,8 +138,10 @@ impl Judge<'_> {
             found: figure.as_ref().map(|f| f.value),
             place: figure.as_ref().map_or_else(String::new, |f| self.place(f)),
             point: figure.as_ref().and_then(|f| f.point),
+            at: figure.as_ref().and_then(|f| f.at),
             reason: allowed.reason.clone(),
             excuses,
+            waives: waives.is_some(),
             figure: figure.map_or_else(|| "no figure".to_owned(), |f| amount(allowed.kind, f.value)),
         }
     }
@@ -143,15 +161,23 @@ impl Judge<'_> {
         };
         let scope = self.scope_text(&contract.scope);
         let bound = contract.bound;
-        let mut diag = Diag::error(code, text)
-            .label(contract.span, "this contract fails")
-            .note(format!(
-                "{}{scope}: found {}, wanted {side} {}",
+        let diag = Diag::error(code, text);
+        let mut diag = match contract.default {
+            true => diag.note(format!(
+                "the job requires nothing of this: the default contract is {} {} {}",
                 contract.kind.name(),
-                amount(contract.kind, found.value),
-                bound.figure()
-            ))
-            .help(help);
+                contract.kind.relation().sign(),
+                contract.bound.figure()
+            )),
+            false => diag.label(contract.span, "this contract fails"),
+        }
+        .note(format!(
+            "{}{scope}: found {}, wanted {side} {}",
+            contract.kind.name(),
+            amount(contract.kind, found.value),
+            bound.figure()
+        ))
+        .help(help);
         if let Some(least) = found.found {
             diag = diag.note(format!(
                 "the nearest point that was looked at is {} away; the bound counts what may lie beside it",

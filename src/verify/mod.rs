@@ -50,7 +50,7 @@ use crate::units::length;
 use certificate::{OperationReport, describe};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
-use surface::Limits;
+use surface::{Limit, Limits};
 use sweep::Sweep;
 
 /// Spacing of the samples of the design surfaces, mm.
@@ -167,15 +167,17 @@ pub fn certify_with(
     }
     let narrower = Narrower { program, motion, samples: &samples, progress };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
+    report_unknown(program, motion, &certificate, sink);
     Ok(certificate)
 }
 
-/// The tightest contracts on gouge and excess.
+/// The contracts on gouge and excess, each with its surfaces.
 fn limits(program: &Program) -> Limits {
-    let tightest = |kind: ContractKind| {
-        program.contracts.iter().filter(|c| c.kind == kind).map(|c| c.bound.value()).fold(f64::INFINITY, f64::min)
+    let of = |kind: ContractKind| {
+        let contracts = program.contracts.iter().filter(|c| c.kind == kind);
+        contracts.map(|c| Limit { bound: c.bound.value(), surfaces: c.scope.surfaces.clone() }).collect()
     };
-    Limits { gouge: tightest(ContractKind::Gouge), excess: tightest(ContractKind::Excess) }
+    Limits { gouge: of(ContractKind::Gouge), excess: of(ContractKind::Excess) }
 }
 
 /// Distance within which shank, holder and rapids are looked for, mm: enough to judge every contract on it.
@@ -321,6 +323,37 @@ fn operation_report(
         shank: least_over(&pieces, &tool.solid, shank_distance, design, (HALF_SPACING, search), &work),
         holder: least_over(&pieces, &tool.solid, holder_distance, design, (HALF_SPACING, search), &work),
         rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, (half_stock, search), &work),
+    }
+}
+
+/// Figures that are no number: nothing rests on them, and no text shows them.
+fn report_unknown(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
+    for ((operation, made), run) in certificate.operations.iter().zip(&motion.operations).zip(&certificate.machine.runs)
+    {
+        let times = run.time.iter().chain(&run.within_accelerations).chain(&run.programmed).chain(&operation.length);
+        let peaks = run.speed.iter().chain(&run.asked).chain(&run.jerk).chain([&run.slowest, &run.corners, &run.cycle]);
+        let departures = [run.contour.value, run.orientation.value];
+        let mut all = times.copied().chain(peaks.map(|p| p.value)).chain(departures);
+        if !all.all(f64::is_finite) {
+            sink.push(
+                Diag::error(
+                    verification::NOT_A_NUMBER,
+                    format!("time or speeds of `{}` cannot be computed", operation.name),
+                )
+                .label(program.operations[made.operation].span, "this operation")
+                .note("a figure came out as no finite number")
+                .help("check its feeds against the limits of the machine; if they are usual ones, report the job file"),
+            );
+        }
+    }
+    for c in certificate.contracts.iter().filter(|c| !c.found.is_finite()) {
+        sink.push(
+            Diag::error(
+                verification::NOT_A_NUMBER,
+                format!("the figure for `require {}` cannot be computed", c.name()),
+            )
+            .help("report the job file: this is a fault of the compiler"),
+        );
     }
 }
 

@@ -13,7 +13,9 @@
 pub use super::cells::CORNER_SLACK;
 use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
 use super::grid::{Grid, Surface};
+use super::measure::class;
 use super::sweep::{At, Sweep};
+use crate::contract::SurfaceClass;
 use crate::ir::Part;
 use crate::ir::chart::{self, Patch, Shape, charts};
 use crate::ir::design::SurfaceId;
@@ -124,8 +126,13 @@ pub fn certify(
 /// Figures of a single shape under any name.
 pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
     let grids = grids(shape, spacing);
-    prove(&[(&grids, Surface { shape, turn: Rotation3::identity(), id })], sweeps, &Limits::NONE, &Progress::default())
-        .pop()
+    prove(
+        &[(&grids, Surface { shape, turn: Rotation3::identity(), id })],
+        sweeps,
+        &Limits::default(),
+        &Progress::default(),
+    )
+    .pop()
 }
 
 fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
@@ -149,7 +156,8 @@ fn prove(
     for ((s, _), looked) in tasks.iter().zip(&looked) {
         ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
     }
-    let goals: Vec<Goals> = ranges.iter().map(|range| goals(*range, limits)).collect();
+    let goals: Vec<Goals> =
+        ranges.iter().zip(surfaces).map(|(range, (_, s))| goals(*range, class(s.id.kind), limits)).collect();
     let proved: Vec<Proved> = tasks
         .par_iter()
         .zip(&looked)
@@ -161,30 +169,39 @@ fn prove(
     all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
 }
 
-/// What gouge and excess are allowed at most, mm; bounds are driven below these where what is found allows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What contracts allow at most, mm, each on its surfaces; bounds are driven below these where what is found allows it.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Deepest gouge.
-    pub gouge: f64,
+    pub gouge: Vec<Limit>,
     /// Most excess.
-    pub excess: f64,
+    pub excess: Vec<Limit>,
 }
 
-impl Limits {
-    /// Nothing is asked for.
-    pub const NONE: Self = Self { gouge: f64::INFINITY, excess: f64::INFINITY };
+/// A bound of a contract with the surfaces that it speaks of; none named means all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// Bound, mm.
+    pub bound: f64,
+    /// Surfaces.
+    pub surfaces: Vec<SurfaceClass>,
+}
+
+/// The next bound over a value on a surface: a narrower one that is broken already says nothing more.
+fn next_over(limits: &[Limit], surface: SurfaceClass, found: f64) -> f64 {
+    let here = limits.iter().filter(|l| l.surfaces.is_empty() || l.surfaces.contains(&surface));
+    here.map(|l| l.bound).filter(|bound| *bound > found).fold(f64::INFINITY, f64::min)
 }
 
 /// What is to be proved of a surface on which g was found between two values.
-fn goals([least, most]: [f64; 2], limits: &Limits) -> Goals {
+fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goals {
     // Beyond what was found by the slack, or by less where a limit lies between.
-    let beyond = |found: f64, slack: f64, limit: f64| match found + slack {
-        goal if found < limit => goal.min(limit).max(found + LEAST_SLACK),
-        goal => goal,
+    let beyond = |found: f64, slack: f64, limits: &[Limit]| {
+        (found + slack).min(next_over(limits, surface, found)).max(found + LEAST_SLACK)
     };
     Goals {
-        low: -beyond(-least, SLACK, limits.gouge),
-        high: beyond(most, SLACK.max(SLACK_SHARE * most), limits.excess),
+        low: -beyond(-least, SLACK, &limits.gouge),
+        high: beyond(most, SLACK.max(SLACK_SHARE * most), &limits.excess),
     }
 }
 

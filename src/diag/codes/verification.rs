@@ -93,6 +93,11 @@ Way out: a larger `--stock-cell`.";
 more stock a minute than any cut of the operation, for which its feed was never chosen. At the machine the tool breaks.\n\n\
 Example: `F1000` in a block of a slot that is cut with 150 mm/min.\n\n\
 Way out: the process feed in this block, or leads that begin and end outside of the stock.";
+    NOT_A_NUMBER = "IMP0741", "a figure of the certificate is no number",
+        "A time, a speed or the figure of a contract came out as no finite number. A proof cannot rest on it, so that \
+nothing is written.\n\n\
+Example: feeds so small that the run of the machine is lost in rounding.\n\n\
+Way out: feeds that the machine can run; if they are usual ones, report the job file.";
     RETRACT_TOO_LOW = "IMP0740", "a tool does not stand over everything while the machine positions",
         "Before the first and behind the last move of an operation tools are changed, and X, Y, A and C move with tool centre \
 point control off. Where they come from nobody knows: a program may begin after an abort, or after another program. So the \

@@ -206,7 +206,8 @@ pub(super) fn places(input: &Input<'_>) -> Places {
             let p = place.point;
             let fails = d.severity == Severity::Error;
             let value = (f64::from(u8::from(fails)), d.code.id().to_owned());
-            Some(add("findings", d.message.clone(), value, [p.x, p.y, p.z], None, fails))
+            let at = place.block.map(|(operation, index)| At { operation, index });
+            Some(add("findings", d.message.clone(), value, [p.x, p.y, p.z], at, fails))
         })
         .collect();
     list_once(&mut places.list, &certificate.surfaces, &surfaces);
@@ -218,13 +219,13 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     for c in &certificate.contracts {
         let place = c.point.map(|p| {
             let value = proved(c.kind, &figure(&c.figures[1]));
-            places.asked(input, c.name(), value, (&c.place, p), !c.holds)
+            places.asked(input, c.name(), value, (&c.place, p, c.at), !c.holds)
         });
         places.contracts.push(place);
     }
     for a in &certificate.allowed {
         let name = format!("allowed: {} {}", a.kind, a.scope);
-        let place = a.point.map(|p| places.asked(input, name, figure(&a.figure), (&a.place, p), false));
+        let place = a.point.map(|p| places.asked(input, name, figure(&a.figure), (&a.place, p, a.at), false));
         places.allowed.push(place);
     }
     places
@@ -249,17 +250,17 @@ fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<
 }
 
 impl Places {
-    /// Adds the place that decides a contract; the move is that of the place measured there.
+    /// Adds the place that decides a contract, with the move that the check found there.
     fn asked(
         &mut self,
         input: &Input<'_>,
         name: String,
         value: String,
-        (program, point): (&str, [f64; 3]),
+        (program, point, at): (&str, [f64; 3], Option<At>),
         fails: bool,
     ) -> usize {
         let point = rounded(point);
-        let at = self.list.iter().filter(|p| p.point == point).find_map(|p| p.at);
+        let at = at.map(|a| [a.operation, a.index]);
         self.list.push(PlaceData {
             group: ASKED,
             listed: name.clone(),

@@ -103,11 +103,14 @@ pub fn over_span(widths: &[f64], c: &[f64], span: usize) -> [f64; 3] {
     [knot(span), c[span + 1], knot(span + 1)]
 }
 
+/// Half of y'' over the square of the sum of roots at both ends, at most: at 1 y touches zero, and the time has no bound.
+const LARGEST_BEND: f64 = 1.0 - 1e-12;
+
 /// Time over a span in which y is quadratic and above zero, from its Bernstein coefficients.
 pub fn time(width: f64, [from, middle, to]: [f64; 3]) -> f64 {
     let sum = from.sqrt() + to.sqrt();
-    // Half of y'', over the square of the sum.
-    let bend = (from - 2.0 * middle + to) / (sum * sum);
+    // Half of y'', over the square of the sum. Above zero it stays below 1; rounding of a y that nearly vanishes may not.
+    let bend = ((from - 2.0 * middle + to) / (sum * sum)).min(LARGEST_BEND);
     let root = bend.abs().sqrt();
     // Area hyperbolic tangent or arc tangent, over its argument.
     let shape = if root < 1e-3 {
