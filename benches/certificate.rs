@@ -28,7 +28,9 @@ fn main_job(c: &mut Criterion) {
     let built = sweeps();
     for spacing in [0.25, 0.1] {
         group.bench_function(BenchmarkId::new("surfaces, cells of mm", spacing), |b| {
-            b.iter(|| black_box(certify(&program.part, false, &built, spacing, &Limits::default(), &Default::default())));
+            b.iter(|| {
+                black_box(certify(&program.part, false, &built, spacing, &Limits::default(), &Default::default()))
+            });
         });
     }
     group.finish();

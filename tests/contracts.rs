@@ -354,3 +354,63 @@ fn what_cannot_be_measured_is_an_error() {
     assert_eq!(told.len(), 1);
     assert!(told[0].severity == Severity::Error && told[0].message.contains("`require rest`"), "{}", told[0].message);
 }
+
+/// A narrower contract elsewhere, even one that fails, takes nothing from what another one proves.
+#[test]
+fn each_contract_is_judged_by_its_own_bound() {
+    let (program, motion) = &*PLANNED;
+    let (free, _) = judged(&[on(ContractKind::Gouge, 1.0, &[], &[])], &[]);
+    let deepest = free.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
+    // Less over what is found than the proof leaves by itself.
+    let close = deepest + 1e-4;
+    let alone = judged_of(program, motion, &[on(ContractKind::Gouge, close, &[], &[])]);
+    assert!(alone.contracts[0].holds, "{} over {close}", alone.contracts[0].found);
+    let narrow = on(ContractKind::Gouge, 1e-4, &[], &[SurfaceClass::Hub]);
+    let both = judged_of(program, motion, &[narrow, on(ContractKind::Gouge, close, &[], &[])]);
+    assert!(!both.contracts[0].holds && both.contracts[1].holds, "{:?}", found(&both));
+}
+
+fn judged_of(program: &Program, motion: &Motion, contracts: &[Contract]) -> Certificate {
+    let mut program = program.clone();
+    program.contracts = contracts.to_vec();
+    certify(&program, motion, &mut Sink::default()).unwrap()
+}
+
+/// A default contract is judged where no other speaks, and what is allowed in its place is told.
+#[test]
+fn a_default_holds_where_no_other_contract_speaks() {
+    use SurfaceClass::{Fillet, Hub, Pressure, Suction};
+    let default = Contract { default: true, ..on(ContractKind::Gouge, 1e-4, &[], &[]) };
+    let (certificate, sink) = judged(std::slice::from_ref(&default), &[]);
+    assert!(!certificate.contracts[0].holds && certificate.contracts[0].default);
+    let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).unwrap();
+    assert!(diag.notes.iter().any(|n| n.contains("default contract")), "{:?}", diag.notes);
+    assert!(certificate.text(&PLANNED.0, &PLANNED.1).contains("; the default"));
+    // On the faces another contract speaks: there it decides.
+    let stated = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet]);
+    let (certificate, _) = judged(&[stated, default.clone()], &[]);
+    let on_hub = judged(&[on(ContractKind::Gouge, 1.0, &[], &[Hub])], &[]).0.contracts[0].found;
+    assert!(certificate.contracts[0].holds);
+    assert!((certificate.contracts[1].found - on_hub).abs() < 1e-3, "{:?} {on_hub}", found(&certificate));
+    let everywhere = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet, Hub]);
+    assert_eq!(judged(&[everywhere, default], &[]).0.contracts.len(), 1);
+    // Allowed away: listed with its figure, and no head says "verified".
+    let (certificate, _) = judged(&[], &[allow(ContractKind::Gouge, &[], &[])]);
+    assert!(certificate.allowed[0].waives && certificate.allowed[0].excuses);
+    assert_eq!(certificate.head()[0], "NOT VERIFIED: gouge, which the job allows: known");
+    assert!(judged(&[], &[]).0.head()[0].starts_with("verified"));
+}
+
+/// The move of a contract's worst place is that of the check that found it.
+#[test]
+fn a_worst_place_carries_its_own_move() {
+    let (certificate, _, _) = &*ASKED;
+    for c in certificate.contracts.iter().filter(|c| c.kind == "clearance shank" && c.at.is_some()) {
+        let owner = certificate
+            .operations
+            .iter()
+            .enumerate()
+            .find(|(_, o)| o.shank.as_ref().is_some_and(|s| Some(s.at) == c.at && Some(s.point) == c.point));
+        assert!(owner.is_some(), "{} at {:?}", c.name(), c.at);
+    }
+}

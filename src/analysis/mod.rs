@@ -8,6 +8,7 @@ pub mod flank;
 pub mod flank_room;
 pub mod outliers;
 pub mod reach;
+mod retract;
 pub mod throat;
 pub mod twist;
 
@@ -69,6 +70,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Facts {
         );
     }
     flank::report(program, sink);
+    retract::check(program, sink);
     let reaches = reach::check(program, &throat, sink);
     let beside = beside::check(program, sink);
     Facts { throat, twists, ends, outliers, reaches, beside }

@@ -321,6 +321,14 @@ impl Program {
         self.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value()).reduce(f64::max)
     }
 
+    /// What comes highest under any A and C of their travel, `stock`, `table` or `fixture`, and its height in the machine frame,
+    /// mm.
+    pub fn highest(&self) -> (&'static str, f64) {
+        let solids = self.machine.carried.iter().map(|solid| (solid.name, self.machine.highest(&solid.profile)));
+        let stock = ("stock", self.machine.highest(&self.stock.profile));
+        solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
+    }
+
     /// True when an operation finishes an edge of the vanes, which else the lathe does.
     pub fn finishes_edges(&self) -> bool {
         let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge | SurfaceKind::OutletEdge);

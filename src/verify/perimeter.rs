@@ -31,17 +31,9 @@ pub struct PerimeterReport {
     pub required: f64,
 }
 
-/// What can come highest, with its height.
-fn highest(program: &Program) -> (&'static str, f64) {
-    let machine = &program.machine;
-    let solids = machine.carried.iter().map(|solid| (solid.name, machine.highest(&solid.profile)));
-    let stock = ("stock", machine.highest(&program.stock.profile));
-    solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
-}
-
 /// Heights of the first and the last station of every operation, each with the tool of the operation.
 pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
-    let (highest, height) = highest(program);
+    let (highest, height) = program.highest();
     let mut report = PerimeterReport {
         retract: program.machine.retract,
         highest,

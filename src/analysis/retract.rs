@@ -1,0 +1,45 @@
+//! Whether every tool stands over everything at the retract height of the machine, where axes move from unknown places.
+
+use crate::diag::codes::verification::RETRACT_TOO_LOW;
+use crate::diag::{Diag, Sink};
+use crate::ir::Program;
+use crate::units::length;
+
+/// An error for each tool in use that does not.
+pub(super) fn check(program: &Program, sink: &mut Sink) {
+    let (what, height) = program.highest();
+    let mut seen = Vec::new();
+    for (_, operation) in program.operations.iter() {
+        if seen.contains(&operation.tool) {
+            continue;
+        }
+        seen.push(operation.tool);
+        let tool = &program.tools[operation.tool];
+        let clearance = program.machine.retract - tool.length() - height;
+        let lack = program.clearance.get() - clearance;
+        if lack > 0.0 {
+            sink.push(
+                Diag::error(
+                    RETRACT_TOO_LOW,
+                    format!(
+                        "at the retract height the tip of {} stands {} over what the {what} can reach; required {}",
+                        tool.name,
+                        length(clearance),
+                        length(program.clearance.get())
+                    ),
+                )
+                .label(tool.span, format!("{} from the tip to the gauge line", length(tool.length())))
+                .note(format!(
+                    "{}: retract to Z {:.3}; the {what} reaches Z {height:.3} under some A and C of their travel",
+                    program.machine.name, program.machine.retract
+                ))
+                .note("before and behind an operation X, Y, A and C move at this height, from wherever they stand")
+                .help(format!(
+                    "a retract {} higher (`[retract] z` of the machine file), a shorter tool or holder, or a part that stands \
+                     lower or nearer to the axis of A",
+                    length(lack)
+                )),
+            );
+        }
+    }
+}
