@@ -7,6 +7,7 @@
 pub mod feedrate;
 pub mod interpolation;
 pub mod machine;
+mod rates;
 pub mod transform;
 
 pub use interpolation::Interpolation;

@@ -3,7 +3,7 @@
 //! Before: joints with process feeds. After: each feed is the largest that the tip reaches in that block when the axes
 //! run through the operation as fast as their speeds, accelerations and jerks allow (see [`crate::kin::feedrate`] for what
 //! a feasible feed is), never above the process feed, and no axis would go faster than it can where the block is run
-//! through at its feed alone. The times of the moves are those of the feeds; what speeding up and slowing down adds is
+//! through at its feed alone: that is proved over the whole block ([`Machine::least_time`]), rapids included. The times of the moves are those of the feeds; what speeding up and slowing down adds is
 //! simulated by the verifier.
 
 use crate::ir::{JointMove, Motion, MoveKind, Program};
@@ -11,9 +11,6 @@ use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
 use crate::kin::{Joints, Machine};
 use nalgebra::Point3;
 use rayon::prelude::*;
-
-/// Pieces in which the joint speeds of a move are looked at: over a tenth of a block the joints run straight.
-const PIECES: usize = 10;
 
 /// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves the chord by 15 um there.
 const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -91,7 +88,7 @@ fn time_move(machine: &Machine, before: Option<Joints>, m: &mut JointMove, reach
     let Some(before) = before else { return };
     let tips = [before, m.joints].map(|j| machine.forward(&j).tip);
     let length = (tips[1] - tips[0]).norm();
-    let least = least_time(machine, &tips, &before, &m.joints);
+    let least = machine.least_time(&before, &m.joints);
     m.time = match (m.kind, m.feed) {
         (MoveKind::Rapid, _) | (_, None) => least.max(length / machine.rapid),
         (_, Some(feed)) => {
@@ -110,22 +107,3 @@ fn time_move(machine: &Machine, before: Option<Joints>, m: &mut JointMove, reach
 
 /// Part of a feed that is rounding of numbers.
 const ROUNDING: f64 = 1e-9;
-
-/// Time that the axes need, each at its own largest speed, for the fastest piece of a move.
-fn least_time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, to: &Joints) -> f64 {
-    let at = |k: usize| {
-        let t = k as f64 / PIECES as f64;
-        let tip = tips[0] + (tips[1] - tips[0]) * t;
-        machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t).xyz
-    };
-    let mut least = ((to.a - from.a).abs() / machine.tilt.speed).max((to.c - from.c).abs() / machine.turn.speed);
-    let mut last = at(0);
-    for k in 1..=PIECES {
-        let next = at(k);
-        for axis in 0..3 {
-            least = least.max((next[axis] - last[axis]).abs() * PIECES as f64 / machine.linear[axis].speed);
-        }
-        last = next;
-    }
-    least
-}

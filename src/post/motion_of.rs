@@ -41,9 +41,6 @@ const PARKED: f64 = 1e-5;
 /// Rotary moves of less are standstill; tips that move less stand still. Radians and mm.
 const STILL: (f64, f64) = (1e-6, 1e-4);
 
-/// Places inside a move at which axis speeds are looked at.
-const PLACES: usize = 16;
-
 /// Error of a time that comes from the last digits of the words of a block: of a length (mm, over the feed) and of an
 /// angle (radians, over the speed of the axis, with room for C near the pole).
 const QUANTUM: (f64, f64) = (2e-4, 1e-6);
@@ -301,27 +298,11 @@ fn nearest(axis: &Vector3<f64>, before: (f64, f64)) -> (f64, f64) {
 /// finds it; but what the last digits of the words make is not held against the text.
 fn time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, m: &JointMove) -> f64 {
     let length = (tips[1] - tips[0]).norm();
-    let least = least_time(machine, tips, from, &m.joints);
+    let least = machine.least_time(from, &m.joints);
     let Some(feed) = m.feed else { return least.max(length / machine.rapid) };
     let wanted = length / feed * 60.0;
     let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.tilt.speed.min(machine.turn.speed);
     if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
-}
-
-/// Least time in which every axis can follow a move.
-fn least_time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, to: &Joints) -> f64 {
-    let mut least = ((to.a - from.a).abs() / machine.tilt.speed).max((to.c - from.c).abs() / machine.turn.speed);
-    let mut last = from.xyz;
-    for k in 1..=PLACES {
-        let t = k as f64 / PLACES as f64;
-        let tip = tips[0] + (tips[1] - tips[0]) * t;
-        let next = machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t).xyz;
-        for axis in 0..3 {
-            least = least.max((next[axis] - last[axis]).abs() * PLACES as f64 / machine.linear[axis].speed);
-        }
-        last = next;
-    }
-    least
 }
 
 #[cfg(test)]
