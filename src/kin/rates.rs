@@ -69,6 +69,7 @@ mod tests {
             tilt_point: Point3::new(3.0, 20.0, 10.0),
             turn_point: Point3::new(-2.0, 1.0, 0.0),
             part_origin: Vector3::new(0.0, 0.0, 50.0),
+            retract: 1e3,
             spindle: [1.0, 2.0],
             rapid: 20.0,
             cycle: 0.001,
