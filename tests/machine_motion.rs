@@ -11,7 +11,8 @@ use impellerc::kin::{Interpolation, Joints, Machine};
 use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::units::Mm;
 use impellerc::verify::dynamics::{Run, run};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A place of the tool: tip, A, C; and the time that the block to it is programmed with.
@@ -399,4 +400,38 @@ fn other_rules_leave_the_motion_by_their_closed_forms() {
     let found = Interpolation::JointsLinear.deviation(&machine, &from, &to, height);
     near(found, 60.0 * (1.0 - (turn / 2.0).cos()), 1e-9);
     assert_eq!(Interpolation::RotaryLinear.deviation(&machine, &from, &to, height), 0.0);
+}
+
+proptest! {
+    /// No sample of a dense one is over the bound, and the bound is hardly over the samples.
+    #[test]
+    fn no_sample_of_the_joints_is_faster_than_the_bound(
+        tip in prop::array::uniform3(-80.0..80.0_f64), way in prop::array::uniform3(-1.0..1.0_f64),
+        length in 0.0..200.0_f64, a in -1.5..1.5_f64, c in -6.0..6.0_f64,
+        tilt in -2.0..2.0_f64, turn in -7.0..7.0_f64, share in 0.0..1.0_f64,
+    ) {
+        let machine = Machine {
+    tilt_point: Point3::new(3.0, 20.0, 10.0),
+    turn_point: Point3::new(-2.0, 1.0, 0.0),
+    ..support::machine()
+};
+        let (tip, way) = (Point3::from(tip), Vector3::from(way) * length);
+        let at = |s: f64| machine.joints(&(tip + way * s), a + tilt * share * s, c + turn * share * s);
+        let found = machine.largest_rates(&at(0.0), &at(1.0));
+        let mut most = [0.0_f64; 5];
+        let places = 4000;
+        for k in 0..places {
+            let [p, q] = [k, k + 1].map(|k| at(f64::from(k) / f64::from(places)));
+            let d = (q.xyz - p.xyz).abs() * f64::from(places);
+            let [a, c] = [q.a - p.a, q.c - p.c].map(|d| d.abs() * f64::from(places));
+            for (most, d) in most.iter_mut().zip([d.x, d.y, d.z, a, c]) {
+                *most = most.max(d);
+            }
+        }
+        let scale = most.iter().fold(1e-9_f64, |m, x| m.max(*x));
+        for (found, most) in found.iter().zip(most) {
+            prop_assert!(most <= found + 1e-9 * scale, "{found} {most}");
+            prop_assert!(found - most <= 1e-3 * scale, "{found} {most}");
+        }
+    }
 }
