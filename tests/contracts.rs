@@ -404,13 +404,11 @@ fn a_default_holds_where_no_other_contract_speaks() {
 /// The move of a contract's worst place is that of the check that found it.
 #[test]
 fn a_worst_place_carries_its_own_move() {
-    let (certificate, _, _) = &*ASKED;
-    for c in certificate.contracts.iter().filter(|c| c.kind == "clearance shank" && c.at.is_some()) {
-        let owner = certificate
-            .operations
-            .iter()
-            .enumerate()
-            .find(|(_, o)| o.shank.as_ref().is_some_and(|s| Some(s.at) == c.at && Some(s.point) == c.point));
-        assert!(owner.is_some(), "{} at {:?}", c.name(), c.at);
+    let (certificate, _, contracts) = &*ASKED;
+    let of_surfaces = contracts.iter().zip(&certificate.contracts).take(5);
+    for (asked, c) in of_surfaces {
+        assert!(asked.kind == ContractKind::Gouge && asked.scope.operations.is_empty());
+        let owner = certificate.surfaces.iter().find(|s| Some(s.gouge.point) == c.point).unwrap();
+        assert!(c.at.is_some() && c.at == owner.gouge.at, "{}: {:?} {:?}", c.name(), c.at, owner.gouge.at);
     }
 }
