@@ -42,13 +42,13 @@ fn stations_stand_straight_over_the_first_and_the_last_target() {
 fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
     let (program, motion) = &*PLANNED;
     let mut program = program.clone();
-    // A ring about the A axis: the part origin lies 80 mm over it, the ring 150 mm farther down and 300 mm wide. A turns by 100
-    // deg, so that its rim comes up to its distance from the axis.
+    // The part origin lies 80 mm over the A axis, the lower rim of a disc of 300 mm therefore 70 mm below it. A turns by 100 deg.
     program.machine.carried = vec![Carried {
         name: "fixture",
         profile: vec![[0.0, -140.0], [150.0, -140.0], [150.0, -150.0], [0.0, -150.0]],
     }];
-    let reached = 150f64.hypot(70.0);
+    let (sin, cos) = 100f64.to_radians().sin_cos();
+    let reached = 150.0 * sin - 70.0 * cos;
     let length = program.operations.iter().map(|(_, o)| program.tools[o.tool].length()).fold(0.0, f64::max);
     let shifted = |z: f64| {
         let mut motion = motion.clone();
