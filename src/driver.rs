@@ -41,6 +41,8 @@ pub struct RunOptions {
     pub stock_cell: Option<f64>,
     /// Folder for a mesh of the stock after each operation.
     pub stock: Option<PathBuf>,
+    /// Memory that planning may take, bytes, instead of the usual.
+    pub memory: Option<f64>,
 }
 
 impl RunOptions {
@@ -118,6 +120,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     for path in [&options.output, &options.certificate, &options.picture].into_iter().flatten() {
         output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     }
+    analysis::cost::check(&program, sink)?;
     // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
     stages.run("facts", || analysis::check(&program, sink));
     if sink.has_errors() {
@@ -240,6 +243,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     }
 
     let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
+    program.memory = options.run.memory.unwrap_or(program.memory);
     if let Some(name) = &options.run.post {
         program.post = PostChoice { name: name.clone(), span: None };
     }

@@ -70,6 +70,10 @@ struct RunArguments {
     #[arg(long, value_name = "DIR")]
     stock: Option<PathBuf>,
 
+    /// Memory that planning may take, such as 4GB; usually 2GB
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    memory: Option<f64>,
+
     /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
     #[arg(long)]
     timings: bool,
@@ -82,8 +86,8 @@ struct RunArguments {
 impl RunArguments {
     /// As the driver takes them.
     fn options(self, post: Option<String>) -> RunOptions {
-        let Self { library, machine, report, stock_cell, stock, .. } = self;
-        RunOptions { library, post, machine, report, stock_cell, stock }
+        let Self { library, machine, report, stock_cell, stock, memory, .. } = self;
+        RunOptions { library, post, machine, report, stock_cell, stock, memory }
     }
 }
 
@@ -176,6 +180,16 @@ fn main() -> ExitCode {
             finish(format, timings, |stages| driver::compile(&options, stages))
         }
     }
+}
+
+/// Bytes of a size such as `4GB` or `500 MB`.
+fn memory(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("GB", 1e9), ("MB", 1e6)];
+    let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
+    let bytes = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
+    let within = bytes.filter(|b| (1e8..=1e13).contains(b));
+    within.ok_or_else(|| "a size from 100MB to 10000GB is due, such as 4GB".to_owned())
 }
 
 /// Runs the work and reports what it found.

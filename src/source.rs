@@ -68,6 +68,52 @@ impl<T> Spanned<T> {
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
+    /// One for each file.
+    tables: Vec<Table>,
+}
+
+/// Bytes between two entries of [`Table::characters`].
+const STRIDE: usize = 1024;
+
+/// What makes the place of a byte cheap to tell, however long the text and its lines are.
+#[derive(Clone, Debug)]
+struct Table {
+    /// First byte of each line.
+    lines: Vec<u32>,
+    /// Characters that begin before byte `i * STRIDE`.
+    characters: Vec<u32>,
+}
+
+impl Table {
+    fn new(text: &str) -> Self {
+        let mut table = Self { lines: vec![0], characters: Vec::new() };
+        let (mut at, mut characters) = (0_u32, 0_u32);
+        for piece in text.as_bytes().chunks(STRIDE) {
+            table.characters.push(characters);
+            for byte in piece {
+                at = at.saturating_add(1);
+                characters += u32::from(begins_character(*byte));
+                if *byte == b'\n' {
+                    table.lines.push(at);
+                }
+            }
+        }
+        table.characters.push(characters);
+        table
+    }
+
+    /// Characters that begin before a byte of the text.
+    fn characters_before(&self, text: &[u8], at: usize) -> usize {
+        let piece = at / STRIDE;
+        let counted = self.characters.get(piece).copied().unwrap_or(0) as usize;
+        let rest = text.get(piece * STRIDE..at).unwrap_or_default();
+        counted + rest.iter().filter(|b| begins_character(**b)).count()
+    }
+}
+
+/// Whether a byte of UTF-8 is the first of its character.
+fn begins_character(byte: u8) -> bool {
+    byte & 0xc0 != 0x80
 }
 
 impl SourceMap {
@@ -78,7 +124,9 @@ impl SourceMap {
 
     /// [`Self::add`] for a file whose name does not say where it lies, seen from the working folder.
     pub fn add_at(&mut self, name: impl Into<String>, text: impl Into<String>, path: Option<String>) -> SourceId {
-        self.files.push(SourceFile { name: name.into(), text: text.into(), path });
+        let text = text.into();
+        self.tables.push(Table::new(&text));
+        self.files.push(SourceFile { name: name.into(), text, path });
         SourceId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 
@@ -92,24 +140,71 @@ impl SourceMap {
         &self.files
     }
 
+    /// Number of lines of a file; what follows the last line end is a line, though it may be empty. 0 for an id of another
+    /// map.
+    pub fn line_count(&self, id: SourceId) -> usize {
+        self.tables.get(id.0 as usize).map_or(0, |t| t.lines.len())
+    }
+
+    /// Bytes of a line, from 1, with its end; `None` when there is no such line.
+    pub fn line_range(&self, id: SourceId, line: usize) -> Option<Range<usize>> {
+        let lines = &self.tables.get(id.0 as usize)?.lines;
+        let start = *lines.get(line.checked_sub(1)?)? as usize;
+        let end = lines.get(line).map_or(self.get(id)?.text.len(), |next| *next as usize);
+        Some(start..end)
+    }
+
     /// The span of a line, from 1, without its end and the blanks around it; `None` when there is no such line.
     pub fn line_span(&self, id: SourceId, line: usize) -> Option<Span> {
-        let text = &self.get(id)?.text;
-        let found = text.lines().nth(line.checked_sub(1)?)?;
-        let start = found.as_ptr() as usize - text.as_ptr() as usize;
+        let range = self.line_range(id, line)?;
+        let found = self.get(id)?.text.get(range.clone())?;
+        let start = range.start + (found.len() - found.trim_start().len());
         let trimmed = found.trim();
-        let start = start + (found.len() - found.trim_start().len());
-        Some(Span::new(id, start..start + trimmed.len()))
+        // The empty text behind the last line end is no line that could be pointed to.
+        let is_line = !found.is_empty();
+        is_line
+            .then(|| if trimmed.is_empty() { range.start..range.start } else { start..start + trimmed.len() })
+            .map(|range| Span::new(id, range))
     }
 
     /// One-based line and column (in characters) of the start of a span.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
-        let Some(file) = self.get(span.source) else { return (1, 1) };
+        let at = span.source.0 as usize;
+        let (Some(file), Some(table)) = (self.files.get(at), self.tables.get(at)) else { return (1, 1) };
         let start = (span.start as usize).min(file.text.len());
-        let before = file.text.as_bytes().get(..start).unwrap_or_default();
-        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-        let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        let column = String::from_utf8_lossy(&before[line_start..]).chars().count() + 1;
-        (line, column)
+        let line = table.lines.partition_point(|first| *first as usize <= start).max(1);
+        let first = table.lines.get(line - 1).map_or(0, |first| *first as usize);
+        let characters = |at| table.characters_before(file.text.as_bytes(), at);
+        (line, characters(start) - characters(first) + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Line and column by looking at all of the text before the place.
+    fn by_search(text: &str, at: usize) -> (usize, usize) {
+        let before = &text[..at];
+        let line = before.matches('\n').count() + 1;
+        (line, before.rsplit('\n').next().unwrap().chars().count() + 1)
+    }
+
+    #[test]
+    fn places_are_those_of_a_search() {
+        let long = "\u{e4}b\u{1f980}".repeat(2000);
+        for text in ["", "a", "a\n", "\n\n", "a\r\nb", "\u{feff}x\ny", &format!("{long}\n\n {long}\n\t{long}")] {
+            let mut sources = SourceMap::default();
+            let id = sources.add("x", text);
+            for at in (0..=text.len()).filter(|at| text.is_char_boundary(*at)) {
+                assert_eq!(sources.line_column(Span::new(id, at..at)), by_search(text, at), "byte {at}");
+            }
+            for (i, line) in text.lines().enumerate() {
+                let span = sources.line_span(id, i + 1).unwrap();
+                assert_eq!(&text[span.range()], line.trim(), "line {}", i + 1);
+            }
+            assert_eq!(sources.line_span(id, text.lines().count() + 1), None);
+            assert_eq!(sources.line_span(id, 0), None);
+        }
     }
 }

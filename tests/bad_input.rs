@@ -99,8 +99,10 @@ fn a_megabyte_of_closing_brackets() {
 fn a_megabyte_of_quotes_minus_signs_and_garbage() {
     Run::new().file("job.imp", "\"\n".repeat(1 << 19)).fails_with("IMP0106");
     Run::new().file("job.imp", format!("let x = {}1", "-".repeat(1 << 20))).fails_with("IMP0107");
-    Run::new().file("job.imp", "garbage\n".repeat(1 << 17)).fails_with("IMP0108");
-    Run::new().file("job.imp", format!("let x = 1{}", "+1".repeat(1 << 19))).fails_with("IMP0201");
+    Run::new().file("job.imp", "garbage\n".repeat(900)).fails_with("IMP0108");
+    Run::new().file("job.imp", "garbage\n".repeat(1 << 17)).fails_with("IMP0110");
+    Run::new().file("job.imp", format!("let x = 1{}", "+1".repeat(1 << 16))).fails_with("IMP0201");
+    Run::new().file("job.imp", format!("let x = 1{}", "+1".repeat(1 << 20))).fails_with("IMP0110");
     Run::new().file("job.imp", format!("part p {{ {} }}", "= ;\n".repeat(1 << 18))).fails_with("IMP0107");
 }
 

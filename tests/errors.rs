@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Codes whose example cannot be a small file.
-const WITHOUT_EXAMPLE: [Code; 1] = [codes::syntax::TOO_LARGE];
+const WITHOUT_EXAMPLE: [Code; 2] = [codes::syntax::TOO_LARGE, codes::syntax::TOO_MANY];
 
 fn examples() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir("jobs/_errors")
@@ -21,13 +21,18 @@ fn examples() -> Vec<PathBuf> {
     files
 }
 
-/// What the stages before planning say; the facts only for the example that shows them.
+/// What the stages before planning say; facts and cost only for the examples that show them.
 fn report(job: &Path) -> Outcome {
     let mut outcome = Outcome::default();
     let options = Options { job: job.to_path_buf(), ..Options::default() };
     let program = driver::front(&options, &mut Stages::default(), &mut outcome);
-    if let (Ok(Some(program)), true) = (program, stem(job).ends_with("-facts")) {
-        analysis::check(&program, &mut outcome.sink);
+    if let Ok(Some(program)) = program {
+        if stem(job).ends_with("-facts") {
+            analysis::check(&program, &mut outcome.sink);
+        }
+        if stem(job).ends_with("-cost") {
+            let _ = analysis::cost::check(&program, &mut outcome.sink);
+        }
     }
     outcome
 }

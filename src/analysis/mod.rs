@@ -3,6 +3,7 @@
 
 pub mod beside;
 pub mod channel;
+pub mod cost;
 pub mod ends;
 pub mod flank;
 pub mod flank_room;

@@ -1,6 +1,6 @@
 //! Diagnostics as a JUnit XML report, the form that build servers show as test results.
 
-use super::{Diag, Severity, Sink};
+use super::{Diag, Severity, Sink, shown};
 use crate::source::{SourceMap, Span};
 
 /// A contract that was judged, as a case of the report.
@@ -20,7 +20,8 @@ pub struct Judged {
 /// warnings and remarks as the output of the suite. Without any error a case `no errors` passes, so that an empty run is
 /// not taken for a lost one.
 pub fn junit(sink: &Sink, sources: &SourceMap, contracts: &[Judged]) -> String {
-    let mut errors: Vec<&Diag> = sink.diags().iter().filter(|d| d.severity == Severity::Error).collect();
+    let shown = shown::all(sink);
+    let mut errors: Vec<&Diag> = shown.iter().filter(|d| d.severity == Severity::Error).collect();
     let failures = errors.len();
     let mut cases = String::new();
     for contract in contracts {
@@ -50,7 +51,7 @@ pub fn junit(sink: &Sink, sources: &SourceMap, contracts: &[Judged]) -> String {
         count += 1;
     }
     let mut others = String::new();
-    for diag in sink.diags().iter().filter(|d| d.severity != Severity::Error) {
+    for diag in shown.iter().filter(|d| d.severity != Severity::Error) {
         let word = if diag.severity == Severity::Warning { "warning" } else { "remark" };
         others.push_str(&format!("{word} {}: {}\n{}", diag.code.id(), diag.message, place(diag, sources).0));
     }
@@ -105,7 +106,8 @@ fn located(spans: impl Iterator<Item = Span>, sources: &SourceMap) -> (Vec<Optio
     (places, attributes)
 }
 
-/// Text of an element or an attribute. Characters that XML 1.0 does not have become question marks.
+/// Text of an element or an attribute. Characters that XML 1.0 does not have become question marks, others that would
+/// steer a terminal become references.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -114,8 +116,10 @@ fn escape(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            '\t' | '\n' => out.push(c),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('?'),
+            '\n' => out.push(c),
+            '\t' => out.push_str("&#9;"),
+            c if c < ' ' || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('?'),
+            c if shown::steers(c) => out.push_str(&format!("&#x{:x};", u32::from(c))),
             c => out.push(c),
         }
     }

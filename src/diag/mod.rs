@@ -5,14 +5,17 @@
 
 pub mod code;
 pub mod codes;
+mod excerpt;
 pub mod junit;
 pub mod render;
 pub mod sarif;
+mod shown;
 
 pub use code::Code;
 
 use crate::source::Span;
 use nalgebra::Point3;
+use std::collections::BTreeMap;
 
 /// How grave a diagnostic is. An error stops the compilation; nothing is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -150,36 +153,98 @@ impl Diag {
     }
 }
 
+/// Most diagnostics of a severity that a run keeps; further ones are counted only.
+const KEPT: usize = 1000;
+
 /// Collects diagnostics of a run; equal ones are kept once.
 #[derive(Clone, Debug, Default)]
 pub struct Sink {
     diags: Vec<Diag>,
+    /// Where those stand that may be equal: of one code, with one message and one primary mark.
+    known: BTreeMap<Likeness, Vec<usize>>,
+    /// Kept and further ones by severity.
+    counts: [Count; 3],
+}
+
+type Likeness = (&'static str, String, Option<Span>);
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    kept: usize,
+    further: usize,
 }
 
 impl Sink {
-    /// Adds a diagnostic unless an equal one is there.
+    /// Adds a diagnostic unless an equal one is there. Of each severity the first 1000 are kept, further ones are counted.
     pub fn push(&mut self, diag: Diag) {
-        if !self.diags.contains(&diag) {
-            self.diags.push(diag);
+        let key = (diag.code.id(), diag.message.clone(), diag.labels.first().map(|l| l.span));
+        let alike = self.known.get(&key).map_or(&[][..], Vec::as_slice);
+        if alike.iter().any(|at| self.diags.get(*at) == Some(&diag)) {
+            return;
         }
+        let count = &mut self.counts[diag.severity as usize];
+        if count.kept >= KEPT {
+            count.further += 1;
+            return;
+        }
+        count.kept += 1;
+        self.known.entry(key).or_default().push(self.diags.len());
+        self.diags.push(diag);
     }
 
     /// Changes every diagnostic, in the order of their discovery.
     pub fn map(&mut self, change: impl FnMut(Diag) -> Diag) {
-        self.diags = std::mem::take(&mut self.diags).into_iter().map(change).collect();
+        let before = std::mem::take(self);
+        before.diags.into_iter().map(change).for_each(|d| self.push(d));
+        for (count, before) in self.counts.iter_mut().zip(before.counts) {
+            count.further += before.further;
+        }
     }
 
     /// True when at least one error is there.
     pub fn has_errors(&self) -> bool {
-        self.diags.iter().any(|d| d.severity == Severity::Error)
+        self.counts[Severity::Error as usize].kept > 0
     }
 
-    /// All diagnostics in the order of their discovery.
+    /// The diagnostics that were kept, in the order of their discovery.
     pub fn diags(&self) -> &[Diag] {
         &self.diags
+    }
+
+    /// How many diagnostics came, those that are only counted included.
+    pub fn count(&self) -> usize {
+        self.counts.iter().map(|c| c.kept + c.further).sum()
+    }
+
+    /// How many diagnostics of a severity were counted only.
+    pub fn further(&self, severity: Severity) -> usize {
+        self.counts[severity as usize].further
     }
 }
 
 /// A stage gave up; the errors that say why are in the [`Sink`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Aborted;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_ones_are_kept_once_and_many_are_counted() {
+        let mut sink = Sink::default();
+        let error = |n: usize| Diag::error(codes::files::INTERNAL, format!("fault {n}"));
+        for n in (0..KEPT).chain(0..KEPT) {
+            sink.push(error(n));
+        }
+        assert_eq!((sink.diags().len(), sink.count()), (KEPT, KEPT));
+        for n in 0..10 {
+            sink.push(error(KEPT + n));
+            sink.push(Diag::remark(codes::files::INTERNAL, format!("remark {n}")));
+        }
+        assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
+        assert_eq!([Severity::Error, Severity::Remark].map(|s| sink.further(s)), [10, 0]);
+        sink.map(|d| d.note("x"));
+        assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
+    }
+}

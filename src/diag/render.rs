@@ -1,10 +1,13 @@
 //! Diagnostics for people (miette) and for tools (JSON lines).
 
-use super::{Diag, Severity, Sink};
+use super::excerpt::Excerpt;
+use super::shown::{self, bounded, visible};
+use super::{Diag, Label, Severity, Sink};
 use crate::source::{SourceMap, Span};
 use crate::units::trim;
-use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 
 /// Most diagnostics of a severity that the human report shows.
@@ -17,13 +20,14 @@ const WIDTH: usize = 120;
 #[derive(Debug)]
 struct Report<'a> {
     diag: &'a Diag,
-    source: Option<NamedSource<String>>,
-    labels: Vec<LabeledSpan>,
+    message: Cow<'a, str>,
+    help: Option<Cow<'a, str>>,
+    excerpt: Option<Excerpt>,
 }
 
 impl fmt::Display for Report<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.diag.message)
+        f.write_str(&self.message)
     }
 }
 
@@ -43,16 +47,16 @@ impl miette::Diagnostic for Report<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.diag.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|s| s as &dyn SourceCode)
+        self.excerpt.as_ref().map(|s| s as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        (!self.labels.is_empty())
-            .then(|| Box::new(self.labels.iter().cloned()) as Box<dyn Iterator<Item = LabeledSpan>>)
+        let labels = &self.excerpt.as_ref()?.labels;
+        (!labels.is_empty()).then(|| Box::new(labels.iter().cloned()) as Box<dyn Iterator<Item = LabeledSpan>>)
     }
 }
 
@@ -65,17 +69,19 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
     let mut counts = Vec::new();
     for (severity, word) in [(Severity::Remark, "remark"), (Severity::Warning, "warning"), (Severity::Error, "error")] {
         let all: Vec<&Diag> = sink.diags().iter().filter(|d| d.severity == severity).collect();
-        for diag in all.iter().take(SHOWN) {
-            if handler.render_report(&mut out, &report(diag, sources)).is_err() {
-                out.push_str(&diag.message);
+        for diag in all.iter().take(SHOWN).map(|d| bounded(d)) {
+            let report = report(&diag, sources);
+            if handler.render_report(&mut out, &report).is_err() {
+                out.push_str(&report.message);
             }
-            out.push_str(&facts(diag, sources));
+            out.push_str(&facts(&diag, report.excerpt.as_ref().map_or(&[], |e| &e.unseen), sources));
             out.push('\n');
         }
-        if all.len() > SHOWN {
-            out.push_str(&format!("... and {} more\n", all.len() - SHOWN));
+        let count = all.len() + sink.further(severity);
+        if count > SHOWN {
+            out.push_str(&format!("... and {} more\n", count - SHOWN));
         }
-        match all.len() {
+        match count {
             0 => {}
             1 => counts.insert(0, format!("1 {word}")),
             n => counts.insert(0, format!("{n} {word}s")),
@@ -92,63 +98,37 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
 /// One diagnostic with the labels that lie in the file of the first one.
 fn report<'a>(diag: &'a Diag, sources: &SourceMap) -> Report<'a> {
     let primary = diag.labels.first().map(|l| l.span.source);
-    let Some(file) = primary.and_then(|id| sources.get(id)) else {
-        return Report { diag, source: None, labels: Vec::new() };
-    };
-    let mut labels = Vec::new();
-    for label in diag.labels.iter().filter(|l| Some(l.span.source) == primary) {
-        let range = inside(label.span, &file.text);
-        let text = Some(label.text.clone());
-        labels.push(if labels.is_empty() {
-            LabeledSpan::new_primary_with_span(text, range)
-        } else {
-            LabeledSpan::new_with_span(text, range)
-        });
-    }
-    Report { diag, source: Some(NamedSource::new(&file.name, file.text.clone())), labels }
+    let labels: Vec<&Label> = diag.labels.iter().filter(|l| Some(l.span.source) == primary).collect();
+    let excerpt = primary.and_then(|file| Excerpt::new(file, &labels, sources));
+    Report { diag, message: visible(&diag.message), help: diag.help.as_deref().map(visible), excerpt }
 }
 
-/// Lines below the report: the place on the part, labels in other files, notes.
-fn facts(diag: &Diag, sources: &SourceMap) -> String {
+/// Lines below the report: the place on the part, labels in other files and those that the marked text does not show,
+/// notes.
+fn facts(diag: &Diag, unseen: &[Label], sources: &SourceMap) -> String {
     let mut out = String::new();
     if let Some(place) = &diag.place {
         let [x, y, z] = [place.point.x, place.point.y, place.point.z].map(|v| trim(v, 4));
-        let _ = writeln!(out, "  place: {} at ({x}, {y}, {z}) mm", place.what);
+        let _ = writeln!(out, "  place: {} at ({x}, {y}, {z}) mm", visible(&place.what));
     }
     let primary = diag.labels.first().map(|l| l.span.source);
-    for label in diag.labels.iter().filter(|l| Some(l.span.source) != primary) {
+    let elsewhere = diag.labels.iter().filter(|l| Some(l.span.source) != primary);
+    for label in elsewhere.chain(unseen) {
         let name = sources.get(label.span.source).map_or("?", |f| f.name.as_str());
         let (line, column) = sources.line_column(label.span);
-        let _ = writeln!(out, "  {name}:{line}:{column}: {}", label.text);
+        let _ = writeln!(out, "  {}:{line}:{column}: {}", visible(name), visible(&label.text));
     }
     for note in &diag.notes {
-        let _ = writeln!(out, "  note: {note}");
+        let _ = writeln!(out, "  note: {}", visible(note));
     }
     out
-}
-
-/// A range that lies in the text, on character boundaries.
-fn inside(span: Span, text: &str) -> std::ops::Range<usize> {
-    let range = span.range();
-    let snap = |mut at: usize| {
-        at = at.min(text.len());
-        while !text.is_char_boundary(at) {
-            at -= 1;
-        }
-        at
-    };
-    let start = snap(range.start);
-    let end = snap(range.end).max(start);
-    // A block or a list of points is marked by its first line.
-    let line = text[start..end].find('\n').map_or(end, |n| start + n);
-    start..line
 }
 
 /// All diagnostics of a run as JSON, one object a line: `code`, `severity`, `message`, `labels` (file, byte range,
 /// line and column from 1, text), `help`, `notes`, `fix` (file, byte range, replacement), `place`.
 pub fn json(sink: &Sink, sources: &SourceMap) -> String {
     let mut out = String::new();
-    for diag in sink.diags() {
+    for diag in shown::all(sink) {
         let labels: Vec<Value> = diag
             .labels
             .iter()
@@ -174,7 +154,7 @@ pub fn json(sink: &Sink, sources: &SourceMap) -> String {
             "fix": fix,
             "place": place,
         });
-        out.push_str(&value.to_string());
+        out.push_str(&shown::json(&value.to_string()));
         out.push('\n');
     }
     out

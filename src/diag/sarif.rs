@@ -1,18 +1,19 @@
 //! Diagnostics as SARIF 2.1.0 (OASIS, 2020), the form that code hosts show as comments of a review.
 
-use super::{Code, Diag, Severity, Sink};
+use super::{Code, Diag, Severity, Sink, shown};
 use crate::source::{SourceMap, Span};
 use serde_json::{Value, json};
 
 /// All diagnostics of a run as one SARIF log. Lines and columns count from 1, columns in characters.
 pub fn sarif(sink: &Sink, sources: &SourceMap) -> String {
+    let shown = shown::all(sink);
     let mut rules: Vec<Code> = Vec::new();
-    for diag in sink.diags() {
+    for diag in &shown {
         if !rules.contains(&diag.code) {
             rules.push(diag.code);
         }
     }
-    let results: Vec<Value> = sink.diags().iter().map(|d| result(d, &rules, sources)).collect();
+    let results: Vec<Value> = shown.iter().map(|d| result(d, &rules, sources)).collect();
     let log = json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -27,7 +28,7 @@ pub fn sarif(sink: &Sink, sources: &SourceMap) -> String {
             "results": results,
         }],
     });
-    format!("{log:#}\n")
+    shown::json(&format!("{log:#}\n"))
 }
 
 fn rule(code: Code) -> Value {

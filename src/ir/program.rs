@@ -52,7 +52,12 @@ pub struct Program {
     pub clearance: Mm,
     /// Points that the guide curves of the faces go through, for the check of the data.
     pub data: Vec<DataCurve>,
+    /// Memory that planning may take, bytes.
+    pub memory: f64,
 }
+
+/// Memory that planning may take where nothing else is said, bytes.
+pub const DEFAULT_MEMORY: f64 = 2e9;
 
 /// The points of one guide curve as the job gives them, from inlet to outlet.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,6 +9,7 @@ use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, Target};
+use std::collections::BTreeSet;
 
 /// Largest length of a bound, mm; no gap of a part is as wide.
 const LONGEST: f64 = 100.0;
@@ -197,8 +198,12 @@ impl Reader<'_, '_> {
     fn scope(&mut self, kind: ContractKind, targets: &[Target]) -> Option<Scope<usize>> {
         let mut scope = Scope::default();
         let mut good = true;
+        let mut seen = BTreeSet::new();
         for target in targets {
             let word = target.name.text.as_str();
+            if !seen.insert((word, target.operation)) {
+                continue;
+            }
             let surface = SurfaceClass::ALL.into_iter().find(|s| !target.operation && s.name() == word);
             if let Some(surface) = surface {
                 if !kind.surfaces().contains(&surface) {
@@ -234,12 +239,12 @@ impl Reader<'_, '_> {
                 );
                 good = false;
             }
-            found.retain(|o| !scope.operations.contains(o));
             scope.operations.append(&mut found);
         }
         // One order, so that equal scopes are equal however they are written.
         scope.surfaces.sort_unstable();
         scope.operations.sort_unstable();
+        scope.operations.dedup();
         good.then_some(scope)
     }
 

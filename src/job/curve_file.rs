@@ -1,10 +1,12 @@
 //! Points of curves from a file of comma separated values: `curve,number,x,y,z`, `#` begins a comment.
 
 use super::eval::unknown;
+use super::part::MAX_POINTS;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::{Name, Text};
+use std::collections::BTreeSet;
 
 /// Points of a curve with the places of their lines; numbers count from 1 without a gap.
 pub(super) fn read(
@@ -17,7 +19,7 @@ pub(super) fn read(
     let text = &sources.get(source)?.text;
     let mut points = Vec::new();
     let mut spans = Vec::new();
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: BTreeSet<&str> = BTreeSet::new();
     let mut good = true;
     let mut start = 0;
     for raw in text.split_inclusive('\n') {
@@ -34,9 +36,7 @@ pub(super) fn read(
             sink.push(fault(span, file, format!("the line has {} fields, not 5", fields.len())));
             return None;
         }
-        if !names.contains(&name) {
-            names.push(name);
-        }
+        names.insert(name);
         if name != curve.text {
             continue;
         }
@@ -53,6 +53,10 @@ pub(super) fn read(
         };
         points.push([x, y, z]);
         spans.push(span);
+        if points.len() > MAX_POINTS {
+            // The caller refuses them; what follows would only take memory.
+            break;
+        }
     }
     if points.is_empty() {
         sink.push(unknown(&curve.text, curve.span, "curve", names.into_iter()));

@@ -214,9 +214,22 @@ pub(super) fn unknown_unit(unit: &Name) -> Diag {
     }
 }
 
+/// Most names that an unknown one is compared with: a job or a library with more is none that a person wrote, and a text
+/// may have many unknown names.
+const MOST_KNOWN: usize = 100;
+
+/// Most names that a message lists.
+const MOST_LISTED: usize = 30;
+
+/// Names of what there is, the first ones of many.
+fn listed(known: &[&str]) -> String {
+    let more = if known.len() > MOST_LISTED { ", ..." } else { "" };
+    format!("{}{more}", known.iter().take(MOST_LISTED).copied().collect::<Vec<_>>().join(", "))
+}
+
 /// The diagnostic for an unknown word, with a suggestion where one is near.
 pub(super) fn unknown<'a>(text: &str, span: Span, kind: &str, known: impl Iterator<Item = &'a str>) -> Diag {
-    let known: Vec<_> = known.collect();
+    let known: Vec<_> = known.take(MOST_KNOWN).collect();
     let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {kind} is called `{text}`"));
     suggest(diag, text, span, kind, &known)
 }
@@ -229,9 +242,9 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
         }
         None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
         None if diag.code == codes::NOT_IN_LANGUAGE => {
-            diag.label(span, "not built").help(format!("what exists: {}", known.join(", ")))
+            diag.label(span, "not built").help(format!("what exists: {}", listed(known)))
         }
-        None => diag.label(span, "not known").help(format!("there are: {}", known.join(", "))),
+        None => diag.label(span, "not known").help(format!("there are: {}", listed(known))),
     }
 }
 
@@ -242,5 +255,13 @@ pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> O
     if text.len() > 64 {
         return None;
     }
-    known.map(|k| (strsim::damerau_levenshtein(text, k), k)).filter(|(d, _)| *d <= limit).min().map(|(_, k)| k)
+    // Words of very different lengths are far apart.
+    let near = |k: &&str| k.len().abs_diff(text.len()) <= 4 * limit;
+    known
+        .take(MOST_KNOWN)
+        .filter(near)
+        .map(|k| (strsim::damerau_levenshtein(text, k), k))
+        .filter(|(d, _)| *d <= limit)
+        .min()
+        .map(|(_, k)| k)
 }

@@ -1,5 +1,6 @@
 //! Machine and tool files: TOML through serde, every key known, every quantity with its unit.
 
+use super::limits;
 use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
@@ -419,12 +420,13 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
 
 fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mut Reader<'_>) -> Option<ToolSpec> {
     let span = reader.span(&tool.kind);
-    let mut length =
-        |text: &Option<Text>| text.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0)));
+    let mut length = |text: &Option<Text>| {
+        text.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, limits::LEAST_SECTION, limits::LONGEST_TOOL)))
+    };
     let [corner, barrel, tip, neck] = [&tool.corner, &tool.barrel, &tool.tip, &tool.neck].map(&mut length);
     let (flute, neck_end, reach) = (length(&tool.flute), length(&tool.neck_end), length(&Some(tool.reach.clone())));
     let reach = reach.unwrap_or(Mm(1.0));
-    let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, 0.001, 0.785)));
+    let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, limits::LEAST_ANGLE, 0.785)));
     let own = (corner, angle, (barrel, tip), (neck, neck_end));
     let kind = match (tool.kind.get_ref().as_str(), own, flute) {
         ("flat", (None, None, (None, None), (None, None)), Some(_)) => CutterKind::Flat,
@@ -449,7 +451,10 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
             return None;
         }
     };
-    let diameter = Mm(reader.quantity(&tool.diameter, Dimension::LENGTH, 0.01, 500.0));
+    let mut thick =
+        |text: &Text| Mm(reader.quantity(text, Dimension::LENGTH, limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER));
+    let diameter = thick(&tool.diameter);
+    let shank = tool.shank.as_ref().map_or(diameter, &mut thick);
     let holder = match &tool.holder {
         None => None,
         Some(holder) => match library.holders.get(holder.get_ref()) {
@@ -468,7 +473,7 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
         diameter,
         flutes: *tool.flutes.get_ref(),
         flute: flute.unwrap_or_else(|| Mm(kind.least_flute(diameter).0)),
-        shank: tool.shank.as_ref().map_or(diameter, |t| Mm(reader.quantity(t, Dimension::LENGTH, 0.01, 500.0))),
+        shank,
         reach,
         holder,
         span,

@@ -5,6 +5,7 @@ pub mod curve_file;
 mod eval;
 pub mod files;
 mod library;
+mod limits;
 pub mod model;
 mod operations;
 mod part;

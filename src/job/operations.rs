@@ -1,6 +1,7 @@
 //! Operations: which tool, how fast, and what only their kind has.
 
 use super::eval::{mismatch, suggest, unknown};
+use super::limits;
 use super::model::{
     CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec,
 };
@@ -14,6 +15,7 @@ use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, 
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 const KINDS: [&str; 7] = ["groove", "expand", "flank", "point", "fillet", "edge", "channel"];
@@ -32,8 +34,11 @@ const LEAST_SCALLOP: f64 = 1e-4;
 /// thicker rest is no rest.
 const REST: Range = Range::Between(0.02, 10.0);
 
-/// Largest feed, mm/min; machines limit it further.
-const MAX_FEED: Range = Range::Positive(1e5);
+/// Most strips of a face by minimax: the error falls with the cube of their height, and each takes about a second.
+const MOST_OPTIMISED: u32 = 20;
+
+/// Feeds, mm/min; machines limit them further.
+const FEED: Range = Range::Between(limits::LEAST_FEED, limits::LARGEST_FEED);
 
 pub(super) fn resolve(
     file: &File,
@@ -43,7 +48,7 @@ pub(super) fn resolve(
     cx: &mut Context<'_>,
 ) -> Vec<OperationSpec> {
     let mut out = Vec::new();
-    let mut used: Vec<(String, Span)> = Vec::new();
+    let mut used = Used::default();
     let mut layers: Option<Layers> = None;
     let mut any = false;
     for item in &file.items {
@@ -56,7 +61,7 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let first = used.len() == 1;
+        let first = used.names.len() == 1;
         let mut reader = Reader { name, first, tools, machine, vanes, groove: layers };
         let operation = reader.read(item, cx);
         if let Some(OperationKind::Groove(l)) = operation.as_ref().map(|o| &o.kind) {
@@ -72,12 +77,20 @@ pub(super) fn resolve(
     out
 }
 
+/// Names of operations so far.
+#[derive(Default)]
+struct Used {
+    names: BTreeMap<String, Span>,
+    /// Last number that made a name of a kind.
+    numbers: BTreeMap<String, u32>,
+}
+
 /// The given name, or the kind with a number where it occurs again.
-fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Vec<(String, Span)>, cx: &mut Context<'_>) -> String {
+fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Context<'_>) -> String {
     let span = name.map_or(kind.span, |n| n.span);
     let text = match name {
         Some(name) => {
-            if let Some((_, first)) = used.iter().find(|(n, _)| *n == name.text) {
+            if let Some(first) = used.names.get(&name.text) {
                 cx.sink.push(
                     Diag::error(codes::GIVEN_TWICE, format!("two operations are called `{}`", name.text))
                         .label(name.span, "the second one")
@@ -88,17 +101,16 @@ fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Vec<(String, Span)>,
             name.text.clone()
         }
         None => {
-            let taken = |text: &String| used.iter().any(|(n, _)| n == text);
             let mut text = kind.text.clone();
-            let mut number = 2;
-            while taken(&text) {
+            while used.names.contains_key(&text) {
+                let number = used.numbers.entry(kind.text.clone()).or_insert(1);
+                *number += 1;
                 text = format!("{}{number}", kind.text);
-                number += 1;
             }
             text
         }
     };
-    used.push((text.clone(), span));
+    used.names.entry(text.clone()).or_insert(span);
     text
 }
 
@@ -131,7 +143,7 @@ impl Reader<'_> {
         let speed = self.speed(spec, &mut p);
         let feed = self.feed(spec, speed, &mut p);
         let link_feed = if p.has("link-feed") {
-            p.number("link-feed", Dimension::FEED, MAX_FEED, "link-feed 1000 mm/min")
+            p.number("link-feed", Dimension::FEED, FEED, "link-feed 1000 mm/min")
                 .and_then(|f| self.within_axes("link-feed", f, &mut p))
         } else {
             Some(DEFAULT_LINK_FEED)
@@ -220,11 +232,14 @@ impl Reader<'_> {
             }
         };
         let [min, max] = self.machine.map_or([Rpm(0.0), Rpm(1e6)], |m| m.spindle);
-        if rpm < min.get() || rpm > max.get() || rpm <= 0.0 {
+        if rpm < min.get() || rpm > max.get() || rpm < limits::LEAST_SPINDLE {
             let name = self.machine.map_or("any machine", |m| m.name.as_str());
             p.sink.push(
                 Diag::error(codes::MACHINE_RANGE, format!("the spindle of {name} does not turn at {}", Rpm(rpm)))
-                    .label(expr.span, format!("{} to {} rpm are possible", min.get(), max.get()))
+                    .label(
+                        expr.span,
+                        format!("{} to {} rpm are possible", min.get().max(limits::LEAST_SPINDLE), max.get()),
+                    )
                     .help("choose a speed within the range of the spindle"),
             );
             return None;
@@ -248,8 +263,8 @@ impl Reader<'_> {
                 return None;
             }
         };
-        if feed <= 0.0 {
-            p.out_of_range(expr.span, "feed", "above 0");
+        if !FEED.holds(feed) {
+            p.out_of_range(expr.span, "feed", &FEED.text("mm/min"));
             return None;
         }
         self.within_axes("feed", (feed, expr.span), p)
@@ -299,8 +314,9 @@ impl Reader<'_> {
             return Some((0..count).collect());
         }
         let sectors = p.counts("sectors", 1, count, "sectors 1, 2")?;
-        for (at, (sector, span)) in sectors.iter().enumerate() {
-            if sectors.iter().take(at).any(|(s, _)| s == sector) {
+        let mut seen = BTreeSet::new();
+        for (sector, span) in &sectors {
+            if !seen.insert(*sector) {
                 p.sink.push(
                     Diag::error(codes::GIVEN_TWICE, format!("sector {sector} is given twice"))
                         .label(*span, "given again")
@@ -492,7 +508,7 @@ fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
         p.take("strips");
         None
     } else if p.has("strips") {
-        Some(p.count("strips", 1, 100, "strips 2")?.0)
+        Some(p.count("strips", 1, if optimised { MOST_OPTIMISED } else { 100 }, "strips 2")?.0)
     } else {
         (!optimised).then_some(1)
     };

@@ -2,6 +2,7 @@
 
 use super::curve_file;
 use super::eval::{mismatch, suggest, unknown_unit};
+use super::limits;
 use super::model::{CurveRef, CurveSpec, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
 use super::quantity::{Dimension, Quantity};
@@ -16,7 +17,7 @@ use crate::units::Mm;
 const MAX_VANES: u32 = 10_000;
 
 /// Points of one curve. Splines of measured blades have hundreds.
-const MAX_POINTS: usize = 20_000;
+pub(super) const MAX_POINTS: usize = 2000;
 
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
     let known = ["vanes", "vane", "hub", "shroud"];
@@ -44,7 +45,14 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let owner = format!("vane {}", vane_name.text);
     let mut p = Properties::new(owner, vane_name.span, vane_block, &known, &mut cx.scope, cx.sink);
     let fillet = if p.has("fillet") {
-        p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm").map(|f| f.0)
+        let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm");
+        fillet.and_then(|(fillet, span)| {
+            let real = fillet == 0.0 || fillet >= limits::LEAST_FILLET;
+            if !real {
+                p.out_of_range(span, "fillet", &format!("0, or at least {} mm", limits::LEAST_FILLET));
+            }
+            real.then_some(fillet)
+        })
     } else {
         Some(0.0)
     };
@@ -79,9 +87,9 @@ fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
         p.sink.push(mismatch(expr, value, &[Dimension::NONE], "`vanes`"));
         return None;
     }
-    let whole = (0..=MAX_VANES).find(|n| f64::from(*n) == value.value);
+    let whole = (2..=MAX_VANES).find(|n| f64::from(*n) == value.value);
     match whole {
-        Some(n) if n >= 2 => Some((n, expr.span)),
+        Some(n) => Some((n, expr.span)),
         _ => {
             p.sink.push(
                 Diag::error(geometry::VANE_COUNT, "the number of vanes makes no impeller")
@@ -176,12 +184,9 @@ fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
     };
     if points.len() > MAX_POINTS {
         cx.sink.push(
-            Diag::error(
-                geometry::POINTS,
-                format!("the curve has {} points; at most {MAX_POINTS} are taken", points.len()),
-            )
-            .label(spline.span, "this curve")
-            .help("thin the points out; a smooth vane needs some tens"),
+            Diag::error(geometry::POINTS, format!("the curve has more than the {MAX_POINTS} points that are taken"))
+                .label(spline.span, "this curve")
+                .help("thin the points out; a smooth vane needs some tens"),
         );
         return None;
     }

@@ -23,8 +23,6 @@ pub(super) struct Properties<'a, 'c> {
 /// Bounds of a number; the texts go into the message.
 #[derive(Clone, Copy)]
 pub(super) enum Range {
-    /// Above zero, at most the bound.
-    Positive(f64),
     /// Between two bounds.
     Between(f64, f64),
     /// From zero to the bound.
@@ -34,20 +32,20 @@ pub(super) enum Range {
 }
 
 impl Range {
-    fn holds(self, value: f64) -> bool {
+    /// Whether a value in base units lies within.
+    pub(super) fn holds(self, value: f64) -> bool {
         match self {
-            Self::Positive(max) => value > 0.0 && value <= max,
             Self::Between(min, max) => (min..=max).contains(&value),
             Self::NotNegative(max) => (0.0..=max).contains(&value),
             Self::Within(max) => value.abs() <= max,
         }
     }
 
-    fn text(self, unit: &str) -> String {
+    /// The range in words, for numbers in a unit.
+    pub(super) fn text(self, unit: &str) -> String {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
             Self::Between(min, max) => format!("from {min} to {max}{unit}"),
-            Self::Positive(max) => format!("above 0 and at most {max}{unit}"),
             Self::NotNegative(max) => format!("from 0 to {max}{unit}"),
             Self::Within(max) => format!("from -{max} to {max}{unit}"),
         }
@@ -220,7 +218,7 @@ impl<'a, 'c> Properties<'a, 'c> {
             self.damaged = true;
             return None;
         }
-        (min..=max).find(|n| f64::from(*n) == value.value)
+        Some(value.value as u32)
     }
 
     /// Whole numbers from `min` to `max`, one or more.

@@ -2,6 +2,7 @@
 
 use super::eval::{suggest, unknown};
 use super::library::{ToolLibrary, shape_fault};
+use super::limits;
 use super::model::{CutterKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
@@ -11,6 +12,7 @@ use crate::diag::{Diag, Sink};
 use crate::source::Span;
 use crate::syntax::ast::{Block, File, ItemKind, Name, ToolSource, Value};
 use crate::units::{Mm, Rad};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A declared tool; `spec` is `None` when its declaration is faulty.
 pub(super) struct Declared {
@@ -22,17 +24,20 @@ const KINDS: [&str; 6] = ["flat", "ball", "bull", "tapered-ball", "barrel", "lol
 
 pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) -> Vec<Declared> {
     let mut tools: Vec<Declared> = Vec::new();
+    let mut names: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut numbers: BTreeMap<u32, Span> = BTreeMap::new();
     for item in &file.items {
         let ItemKind::Tool { name, source } = &item.kind else { continue };
-        if let Some(first) = tools.iter().find(|t| t.name.text == name.text) {
+        if let Some(first) = names.get(name.text.as_str()) {
             cx.sink.push(
                 Diag::error(codes::GIVEN_TWICE, format!("the tool `{}` is declared twice", name.text))
                     .label(name.span, "declared again")
-                    .label(first.name.span, "first declared here")
+                    .label(*first, "first declared here")
                     .help("give the second one another name"),
             );
             continue;
         }
+        names.insert(&name.text, name.span);
         let spec = match source {
             ToolSource::Library(text) => {
                 let found = library.tools.get(&text.text).cloned();
@@ -57,12 +62,14 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
             ToolSpec { name: name.text.clone(), span: head(item), ..spec }
         });
         if let Some(spec) = &spec
-            && let Some(other) = tools.iter().find(|t| t.spec.as_ref().is_some_and(|s| s.number == spec.number))
+            && let Some(other) = numbers.insert(spec.number, name.span)
         {
+            // The first one of a number keeps it.
+            numbers.insert(spec.number, other);
             cx.sink.push(
                 Diag::error(codes::GIVEN_TWICE, format!("two tools have the number {}", spec.number))
                     .label(name.span, format!("number {}", spec.number))
-                    .label(other.name.span, "the same number")
+                    .label(other, "the same number")
                     .help("give each tool its own place in the magazine: `number 7`"),
             );
         }
@@ -79,8 +86,9 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
 
 /// Warns of tools that no operation uses.
 pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink: &mut Sink) {
+    let used: BTreeSet<usize> = operations.iter().map(|o| o.tool).collect();
     for (at, tool) in tools.iter().enumerate() {
-        if operations.iter().all(|o| o.tool != at) {
+        if !used.contains(&at) {
             sink.push(
                 Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
                     .label(tool.name.span, "declared here")
@@ -113,21 +121,21 @@ fn shape(
         _ => &["flute"],
     });
     let mut p = Properties::new(format!("tool {}", name.text), head, block, &known, &mut cx.scope, cx.sink);
-    let long = Range::Positive(1000.0);
-    let diameter = p.required("diameter", Dimension::LENGTH, Range::Positive(500.0), "diameter 6 mm");
+    let long = Range::Between(limits::LEAST_SECTION, limits::LONGEST_TOOL);
+    let thick = Range::Between(limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER);
+    let corner = Range::Between(limits::LEAST_CORNER, limits::LARGEST_DIAMETER / 2.0);
+    let diameter = p.required("diameter", Dimension::LENGTH, thick, "diameter 6 mm");
     let cutter = match kind.text.as_str() {
         "flat" => Some(CutterKind::Flat),
         "ball" => Some(CutterKind::Ball),
-        "bull" => p
-            .required("corner", Dimension::LENGTH, Range::Positive(250.0), "corner 1 mm")
-            .map(|c| CutterKind::Bull(Mm(c.0))),
+        "bull" => p.required("corner", Dimension::LENGTH, corner, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
         "barrel" => {
             let barrel = p.required("barrel", Dimension::LENGTH, long, "barrel 85 mm");
-            let tip = p.required("tip", Dimension::LENGTH, Range::Positive(250.0), "tip 2 mm");
+            let tip = p.required("tip", Dimension::LENGTH, corner, "tip 2 mm");
             barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
         }
         "lollipop" => {
-            let neck = p.required("neck", Dimension::LENGTH, Range::Positive(500.0), "neck 4 mm");
+            let neck = p.required("neck", Dimension::LENGTH, thick, "neck 4 mm");
             // Without `neck-end` the neck goes up to the holder; its height is known below.
             let end = match p.has("neck-end") {
                 true => p.number("neck-end", Dimension::LENGTH, long, "neck-end 20 mm").map(|e| e.0),
@@ -137,7 +145,7 @@ fn shape(
         }
         _ => p
             // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
-            .required("angle", Dimension::ANGLE, Range::Positive(0.785), "angle 3 deg")
+            .required("angle", Dimension::ANGLE, Range::Between(limits::LEAST_ANGLE, 0.785), "angle 3 deg")
             .map(|a| CutterKind::TaperedBall(Rad(a.0))),
     };
     let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
@@ -158,7 +166,7 @@ fn shape(
     }
     let flute = fluted.then(|| p.required("flute", Dimension::LENGTH, long, "flute 30 mm"));
     let reach = p.required("reach", Dimension::LENGTH, long, "reach 40 mm");
-    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, Range::Positive(500.0), "shank 6 mm"));
+    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, thick, "shank 6 mm"));
     let holder = holder(library, &mut p);
     let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
     let cutter = match cutter? {

@@ -47,12 +47,12 @@ fn curves<'a>(spec: &'a PartSpec, faces: [&'a Guides; 2]) -> [(String, &'a Curve
 }
 
 fn done(sink: &Sink, before: usize) -> Result<(), Aborted> {
-    if sink.diags().len() > before { Err(Aborted) } else { Ok(()) }
+    if sink.count() > before { Err(Aborted) } else { Ok(()) }
 }
 
 /// The hub comes from a root curve, the shroud from a tip curve.
 pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     for (what, reference, due, wrong) in
         [("hub", &spec.hub, "root", spec.hub.tip), ("shroud", &spec.shroud, "tip", !spec.shroud.tip)]
     {
@@ -69,7 +69,7 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
 
 /// Every curve keeps away from the axis of rotation.
 pub(super) fn meridians(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     for (name, text, curve) in curves(spec, faces) {
         let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
         if let Some(p) = nearest.filter(|p| meridian(p).x < MIN_RADIUS) {
@@ -89,7 +89,7 @@ pub(super) fn meridians(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -
 
 /// All four curves run the same way, from the inlet, which is nearer to the axis, to the outlet.
 pub(super) fn directions(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     for (name, text, curve) in curves(spec, faces) {
         let (first, last) = (curve.point(0.0), curve.point(1.0));
         if meridian(&last).x <= meridian(&first).x {
@@ -106,7 +106,7 @@ pub(super) fn directions(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) 
 
 /// The tips lie outside of the hub, on the side away from the axis.
 pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     for side in [Side::Pressure, Side::Suction] {
         let surface = &part.face(side).surface;
         let text = face_spec(spec, side);
@@ -153,7 +153,7 @@ fn gap(part: &Part, u: f64, v: f64) -> f64 {
 
 /// The faces of the vane do not cross, and no face folds over.
 pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     let sign = gap(part, 0.5, 0.5).signum();
     let crossing = grid().find(|(u, v)| gap(part, *u, *v) * sign <= 0.0);
     if let Some((u, v)) = crossing {
@@ -199,7 +199,7 @@ fn fold(surface: &RuledSurface) -> Option<(f64, f64)> {
 
 /// Neighbouring vanes leave a channel between them.
 pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
-    let before = sink.diags().len();
+    let before = sink.count();
     let thickest = grid().map(|(u, v)| (gap(part, u, v).abs(), u, v)).max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((thickness, u, v)) = thickest.filter(|t| t.0 >= part.pitch()) {
         let most = (2..=spec.vanes.0).rev().find(|n| std::f64::consts::TAU / f64::from(*n) > thickness);

@@ -17,7 +17,7 @@ const PIECES: usize = 128;
 
 /// The curve through the points of the job; `name` is its name in messages.
 pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<NurbsCurve> {
-    let before = sink.diags().len();
+    let before = sink.count();
     for (point, span) in spec.points.iter().zip(&spec.spans) {
         if point.iter().any(|x| !x.is_finite() || x.abs() > MAX_COORDINATE) {
             sink.push(
@@ -27,7 +27,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
             );
         }
     }
-    if sink.diags().len() > before {
+    if sink.count() > before {
         return None;
     }
     for (i, pair) in spec.points.windows(2).enumerate() {
@@ -45,7 +45,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
             );
         }
     }
-    if sink.diags().len() > before {
+    if sink.count() > before {
         return None;
     }
     let points: Vec<_> = spec.points.iter().map(|p| Point3::from(*p)).collect();
@@ -54,7 +54,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
     match interpolate(&points, degree) {
         Ok(curve) => {
             crossing(&curve, spec, name, sink);
-            (sink.diags().len() == before).then_some(curve)
+            (sink.count() == before).then_some(curve)
         }
         Err(error) => {
             sink.push(point_fault(&error, spec, name));

@@ -9,6 +9,7 @@ use crate::diag::{Aborted, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::NurbsCurve;
 use crate::ir::design::SurfaceKind;
+use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
     Allowed, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program,
     RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
@@ -51,6 +52,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
         clearance: job.clearance,
         data: data(job),
+        memory: DEFAULT_MEMORY,
     };
     if sink.has_errors() { Err(Aborted) } else { Ok(program) }
 }

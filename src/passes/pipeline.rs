@@ -6,6 +6,7 @@ use super::{
     plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics,
     time_feeds,
 };
+use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
@@ -17,6 +18,8 @@ pub(super) struct PassContext<'a> {
     pub(super) obstacles: &'a Obstacles,
     pub(super) progress: &'a Progress,
     pub(super) sink: &'a mut Sink,
+    /// Stations that are planned so far.
+    stations: f64,
 }
 
 impl<'a> PassContext<'a> {
@@ -25,7 +28,7 @@ impl<'a> PassContext<'a> {
         let roughing = Roughing::new(self.program, operation, self.obstacles);
         if let Some(roughing) = &roughing {
             // A layer takes some ten thousand looks at the part: as long as that many points.
-            check_points(self, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
+            check_looks(self, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
         }
         roughing.ok_or_else(|| {
             self.sink.push(Diag::error(
@@ -89,7 +92,7 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
 pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part, &program.machine);
-    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink };
+    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: 0.0 };
     let cc = plan(&mut cx)?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
@@ -98,6 +101,8 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     sample_to_tolerance::run(&cx, &mut cl);
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
+    let needed = cost::of_moves(&cl, cx.stations);
+    check_memory(&mut cx, None, needed)?;
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
     time_feeds::run(program, &mut motion);
@@ -127,22 +132,47 @@ fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
 /// Spacing of the samples that verification will need, mm.
 const FINEST_SPACING: f64 = 0.25;
 
-/// Most points of the plan of one operation.
-const MOST_POINTS: f64 = 2e7;
-
-/// Refuses an operation whose plan would have too many points.
+/// Refuses an operation whose plan would have more points than memory may hold beside those before it. The estimate before
+/// planning knows sizes of the part only; this knows the lines.
 pub(super) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
-    let points = points * operation.sectors.len() as f64;
-    if points <= MOST_POINTS {
+    let needed = cost::of_points(cx.stations + points * operation.sectors.len() as f64);
+    check_memory(cx, Some(operation), needed)
+}
+
+/// Refuses a plan that needs more memory than it may take, bytes; `operation` is the one that is planned.
+fn check_memory(cx: &mut PassContext<'_>, operation: Option<&Operation>, needed: f64) -> Result<(), Aborted> {
+    if needed <= cx.program.memory {
+        return Ok(());
+    }
+    let (needed, most) = (cost::bytes(needed), cost::bytes(cx.program.memory));
+    let mut diag = Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed}; it may take {most}"));
+    if let Some(operation) = operation {
+        diag = diag.label(operation.span, "planned up to this operation");
+    }
+    let help =
+        "a bigger `depth`, `residual` or `scallop`, fewer `sectors` or operations a job; or allow more: `--memory`";
+    cx.sink.push(diag.help(help));
+    Err(Aborted)
+}
+
+/// Most looks at the part that the layers of one operation take: some minutes.
+const MOST_LOOKS: f64 = 2e7;
+
+/// Refuses an operation whose layers would take too many looks at the part.
+fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> Result<(), Aborted> {
+    if looks <= MOST_LOOKS {
         return Ok(());
     }
     cx.sink.push(
         Diag::error(
             planning::TOO_FINE,
-            format!("`{}` would have {points:.1e} points; at most {MOST_POINTS:.1e} are planned", operation.name),
+            format!(
+                "the layers of `{}` take {looks:.1e} looks at the part; at most {MOST_LOOKS:.1e} are made",
+                operation.name
+            ),
         )
         .label(operation.span, "this operation steps too finely")
-        .help("a bigger `depth`, `residual` or `scallop`, or fewer `sectors`"),
+        .help("a bigger `depth`"),
     );
     Err(Aborted)
 }
@@ -190,7 +220,14 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
             OperationKind::Channel { .. } => plan_channel::plan(cx, id, operation),
         };
         match planned {
-            Ok(plan) => cc.operations.push(plan),
+            Ok(plan) => {
+                cx.stations += plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
+                cc.operations.push(plan);
+                // Each operation alone may fit; together they may not, and no further one will.
+                if check_points(cx, operation, 0.0).is_err() {
+                    return Err(Aborted);
+                }
+            }
             Err(Aborted) => failed = true,
         }
     }

@@ -50,9 +50,9 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         return broken;
     }
     let mut file = File::default();
-    let before = sink.diags().len();
+    let before = sink.count();
     for piece in &pieces {
-        if sink.diags().len() - before >= MAX_FAULTS {
+        if sink.count() - before >= MAX_FAULTS {
             file.damaged = true;
             break;
         }
@@ -160,7 +160,7 @@ impl Builder<'_> {
 
     /// Reports where the parser stopped; `base` is where `input` begins in the item.
     fn fault(&mut self, error: &Error<Rule>, base: usize, input: &str) {
-        if self.quiet || self.sink.diags().len() >= MAX_FAULTS {
+        if self.quiet || self.sink.count() >= MAX_FAULTS {
             return;
         }
         let at = match error.location {

@@ -12,6 +12,13 @@ use std::ops::Range;
 /// Deepest nesting of brackets. The language needs 5; the bound keeps the parser's recursion small.
 const MAX_DEPTH: usize = 64;
 
+/// Most items of a job. Real ones have some tens.
+const MAX_ITEMS: usize = 1000;
+
+/// Most numbers and names of a job outside of comments: ten times those of four curves of 1000 points. The parser takes
+/// about a kilobyte for each.
+const MAX_WORDS: usize = 120_000;
+
 /// Faults of the text that one run reports; a text with more is no job.
 pub(super) const MAX_FAULTS: usize = 50;
 
@@ -41,9 +48,10 @@ struct Scanner<'a> {
     start: Option<usize>,
     damaged: bool,
     unreadable: bool,
+    words: usize,
 }
 
-/// Cuts the text into items. `None` when it is nested too deeply, or has too many faults, to go on.
+/// Cuts the text into items. `None` when it is nested too deeply, too long, or has too many faults, to go on.
 pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<Vec<Piece>> {
     let mut scanner = Scanner {
         text,
@@ -54,6 +62,7 @@ pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<Vec<
         start: None,
         damaged: false,
         unreadable: false,
+        words: 0,
     };
     scanner.run().then_some(scanner.pieces)
 }
@@ -66,15 +75,29 @@ impl Scanner<'_> {
     fn run(&mut self) -> bool {
         let bytes = self.text.as_bytes();
         let mut i = 0;
-        let mut line_start = true;
+        let (mut line_start, mut in_word) = (true, false);
         while let Some(&byte) = bytes.get(i) {
             if line_start {
                 line_start = false;
                 if self.begins_item(i) {
                     self.finish(i);
                     self.start = Some(i);
+                    if self.pieces.len() == MAX_ITEMS {
+                        let help = "a job has some tens of items; divide it into several jobs";
+                        self.too_many(i, format!("more than {MAX_ITEMS} items"), help);
+                        return false;
+                    }
                 }
-                if self.sink.diags().len() >= MAX_FAULTS {
+                if self.sink.count() >= MAX_FAULTS {
+                    return false;
+                }
+            }
+            let before = std::mem::replace(&mut in_word, byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.'));
+            if in_word && !before {
+                self.words += 1;
+                if self.words > MAX_WORDS {
+                    let help = "put long lists of points into a file: `spline from \"file.csv\" curve NAME mm`";
+                    self.too_many(i, format!("more than {MAX_WORDS} numbers and names"), help);
                     return false;
                 }
             }
@@ -179,6 +202,15 @@ impl Scanner<'_> {
                 self.unreadable = true;
             }
         }
+    }
+
+    fn too_many(&mut self, i: usize, what: String, help: &str) {
+        let word = first_word(&self.text[i..]).len().max(1);
+        self.sink.push(
+            Diag::error(codes::TOO_MANY, format!("the job has {what}"))
+                .label(self.span(i..i + word), "one too many")
+                .help(help),
+        );
     }
 
     fn too_deep(&mut self, i: usize) {

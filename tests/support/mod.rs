@@ -6,6 +6,7 @@
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::{NurbsCurve, interpolate};
+use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{
     DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
     Stock, Tolerances, Tool, ToolId,
@@ -220,6 +221,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },
         clearance: Mm(0.5),
         data: wei_data(),
+        memory: DEFAULT_MEMORY,
     }
 }
 

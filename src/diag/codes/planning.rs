@@ -12,9 +12,9 @@ it, in `fillet` into it. An `edge` has free room before it, so that its ball may
 Example: `fillet 2 mm` with a ball of 6 mm diameter.\n\n\
 Way out: a ball of at most twice the fillet radius in diameter, or a bigger fillet.";
     TOO_FINE = "IMP0404", "more passes than can be planned",
-        "The step between layers or lines is so small against the part that the plan would have more points than a \
-control would ever run, or memory could hold.\n\nExample: `depth 0.01 mm` on a channel 26 mm deep in eight sectors.\n\n\
-Way out: a bigger `depth`, `residual` or `scallop`, or fewer `sectors` a job.";
+        "The step between layers is so small against the part that finding the room of the tool in them would take many \
+minutes, or lines lie so close that they do not fill a surface.\n\nExample: `depth 0.01 mm` on a channel 26 mm deep.\n\n\
+Way out: a bigger `depth` or `scallop`.";
     TOO_LARGE = "IMP0405", "the part is too large to be checked",
         "Planner and verifier look at samples of the design surfaces at a fixed spacing. On this part there would be more \
 of them than memory can hold. Most often a length has the wrong unit.\n\n\
@@ -47,5 +47,6 @@ the help line names the largest that would do, found by the same search; wider c
 The part declares none, or its faces and hub have no room for the ball that would roll between them.\n\n\
 Example: `operation fillet` on a part with a sharp root.\n\n\
 Way out: declare the fillet, `fillet 3 mm`, or take the operation out.";
+    OVER_MEMORY = "IMP0420", "the plan needs too much memory", include_str!("pages/IMP0420.md");
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
 }

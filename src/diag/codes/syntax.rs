@@ -10,4 +10,5 @@ crate::codes! {
     UNEXPECTED = "IMP0107", "unexpected text", include_str!("pages/IMP0107.md");
     UNKNOWN_ITEM = "IMP0108", "unknown item", include_str!("pages/IMP0108.md");
     TOO_LARGE = "IMP0109", "job too large", include_str!("pages/IMP0109.md");
+    TOO_MANY = "IMP0110", "too many items, numbers or names", include_str!("pages/IMP0110.md");
 }

@@ -1,0 +1,78 @@
+//! The front end on texts in memory: what every target of the language and its files runs.
+
+use impellerc::diag::junit::junit;
+use impellerc::diag::sarif::sarif;
+use impellerc::diag::{Sink, codes, render};
+use impellerc::ir::Program;
+use impellerc::job::files::shipped;
+use impellerc::job::{self, Files, Found, Missing};
+use impellerc::source::SourceMap;
+use impellerc::{lower, syntax};
+
+/// Texts of one compilation. A file that is not given is the shipped one, or that of the small job.
+#[derive(Clone, Copy, Debug)]
+pub struct Texts<'a> {
+    /// The job.
+    pub job: &'a str,
+    /// Any machine file.
+    pub machine: Option<&'a str>,
+    /// Any tool file.
+    pub tools: Option<&'a str>,
+    /// Any curve file.
+    pub curves: &'a str,
+}
+
+/// The small job of the fault campaign, and its curves.
+pub const SMALL: Texts<'_> = Texts {
+    job: include_str!("../jobs/small/small.imp"),
+    machine: None,
+    tools: None,
+    curves: include_str!("../jobs/small/vane_curves.csv"),
+};
+
+impl Files for Texts<'_> {
+    fn machine(&mut self, name: &str) -> Result<Found, Missing> {
+        find(name, self.machine, shipped::MACHINES)
+    }
+
+    fn tools(&mut self, name: &str) -> Result<Found, Missing> {
+        find(name, self.tools, shipped::TOOLS)
+    }
+
+    fn curves(&mut self, path: &str) -> Result<Found, Missing> {
+        find(path, Some(self.curves), &[])
+    }
+}
+
+fn find(name: &str, given: Option<&str>, files: &[(&str, &str)]) -> Result<Found, Missing> {
+    let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
+    match given.or_else(|| files.iter().find(|f| f.0 == name).map(|f| f.1)) {
+        Some(text) => Ok(Found { name: name.to_owned(), text: text.to_owned(), path: None }),
+        None => Err(Missing { reason: "not in memory".to_owned(), known }),
+    }
+}
+
+/// The lowered program, where the texts give one. Whatever they are, every fault is told in every format, none of them as
+/// a fault of the compiler, and nothing of a file reaches the terminal that would steer it.
+pub fn front(texts: Texts<'_>) -> Option<Program> {
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let program = program(texts, &mut sources, &mut sink);
+    assert!(program.is_some() || sink.has_errors(), "no program and no error");
+    assert!(sink.diags().iter().all(|d| d.code != codes::files::INTERNAL), "a fault of the compiler");
+    let human = render::human(&sink, &sources, false);
+    for report in [human, render::json(&sink, &sources), sarif(&sink, &sources), junit(&sink, &sources, &[])] {
+        let steers = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        assert!(!report.contains(steers), "a report holds a character that steers a terminal: {report:?}");
+    }
+    program
+}
+
+fn program(texts: Texts<'_>, sources: &mut SourceMap, sink: &mut Sink) -> Option<Program> {
+    let mut files = texts;
+    let source = sources.add("job.imp", texts.job);
+    let tree = syntax::parse(texts.job, source, sink);
+    let _ = syntax::print::print(&tree);
+    let job = job::resolve(&tree, &mut files, sources, sink).ok()?;
+    let _ = job::print::print(&job);
+    lower::lower(&job, sink).ok()
+}

@@ -1,0 +1,273 @@
+//! Memory that planning will take, estimated before it starts.
+//!
+//! Lines and stations follow from sizes of the part and figures of the job. What they take was measured: peak memory of
+//! `--emit motion` on two cores, less what the part takes, beside this estimate.
+//!
+//! | job | lines | stations | measured | estimate |
+//! |---|---|---|---|---|
+//! | `jobs/small`, channel, scallop 20 um, one sector | 37 | 15 k | 60 MB | 52 MB |
+//! | the same, 1 um | 160 | 65 k | 224 MB | 226 MB |
+//! | the same, 0.1 um | 500 | 200 k | 661 MB | 700 MB |
+//! | the same, 1 um, eight sectors | 1280 | 518 k | 1637 MB | 1800 MB |
+//! | `jobs/small`, expand, depth 0.5 mm, residual 20 um, four sectors | 2400 | 144 k | 1805 MB | 1730 MB |
+//! | the same, depth 0.1 mm, residual 5 um | 23 k | 1400 k | 16.1 GB | 16.6 GB |
+//! | `jobs/wei2021` | 1368 | 300 k | 658 MB | 1140 MB |
+//!
+//! Lines and stations of the table are those that planning made. What a station costs is mostly the run of the axes through
+//! the blocks that are left of it; what a link over the clearance surface costs are its many changes of speed.
+
+use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::design::SurfaceKind;
+use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Part, Program, Side};
+use crate::method::{AxisMethod, FlankMethod};
+use crate::units::{Mm, trim};
+
+/// Memory of a station from its contact to its block, bytes.
+const STATION: f64 = 2000.0;
+
+/// Part of it that is taken before the run of the axes.
+const STATION_ALONE: f64 = 400.0;
+
+/// Memory of a block in the run of the axes, bytes.
+const BLOCK: f64 = 1500.0;
+
+/// Memory of a link over the clearance surface, bytes.
+const LINK: f64 = 6e5;
+
+/// Memory of the part and its samples, bytes.
+const PART: f64 = 2e7;
+
+/// Share of the lines of `method corridor` that are not joined by direct links.
+const NOT_JOINED: f64 = 0.1;
+
+/// Stations of a line that finishes.
+const FINISHING_STATIONS: f64 = 405.0;
+
+/// Distance of the stations of roughing, mm.
+const ROUGHING_STATION: f64 = 0.7;
+
+/// Most bands that are optimised in a plan: each takes about a second of a processor.
+const MOST_BANDS: u32 = 200;
+
+/// Bands of a face that `strips auto` may try.
+const AUTO_BANDS: u32 = 8;
+
+/// What an operation will make.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Lines in all sectors.
+    pub lines: f64,
+    /// Stations in all sectors.
+    pub stations: f64,
+    /// Links over the clearance surface.
+    pub links: f64,
+}
+
+impl Cost {
+    /// Memory in bytes.
+    pub fn bytes(&self) -> f64 {
+        STATION * self.stations + LINK * self.links
+    }
+}
+
+/// Sizes of a channel and its walls, mm.
+struct Sizes {
+    /// Along a wall from inlet to outlet.
+    length: f64,
+    /// Longest ruling.
+    height: f64,
+    /// Arc between two vanes where it is widest.
+    width: f64,
+    /// Vane at its thicker end.
+    thickness: f64,
+}
+
+impl Sizes {
+    fn new(part: &Part) -> Self {
+        /// Pieces in which a curve is measured.
+        const PIECES: u32 = 50;
+        let at = |i: u32| f64::from(i) / f64::from(PIECES);
+        let surface = |side: Side| &part.face(side).surface;
+        let along = |side: Side, v: f64| {
+            (0..PIECES).map(|i| (surface(side).point(at(i + 1), v) - surface(side).point(at(i), v)).norm()).sum::<f64>()
+        };
+        let between =
+            |u: f64, v: f64| (surface(Side::Pressure).point(u, v) - surface(Side::Suction).point(u, v)).norm();
+        let ends = [0.0, 1.0];
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let height =
+            |i: u32| (surface(Side::Pressure).point(at(i), 1.0) - surface(Side::Pressure).point(at(i), 0.0)).norm();
+        let radius = largest(&ends.map(|u| part.hub.meridian(u).point.x));
+        Self {
+            length: largest(&[Side::Pressure, Side::Suction].map(|s| along(s, 0.0).max(along(s, 1.0)))),
+            height: (0..=PIECES).map(height).fold(0.0, f64::max),
+            width: (part.pitch() * radius - between(1.0, 0.0)).max(0.0),
+            thickness: largest(&ends.map(|u| between(u, 0.0).max(between(u, 1.0)))),
+        }
+    }
+
+    fn cost(&self, program: &Program, operation: &Operation, kind: &OperationKind) -> Cost {
+        let cutter = &program.tools[operation.tool].solid.cutter;
+        let radius = cutter.nominal_radius();
+        let length = self.length + operation.lead_in.get() + operation.lead_out.get();
+        // Distance of the lines of a ball that leave ridges of a height.
+        let step = |h: &Mm| 2.0 * (2.0 * radius * h.get() - h.get() * h.get()).max(h.get() * h.get()).sqrt();
+        let layers = |depth: &Mm| (self.height / depth.get()).ceil();
+        let sectors = operation.sectors.len() as f64;
+        let of = |lines: f64, stations: f64, linked: f64| {
+            let lines = lines * sectors;
+            Cost { lines, stations: lines * stations, links: lines * linked }
+        };
+        let linked = |method: &AxisMethod| if *method == AxisMethod::Corridor { NOT_JOINED } else { 1.0 };
+        match kind {
+            OperationKind::Groove { depth, .. } => of(layers(depth), length, 1.0),
+            OperationKind::Expand { depth, residual, .. } => {
+                let room = (0.5 * self.width - radius).max(0.0);
+                let pairs = (room / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);
+                of(layers(depth) * pairs, 2.0 * length / ROUGHING_STATION, 1.0)
+            }
+            OperationKind::Flank { faces, flank } => {
+                of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)
+            }
+            OperationKind::Channel { scallop, method, .. } => {
+                of((self.width / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
+            }
+            OperationKind::Point { surfaces, scallop, method, .. } => {
+                let across = |surface: &SurfaceKind| match surface {
+                    SurfaceKind::Fillet(_) => {
+                        program.part.fillet.map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.get())
+                    }
+                    SurfaceKind::InletEdge | SurfaceKind::OutletEdge => std::f64::consts::FRAC_PI_2 * self.thickness,
+                    _ => self.height,
+                };
+                let lines = surfaces.iter().map(|s| (across(s) / step(scallop)).ceil() + 1.0).sum();
+                of(lines, FINISHING_STATIONS, linked(method))
+            }
+        }
+    }
+}
+
+/// What each operation will make, in machining order.
+pub fn estimate(program: &Program) -> Vec<Cost> {
+    let sizes = Sizes::new(&program.part);
+    program.operations.iter().map(|(_, o)| sizes.cost(program, o, &o.kind)).collect()
+}
+
+/// Memory of points that are planned, bytes.
+pub fn of_points(points: f64) -> f64 {
+    PART + STATION * points
+}
+
+/// Memory that the run of the axes through linked moves will take, with the stations that were planned, bytes.
+pub fn of_moves(cl: &ClPlan, stations: f64) -> f64 {
+    let moves = cl.operations.iter().flat_map(|o| &o.moves);
+    let (mut blocks, mut links, mut at_rapid) = (0.0, 0.0, false);
+    for m in moves {
+        let rapid = m.kind == MoveKind::Rapid;
+        blocks += 1.0;
+        links += f64::from(u8::from(rapid && !at_rapid));
+        at_rapid = rapid;
+    }
+    PART + STATION_ALONE * stations + BLOCK * blocks + LINK * links
+}
+
+/// A number of bytes in words.
+pub fn bytes(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+/// Refuses a plan that would take too much memory or optimise too many bands, before it starts.
+///
+/// # Errors
+/// The plan is refused; the reason is in the sink, with the value that would fit.
+pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+    check_bands(program, sink)?;
+    let costs = estimate(program);
+    let needed = PART + costs.iter().map(Cost::bytes).sum::<f64>();
+    if needed <= program.memory {
+        return Ok(());
+    }
+    let mut ranked: Vec<(&Operation, Cost)> = program.operations.iter().map(|(_, o)| o).zip(costs).collect();
+    ranked.sort_by(|a, b| b.1.bytes().total_cmp(&a.1.bytes()));
+    let Some((operation, cost)) = ranked.first() else { return Ok(()) };
+    let room = program.memory - (needed - cost.bytes());
+    let help = match coarser(program, operation, room) {
+        Some(fits) => {
+            format!("{fits} or more would fit; or fewer `sectors`; or allow more: `--memory {}`", flag(needed))
+        }
+        None => format!(
+            "divide the job into several with fewer operations or `sectors`; or allow more: `--memory {}`",
+            flag(needed)
+        ),
+    };
+    let mut diag = Diag::error(
+        planning::OVER_MEMORY,
+        format!("the plan needs about {}; it may take {}", bytes(needed), bytes(program.memory)),
+    )
+    .label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations))
+    .help(help);
+    for (operation, cost) in ranked.iter().take(5) {
+        diag = diag.note(format!("`{}`: about {}", operation.name, bytes(cost.bytes())));
+    }
+    sink.push(diag);
+    Err(Aborted)
+}
+
+/// A value of `--memory` that holds a number of bytes.
+fn flag(bytes: f64) -> String {
+    format!("{}GB", (1.2 * bytes / 1e9).ceil())
+}
+
+/// The least of usual values of the figure that sets the lines of an operation with which it takes at most `room` bytes.
+fn coarser(program: &Program, operation: &Operation, room: f64) -> Option<String> {
+    let sizes = Sizes::new(&program.part);
+    let solid = &program.tools[operation.tool].solid;
+    let radius = solid.cutter.nominal_radius();
+    let (name, now, most) = match &operation.kind {
+        OperationKind::Groove { depth, .. } => ("depth", *depth, solid.flute_length),
+        OperationKind::Expand { residual, .. } => ("residual", *residual, radius),
+        OperationKind::Channel { scallop, .. } | OperationKind::Point { scallop, .. } => ("scallop", *scallop, radius),
+        OperationKind::Flank { .. } => return None,
+    };
+    let usual = (-4..=2).flat_map(|e| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|m: f64| m * 10f64.powi(e)));
+    let fits = |value: &f64| {
+        let mut kind = operation.kind.clone();
+        match &mut kind {
+            OperationKind::Groove { depth: x, .. }
+            | OperationKind::Expand { residual: x, .. }
+            | OperationKind::Channel { scallop: x, .. }
+            | OperationKind::Point { scallop: x, .. } => *x = Mm(*value),
+            OperationKind::Flank { .. } => {}
+        }
+        sizes.cost(program, operation, &kind).bytes() <= room
+    };
+    let value = usual.filter(|v| *v > now.get() && *v <= most).find(fits)?;
+    let text = if value < 0.2 { format!("{} um", trim(value * 1e3, 3)) } else { format!("{} mm", trim(value, 3)) };
+    Some(format!("`{name} {text}`"))
+}
+
+/// Refuses more bands than can be optimised in minutes.
+fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+    let bands = |o: &Operation| match &o.kind {
+        OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
+            flank.strips.unwrap_or(AUTO_BANDS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
+        }
+        _ => 0,
+    };
+    let all = program.operations.iter().map(|(_, o)| bands(o)).fold(0, u32::saturating_add);
+    let Some((_, operation)) = program.operations.iter().filter(|_| all > MOST_BANDS).max_by_key(|(_, o)| bands(o))
+    else {
+        return Ok(());
+    };
+    sink.push(
+        Diag::error(
+            planning::OVER_MEMORY,
+            format!("the job optimises up to {all} bands; at most {MOST_BANDS} are planned"),
+        )
+        .label(operation.span, format!("{} of them", bands(operation)))
+        .help(format!(
+            "fewer `strips` (`strips auto` counts as {AUTO_BANDS} a face), or fewer operations by `method minimax` in a job"
+        )),
+    );
+    Err(Aborted)
+}
