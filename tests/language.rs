@@ -390,6 +390,29 @@ fn printed_contracts_read_back() {
 }
 
 #[test]
+fn the_clamping_is_read_and_has_a_default() {
+    let with = |text: &str| changed("back -40 mm }", &format!("back -40 mm  {text} }}"));
+    let of = |text: &str| {
+        let clamping = read(&with(text)).job.unwrap_or_else(|| panic!("{text} is faulty")).stock.clamping;
+        (clamping.below.get(), clamping.diameter.map(|d| d.get()), clamping.span.is_some())
+    };
+    assert_eq!(of(""), (-40.0, None, false));
+    assert_eq!(of("clamping { below -42 mm }"), (-42.0, None, true));
+    assert_eq!(of("clamping { diameter 60 mm }"), (-40.0, Some(60.0), true));
+    assert_eq!(of("clamping { diameter 2.5 in  below -41 mm - 1 mm }"), (-42.0, Some(63.5), true));
+    for (wrong, code) in [
+        ("clamping 60 mm", codes::job::WRONG_FORM),
+        ("clamping { diameter -60 mm }", codes::job::OUT_OF_RANGE),
+        ("clamping { diameter 0 mm }", codes::job::OUT_OF_RANGE),
+        ("clamping { below 42 deg }", codes::job::WRONG_DIMENSION),
+        ("clamping { height 42 mm }", codes::job::UNKNOWN_PROPERTY),
+        ("clamping { below -42 mm }  clamping { below -43 mm }", codes::job::GIVEN_TWICE),
+    ] {
+        assert_eq!(read(&with(wrong)).codes(), [code], "for {wrong}");
+    }
+}
+
+#[test]
 fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
     let wrong = [
         ("scallop 12 um", "scallop 12 um  rest over -0.05 mm", "-0.05 mm"),

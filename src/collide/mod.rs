@@ -2,8 +2,10 @@
 
 pub mod cloud;
 pub mod cutter;
+pub mod support;
 pub mod tool;
 
 pub use cloud::{Cloud, CloudPoint};
 pub use cutter::{Cutter, Slope};
+pub use support::Body;
 pub use tool::{Section, ToolSolid};

@@ -28,6 +28,18 @@ pub enum SurfaceKind {
     InletEdge,
     /// The turned outlet edge of a vane.
     OutletEdge,
+    /// Between the fillets of a vane below its inlet edge, down to the hub.
+    InletRoot,
+    /// The same at the outlet.
+    OutletRoot,
+    /// Outside of the hub disc below the outlet.
+    Rim,
+    /// Back face of the hub disc.
+    Back,
+    /// Bore.
+    Bore,
+    /// Front face between the bore and the inlet of the hub.
+    Nose,
 }
 
 /// A surface of the part.
@@ -56,8 +68,14 @@ impl SurfaceId {
             SurfaceKind::Tip => 5,
             SurfaceKind::InletEdge => 6,
             SurfaceKind::OutletEdge => 7,
+            SurfaceKind::InletRoot => 8,
+            SurfaceKind::OutletRoot => 9,
+            SurfaceKind::Rim => 10,
+            SurfaceKind::Back => 11,
+            SurfaceKind::Bore => 12,
+            SurfaceKind::Nose => 13,
         };
-        self.sector * 8 + kind
+        self.sector * 16 + kind
     }
 }
 
@@ -83,6 +101,13 @@ impl SurfaceKind {
             Self::Tip => format!("vane{many} {which} tip"),
             Self::InletEdge => format!("vane{many} {which} inlet edge"),
             Self::OutletEdge => format!("vane{many} {which} outlet edge"),
+            Self::InletRoot => format!("vane{many} {which} root at the inlet"),
+            Self::OutletRoot => format!("vane{many} {which} root at the outlet"),
+            // Turned all around: no sector has its own.
+            Self::Rim => "rim".to_owned(),
+            Self::Back => "back face".to_owned(),
+            Self::Bore => "bore".to_owned(),
+            Self::Nose => "nose".to_owned(),
         }
     }
 }

@@ -15,6 +15,7 @@ pub mod cc;
 pub mod chart;
 pub mod cl;
 pub mod design;
+pub mod kept;
 pub mod motion;
 pub mod part;
 pub mod print;
@@ -26,6 +27,6 @@ pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
 pub use motion::{JointMove, Motion, MotionOperation};
 pub use part::{Face, Guides, Part, Side, Vane};
 pub use program::{
-    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
-    RulingEnd, Stock, Tolerances, Tool, ToolId,
+    Allowed, Clamping, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice,
+    Program, RulingEnd, Stock, Tolerances, Tool, ToolId,
 };

@@ -51,6 +51,8 @@ pub fn program(program: &Program) -> String {
     let _ = writeln!(t, "fillet {}", part.fillet.map_or("none".to_owned(), |f| f.to_string()));
     let s = &program.stock;
     let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
+    let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());
+    let _ = writeln!(t, "clamping below {} radius {radius}", s.clamping.below);
     for (id, tool) in program.tools.iter() {
         let _ = writeln!(
             t,
@@ -122,7 +124,8 @@ fn kind(kind: &OperationKind) -> String {
                     SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side.name(),
                     SurfaceKind::InletEdge => "inlet",
                     SurfaceKind::OutletEdge => "outlet",
-                    SurfaceKind::Hub | SurfaceKind::Tip => "",
+                    // No operation takes these as its surfaces.
+                    _ => "",
                 })
                 .collect();
             let (lines, axes) = (lines.name(), method.name());

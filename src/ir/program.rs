@@ -119,6 +119,19 @@ pub struct Stock {
     pub bore_radius: Mm,
     /// Height of the back face.
     pub back: Mm,
+    /// What holds it.
+    pub clamping: Clamping,
+}
+
+/// Space of chuck and table: a cylinder about Z without a lower end, which no part of a tool may enter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamping {
+    /// Its height.
+    pub below: Mm,
+    /// Its radius; `None` is everything below.
+    pub radius: Option<Mm>,
+    /// True when the job does not say: everything below the back face.
+    pub by_default: bool,
 }
 
 /// Pieces of the turned profile along the shroud: their chords stay within a micrometre of a vane's meridian.
@@ -138,7 +151,8 @@ impl Stock {
         let outlet = part.hub.meridian(1.0).point.x.max(profile.last().map_or(0.0, |p| p[0]));
         profile.push([outlet, part.hub.meridian(1.0).point.y]);
         profile.push([outlet, back.get()]);
-        Self { profile, over_shroud: over, bore_radius, back }
+        let clamping = Clamping { below: back, radius: None, by_default: true };
+        Self { profile, over_shroud: over, bore_radius, back, clamping }
     }
 }
 

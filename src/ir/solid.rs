@@ -177,7 +177,7 @@ fn bridge(
 }
 
 /// A wall of a channel with its fillet, sector 0.
-struct Sheet<'a> {
+pub(super) struct Sheet<'a> {
     part: &'a Part,
     side: Side,
     fillet: Option<&'a Chart<'a>>,
@@ -186,7 +186,7 @@ struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    fn new(part: &'a Part, charts: &'a [Chart<'a>], side: Side) -> Option<Self> {
+    pub(super) fn new(part: &'a Part, charts: &'a [Chart<'a>], side: Side) -> Option<Self> {
         let fillet = charts.iter().find(|c| c.kind == SurfaceKind::Fillet(side));
         if part.fillet.is_some() && fillet.is_none() {
             return None;
@@ -200,7 +200,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Point at u; `w` from 0 to 1 goes along the fillet, from 1 to 2 up the ruling.
-    fn point(&self, u: f64, w: f64) -> Point3<f64> {
+    pub(super) fn point(&self, u: f64, w: f64) -> Point3<f64> {
         let surface = &self.part.face(self.side).surface;
         let low = match self.fillet {
             Some(chart) => {
@@ -231,7 +231,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// u at which a row meets the line of the meridian plane between the ends of hub and shroud at 0 or 1.
-    fn meets(&self, end: f64, w: f64) -> Option<f64> {
+    pub(super) fn meets(&self, end: f64, w: f64) -> Option<f64> {
         let (hub, shroud) = (self.part.hub.meridian(end).point, self.part.shroud.meridian(end).point);
         let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
         let gap = |u: f64| {

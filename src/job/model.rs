@@ -163,8 +163,21 @@ pub struct StockSpec {
     pub bore: Mm,
     /// Height of the back face.
     pub back: Mm,
+    /// What holds it.
+    pub clamping: ClampingSpec,
     /// Whole item.
     pub span: Span,
+}
+
+/// Space of chuck and table, which no tool may enter.
+#[derive(Clone, Copy, Debug)]
+pub struct ClampingSpec {
+    /// It lies below this height; the back face where the job does not say.
+    pub below: Mm,
+    /// Its diameter about Z; `None` is everything below.
+    pub diameter: Option<Mm>,
+    /// Where the job says so.
+    pub span: Option<Span>,
 }
 
 /// Shape of a cutter's end.

@@ -20,6 +20,8 @@ pub fn print(job: &Job) -> String {
     }
     let s = &job.stock;
     let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
+    let diameter = s.clamping.diameter.map_or_else(|| "any".to_owned(), |d| d.to_string());
+    let _ = writeln!(out, "  clamping below {}, diameter {diameter}", s.clamping.below);
     tools(&mut out, job);
     operations(&mut out, job);
     let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);

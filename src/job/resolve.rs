@@ -3,7 +3,9 @@
 use super::eval::{Scope, suggest};
 use super::files::{Files, Missing};
 use super::library::{self, ToolLibrary};
-use super::model::{ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, StockSpec};
+use super::model::{
+    ClampingSpec, ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, StockSpec,
+};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::{contracts, operations, part, tools};
@@ -204,7 +206,8 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
         return None;
     }
-    let mut p = Properties::new("the stock".to_owned(), span, &body, &["over", "bore", "back"], &mut cx.scope, cx.sink);
+    let known = ["over", "bore", "back", "clamping"];
+    let mut p = Properties::new("the stock".to_owned(), span, &body, &known, &mut cx.scope, cx.sink);
     if !p.has("over") {
         p.missing("over", "over shroud 0 mm");
     }
@@ -213,7 +216,40 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
     let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
     let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
-    Some(StockSpec { over_shroud: Mm(over?), bore: Mm(bore?.0), back: Mm(back?.0), span })
+    let clamping = p.take("clamping");
+    let (over, bore, back) = (Mm(over?), Mm(bore?.0), Mm(back?.0));
+    let clamping = match clamping {
+        None => ClampingSpec { below: back, diameter: None, span: None },
+        Some((word, values)) => clamping_of(word, &values, back, cx)?,
+    };
+    Some(StockSpec { over_shroud: over, bore, back, clamping, span })
+}
+
+/// `clamping { below -42 mm  diameter 60 mm }`: both may be left out.
+fn clamping_of(word: &Name, values: &[&Value], back: Mm, cx: &mut Context<'_>) -> Option<ClampingSpec> {
+    let example = "clamping { diameter 60 mm }";
+    let [Value::Block(None, block)] = values else {
+        cx.sink.push(
+            Diag::error(codes::WRONG_FORM, "`clamping` of the stock takes a block")
+                .label(word.span, "a block is due")
+                .help(format!("write it like `{example}`")),
+        );
+        return None;
+    };
+    let known = ["below", "diameter"];
+    let mut p = Properties::new("the clamping".to_owned(), word.span, block, &known, &mut cx.scope, cx.sink);
+    let below = match p.has("below") {
+        true => p.number("below", Dimension::LENGTH, Range::Within(10_000.0), "below -42 mm").map(|b| Mm(b.0))?,
+        false => back,
+    };
+    let diameter = match p.has("diameter") {
+        true => Some(
+            p.number("diameter", Dimension::LENGTH, Range::Between(0.1, 10_000.0), "diameter 60 mm")
+                .map(|d| Mm(d.0))?,
+        ),
+        false => None,
+    };
+    Some(ClampingSpec { below, diameter, span: Some(word.span) })
 }
 
 fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {

@@ -261,6 +261,14 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
                 .help("put the back of the stock below the hub"),
         );
     }
+    if let Some(span) = job.stock.clamping.span.filter(|_| job.stock.clamping.below.get() > job.stock.back.get()) {
+        sink.push(
+            Diag::error(codes::STOCK, "the clamping reaches into the stock")
+                .label(span, format!("it goes up to {}", job.stock.clamping.below))
+                .label(job.stock.span, format!("the back of the stock is at {}", job.stock.back))
+                .help("`below` at the back of the stock or lower; without it the clamping begins at the back"),
+        );
+    }
     let narrowest = (0..=STATIONS).map(|i| part.hub.meridian(u(i)).point.x).fold(f64::INFINITY, f64::min);
     if job.stock.bore.get() / 2.0 >= narrowest {
         sink.push(

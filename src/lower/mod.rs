@@ -11,8 +11,8 @@ use crate::geom::NurbsCurve;
 use crate::ir::design::SurfaceKind;
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
-    Allowed, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program,
-    RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
+    Allowed, Clamping, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice,
+    Program, RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
 };
 use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
 use crate::kin::{Carried, LinearAxis, Machine, RotaryAxis};
@@ -26,7 +26,13 @@ use nalgebra::{Point3, Vector3};
 /// [`Aborted`] when the geometry is faulty.
 pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     let part = part(job, sink)?;
-    let stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
+    let mut stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
+    let clamping = &job.stock.clamping;
+    stock.clamping = Clamping {
+        below: clamping.below,
+        radius: clamping.diameter.map(|d| Mm(d.get() / 2.0)),
+        by_default: clamping.span.is_none(),
+    };
     checks::stock(job, &part, sink);
     if !sink.has_errors() {
         checks::off_hub(&job.part, &part, sink);

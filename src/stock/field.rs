@@ -1,6 +1,7 @@
 //! The tri-dexel field: rays along X, Y and Z through the centres of a grid of cubes, with the solid intervals on them.
 
 use super::tile::{SIDE, Tile};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Most rays of a field, all families together: about two gigabytes.
@@ -23,6 +24,36 @@ pub enum FieldError {
         /// Least cell that is possible, mm, a little rounded up.
         least_cell: f64,
     },
+}
+
+/// What is missing of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lack {
+    /// Volume by the rays, mean of the three families, mm3.
+    pub volume: f64,
+    /// Middle of the longest interval that is missing.
+    pub point: Point3<f64>,
+}
+
+/// Intervals of rays that are missing.
+struct Missed {
+    /// Length of all of them.
+    length: f64,
+    /// Length of the longest one, and its middle.
+    longest: f64,
+    middle: Point3<f64>,
+}
+
+impl Missed {
+    const NOTHING: Self = Self { length: 0.0, longest: 0.0, middle: Point3::new(0.0, 0.0, 0.0) };
+
+    /// Adds others; of equally long ones the first stays.
+    fn join(&mut self, other: &Self) {
+        self.length += other.length;
+        if other.longest > self.longest {
+            (self.longest, self.middle) = (other.longest, other.middle);
+        }
+    }
 }
 
 /// Stock as three families of parallel rays.
@@ -167,6 +198,45 @@ impl Field {
         tile.ray(row % SIDE, column % SIDE)
     }
 
+    /// What is missing of a body turned about Z, the inside of a closed profile of (r, z) points; `None` when no interval
+    /// of a ray is missing that is longer than `least`, mm. Between the rays nothing is known.
+    pub fn lacks(&self, profile: &[[f64; 2]], least: f64) -> Option<Lack> {
+        let mut all = Missed::NOTHING;
+        for axis in 0..3 {
+            let rows: Vec<Missed> = (0..self.count[across(axis)[0]])
+                .into_par_iter()
+                .map(|row| self.missed(axis, row, profile, least))
+                .collect();
+            for row in &rows {
+                all.join(row);
+            }
+        }
+        let point = all.middle;
+        (all.longest > 0.0).then(|| Lack { volume: all.length * self.cell * self.cell / 3.0, point })
+    }
+
+    /// What is missing of the body on a row of rays along an axis.
+    fn missed(&self, axis: usize, row: usize, profile: &[[f64; 2]], least: f64) -> Missed {
+        let [u, v] = across(axis);
+        let mut all = Missed::NOTHING;
+        for column in 0..self.count[v] {
+            let (a, b) = (self.centre(u, row), self.centre(v, column));
+            let due = match axis {
+                2 => along_axis(profile, libm::hypot(a, b)),
+                _ if u == 2 => across_axis(profile, b, a),
+                _ => across_axis(profile, a, b),
+            };
+            let ray = self.ray(axis, row, column);
+            let there = || ray.into_iter().flat_map(super::ray::Ray::intervals);
+            for [from, to] in due.into_iter().flat_map(|due| gaps(due, there())).filter(|gap| gap[1] - gap[0] > least) {
+                let mut middle = Point3::origin();
+                (middle[u], middle[v], middle[axis]) = (a, b, 0.5 * (from + to));
+                all.join(&Missed { length: to - from, longest: to - from, middle });
+            }
+        }
+        all
+    }
+
     /// A number that equal fields share and others hardly: FNV-1a over the bits of all interval ends.
     pub fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
@@ -179,6 +249,22 @@ impl Field {
         }
         hash
     }
+}
+
+/// What is left of an interval without others, which are sorted and disjoint.
+fn gaps([from, to]: [f64; 2], others: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut left = Vec::new();
+    let mut at = from;
+    for [a, b] in others.filter(|o| o[1] > from && o[0] < to) {
+        if a > at {
+            left.push([at, a]);
+        }
+        at = at.max(b);
+    }
+    if at < to {
+        left.push([at, to]);
+    }
+    left
 }
 
 /// Places where a line crosses the closed profile, ascending; the line is given by the side on which a point lies and

@@ -31,7 +31,7 @@ mod stretches;
 mod sweep;
 mod tile;
 
-pub use field::{Field, FieldError};
+pub use field::{Field, FieldError, Lack};
 pub use mesh::Mesh;
 pub use simulate::{BlockCut, Collision, Outcome, simulate};
 

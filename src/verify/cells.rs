@@ -195,6 +195,12 @@ impl Task<'_> {
 
     /// g at the corners of all cells.
     pub(super) fn look(&self) -> Looked {
+        self.look_below(None)
+    }
+
+    /// g at the corners of all cells, as far as it lies below a ceiling: what comes nowhere nearer is not looked at, and
+    /// corners that nothing comes near to are [`FAR`]. Without a ceiling all of it.
+    pub(super) fn look_below(&self, ceiling: Option<f64>) -> Looked {
         let patch = &self.grid.patch;
         let count = (patch.columns + 1) * (patch.rows + 1);
         let mut looked = Looked {
@@ -218,7 +224,7 @@ impl Task<'_> {
                 looked.lies.push(Lies::by(on));
             }
         }
-        self.look_at(&mut looked);
+        self.look_at(&mut looked, ceiling);
         for (corner, _) in looked.corners.iter().zip(&looked.inside).filter(|(_, on)| **on) {
             looked.range = [looked.range[0].min(corner.value), looked.range[1].max(corner.value)];
         }
@@ -226,7 +232,7 @@ impl Task<'_> {
     }
 
     /// Divides the patch into blocks, and finds g at the corners of those on the part.
-    fn look_at(&self, looked: &mut Looked) {
+    fn look_at(&self, looked: &mut Looked, ceiling: Option<f64>) {
         let (columns, rows) = (Block::runs([0, self.grid.patch.columns]), Block::runs([0, self.grid.patch.rows]));
         let on_part = |b: &Block| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
         let places = (0..columns.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
@@ -235,7 +241,7 @@ impl Task<'_> {
         if blocks.is_empty() {
             return;
         }
-        let mosts = self.mosts(&blocks);
+        let mosts = ceiling.map_or_else(|| self.mosts(&blocks), |most| vec![most; blocks.len()]);
         let whole = self.hull(&self.whole());
         // Corner n of block (i, j) is corner (i + n / 2, j + n % 2) of all.
         let mut corners = vec![(Vector3::zeros(), f64::NEG_INFINITY); (columns.len() + 1) * (rows.len() + 1)];
@@ -360,7 +366,9 @@ impl Task<'_> {
         for (block, near) in &looked.blocks {
             self.below(block, near, looked, goals.low, &mut proved);
         }
-        for (block, near) in &looked.blocks {
+        // Nobody asks what is left.
+        let above = looked.blocks.iter().filter(|_| goals.high < f64::INFINITY);
+        for (block, near) in above {
             for cell in block.cells() {
                 let lies = looked.lies_of(&cell, patch.rows);
                 if lies != Lies::Outside {

@@ -1,8 +1,11 @@
 //! What was proved, as figures: for people as text, for tools as JSON.
 
 use super::alike::{Alike, alike};
+use super::allowance::AllowanceReport;
 use super::carried::{CarriedReport, SEARCH};
+use super::clamping::ClampingReport;
 use super::clearance::Clearance;
+use super::kept::KeptSurfaces;
 use super::machine::MachineReport;
 use super::perimeter::PerimeterReport;
 use super::rest::RestReport;
@@ -120,6 +123,10 @@ pub struct Certificate {
     pub slack: f64,
     /// Milled surfaces.
     pub surfaces: Vec<SurfaceReport>,
+    /// Surfaces that milling must leave as they are.
+    pub kept: KeptSurfaces,
+    /// How near roughing comes to the part; `None` without roughing.
+    pub allowance: Option<AllowanceReport>,
     /// Operations in order.
     pub operations: Vec<OperationReport>,
     /// Names of the passes of each operation, for places.
@@ -138,6 +145,8 @@ pub struct Certificate {
     /// Nearest approach to table and fixtures; empty where the machine file has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub carried: Vec<CarriedReport>,
+    /// Nearest approach to the space of chuck and table that the job states.
+    pub clamping: ClampingReport,
     /// Contracts.
     pub contracts: Vec<ContractReport>,
     /// What is taken out of them.
@@ -281,6 +290,11 @@ impl Certificate {
         writeln!(t)?;
         self.write_surfaces(program, motion, t)?;
         writeln!(t)?;
+        self.kept.write(t)?;
+        if let Some(allowance) = &self.allowance {
+            allowance.write(t)?;
+        }
+        writeln!(t)?;
         self.write_operations(t)?;
         writeln!(t)?;
         writeln!(t, "stock after roughing, mm")?;
@@ -342,6 +356,7 @@ impl Certificate {
             p.highest,
             length(p.required)
         )?;
+        self.clamping.write(program, motion, t)?;
         for c in &self.carried {
             match &c.clearance {
                 Some(found) => {

@@ -61,7 +61,15 @@ pub(super) fn class(kind: SurfaceKind) -> SurfaceClass {
         SurfaceKind::Face(Side::Suction) => SurfaceClass::Suction,
         SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
         SurfaceKind::Hub => SurfaceClass::Hub,
-        SurfaceKind::Tip | SurfaceKind::InletEdge | SurfaceKind::OutletEdge => SurfaceClass::Edge,
+        SurfaceKind::Tip
+        | SurfaceKind::InletEdge
+        | SurfaceKind::OutletEdge
+        | SurfaceKind::InletRoot
+        | SurfaceKind::OutletRoot
+        | SurfaceKind::Rim
+        | SurfaceKind::Back
+        | SurfaceKind::Bore
+        | SurfaceKind::Nose => SurfaceClass::Edge,
     }
 }
 

@@ -7,8 +7,11 @@
 //! |---|---|---|
 //! | V1 | is the motion well formed? | [`structure`] |
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], [`sweep`] |
+//! | | do they leave alone what milling does not make? | [`kept`] |
+//! | | does roughing keep off the part with what the control may add? | [`allowance`] |
 //! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
 //! | | how near comes the tool to table and fixtures? | [`carried`] |
+//! | | how near to chuck and table that only the job knows of? | [`clamping`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what happens to the stock, block by block? | [`stock`] |
 //! | | does the tool stand over everything while X, Y, A and C move without tool centre point control? | [`perimeter`] |
@@ -16,17 +19,21 @@
 //! | | what feed is reached within accelerations and jerks, how far does the real motion leave the verified one? | [`dynamics`] |
 
 pub mod alike;
+pub mod allowance;
 mod bounds;
 mod capsule;
 pub mod carried;
 mod ceiling;
 mod cells;
 pub mod certificate;
+pub mod clamping;
 pub mod clearance;
 mod contracts;
 pub mod dynamics;
 mod grid;
 mod hierarchy;
+pub mod kept;
+mod load;
 pub mod machine;
 mod measure;
 pub mod perimeter;
@@ -58,6 +65,10 @@ pub const SPACING: f64 = 0.25;
 
 /// Spacing of the samples of the turned stock, mm.
 const STOCK_SPACING: f64 = 0.5;
+
+/// Deepest cut into kept surfaces in a job that allows gouge, or has no contract on gouge of the whole part, mm: no tolerance
+/// of finishing is as wide.
+const KEPT_GOUGE: f64 = 0.1;
 
 /// Distance within which shank, holder and rapids are looked for, mm; farther is "far".
 const BODY_SEARCH: f64 = 5.0;
@@ -124,6 +135,8 @@ pub fn certify_with(
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let surfaces =
         surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
+    let kept = kept::check(program, &sweeps, progress);
+    let allowance = allowance::check(program, motion, progress);
     let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
     let blank = Cloud::new(stock_points(program));
     let search = search(program);
@@ -144,6 +157,8 @@ pub fn certify_with(
         spacing: SPACING,
         slack: surface::SLACK,
         surfaces,
+        kept,
+        allowance,
         operations,
         labels: Vec::new(),
         rapid,
@@ -152,6 +167,7 @@ pub fn certify_with(
         rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing, progress),
         stock: stock::simulate(program, motion, settings, progress, sink),
         carried: carried::check(program, motion, progress),
+        clamping: clamping::check(program, motion),
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
@@ -161,7 +177,12 @@ pub fn certify_with(
     }
     report_faults(program, motion, &certificate, sink);
     perimeter::report(program, motion, &certificate.perimeter, sink);
+    kept::report(program, motion, &certificate.kept, sink);
+    if let Some(found) = &certificate.allowance {
+        allowance::report(program, motion, found, sink);
+    }
     carried::report(program, motion, &certificate.carried, sink);
+    clamping::report(program, motion, &certificate.clamping, sink);
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
     }
@@ -178,6 +199,15 @@ fn limits(program: &Program) -> Limits {
         contracts.map(|c| Limit { bound: c.bound.value(), surfaces: c.scope.surfaces.clone() }).collect()
     };
     Limits { gouge: of(ContractKind::Gouge), excess: of(ContractKind::Excess) }
+}
+
+/// Deepest cut that is allowed into kept surfaces, mm: the strictest contract on gouge of the whole part and program. Where
+/// the job allows gouge, which goes on over the border of a face, no less than [`KEPT_GOUGE`].
+fn kept_gouge(program: &Program) -> f64 {
+    let whole = program.contracts.iter().filter(|c| c.kind == ContractKind::Gouge && c.scope.is_whole());
+    let strictest = whole.map(|c| c.bound.value()).reduce(f64::min).unwrap_or(KEPT_GOUGE);
+    let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
+    if allowed { strictest.max(KEPT_GOUGE) } else { strictest }
 }
 
 /// Distance within which shank, holder and rapids are looked for, mm: enough to judge every contract on it.

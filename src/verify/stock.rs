@@ -2,10 +2,11 @@
 //! and rapids meet of what is still there.
 
 use super::certificate::describe;
+use super::load;
 use super::sweep::At;
 use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::transform::axis_at;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Step, StepKind, Touched};
@@ -31,6 +32,17 @@ const WINDOW_CELLS: f64 = 4.0;
 
 /// Section of a chip from which the tool counts as cutting, mm2: thinner is rubbing, and rounding.
 const CHIP_SECTION: f64 = 1e-3;
+
+/// Arc of engagement from which a cutter stands in full material, degrees: of a slot it is 180, which rays that lie a cell
+/// apart seldom meet.
+pub(super) const FULL_ARC: f64 = 150.0;
+
+/// How far below its surface the hub disc is looked for in the stock, mm: more than any tolerance of finishing, and than
+/// what ends of rays and chords of its profile are wrong by.
+const BELOW_SURFACE: f64 = 0.1;
+
+/// The same where the job allows gouge.
+const BELOW_ALLOWED: f64 = 0.5;
 
 /// Takes the index of an operation in the motion and the stock after it.
 pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
@@ -100,6 +112,9 @@ pub struct OperationStock {
     pub arc: Option<Peak>,
     /// Largest removal rate, mm3/s, over a way of some cells.
     pub rate: Option<Peak>,
+    /// Deepest place along the tool axis, mm, where the cutter stands in full material, over an arc of 150 degrees.
+    #[serde(skip)]
+    pub full: Option<Peak>,
     /// Collisions, the deepest of each move and part of the tool.
     pub collisions: Vec<StockCollision>,
     /// Engagement in each move, for plots.
@@ -134,6 +149,19 @@ pub struct StockReport {
     pub blank: f64,
     /// Operations in order.
     pub operations: Vec<OperationStock>,
+    /// Stock that is missing inside of the hub disc, after the first operation that takes some away.
+    pub missing: Option<Missing>,
+}
+
+/// Stock that was removed where the finished part is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Missing {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Volume of what is gone over a tenth of a millimetre below the surface, half of one where the job allows gouge, mm3.
+    pub volume: f64,
+    /// A place of it, part frame, mm.
+    pub point: [f64; 3],
 }
 
 impl StockReport {
@@ -218,6 +246,9 @@ pub fn simulate(
     let blank = field.volume();
     let mut before = blank;
     let mut operations = Vec::new();
+    let mut missing = None;
+    let below = below_surface(program);
+    let disc = hub_disc(program, below);
     for (o, operation) in motion.operations.iter().enumerate() {
         let name = format!("{}, stock", program.operations[operation.operation].name);
         let work = progress.begin(name, operation.moves.len().saturating_sub(1));
@@ -226,12 +257,49 @@ pub fn simulate(
         report.rest = field.volume();
         report.removed = before - report.rest;
         before = report.rest;
+        if missing.is_none() {
+            let lack = field.lacks(&disc, below);
+            missing = lack.map(|lack| Missing {
+                operation: report.operation,
+                volume: lack.volume,
+                point: lack.point.coords.into(),
+            });
+        }
         operations.push(report);
         if let Some(after) = &mut settings.after {
             after(o, &field);
         }
     }
-    Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations })
+    Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations, missing })
+}
+
+/// How far below its surface the hub disc is looked for, mm.
+fn below_surface(program: &Program) -> f64 {
+    let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
+    if allowed { BELOW_ALLOWED } else { BELOW_SURFACE }
+}
+
+/// Profile of the part below the hub, some way inside of it: what no operation may take away.
+fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
+    /// Chords of the hub: within a micrometre of a meridian that bends over centimetres.
+    const PIECES: usize = 400;
+    let (stock, hub) = (&program.stock, &program.part.hub);
+    let (bore, back) = (stock.bore_radius.get(), stock.back.get() + below);
+    // Without a bore the body goes to the axis.
+    let inner = if bore > 0.0 { bore + below } else { 0.0 };
+    let outer = stock.profile.last().map_or(0.0, |p| p[0]) - below;
+    let front = hub.meridian(0.0).point.y - below;
+    let mut profile = vec![[inner, back], [inner, front]];
+    for i in 0..=PIECES {
+        let u = i as f64 / PIECES as f64;
+        let p = hub.meridian(u).point - hub.meridian_normal(u) * below;
+        if (inner..=outer).contains(&p.x) && (back..=front).contains(&p.y) {
+            profile.push([p.x, p.y]);
+        }
+    }
+    let end = profile.last().map_or(back, |p| p[1]);
+    profile.extend([[outer, end], [outer, back]]);
+    profile
 }
 
 /// One operation through the stock; volumes of the whole are left to the caller.
@@ -312,6 +380,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         depth: peak(&|c| c.height[1] - c.height[0]),
         width: peak(&|c| c.side[1] - c.side[0]),
         arc: peak(&arc),
+        full: peak(&|c| if arc(c) >= FULL_ARC { c.height[1] - c.height[0] } else { 0.0 }).filter(|p| p.value > 0.0),
         rate: removal.rate.map(|(value, step)| {
             let tip = places[step].tip;
             Peak { value, at: at(u32::try_from(step).unwrap_or(u32::MAX)), tip: [tip.x, tip.y, tip.z] }
@@ -481,32 +550,39 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
     Diag::error(verification::STOCK_CELL, text).help(help)
 }
 
+/// Stock missing where the finished part is, as an error.
+fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
+    let Some(missing) = &stock.missing else { return };
+    let Some(operation) = motion.operations.get(missing.operation as usize) else { return };
+    let declared = &program.operations[operation.operation];
+    sink.push(
+        Diag::error(
+            verification::PART_CUT,
+            format!(
+                "after {} {:.1} mm3 of the hub disc are gone, more than {} below its surface",
+                declared.name,
+                missing.volume,
+                length(below_surface(program))
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .place(declared.name.clone(), Point3::from(missing.point))
+        .note(format!(
+            "by the simulated stock, whose rays lie {} mm apart; the proofs of the surfaces are apart from it",
+            stock.cell
+        ))
+        .help("leads, links and passes that stay out of the part"),
+    );
+}
+
 /// Collisions as errors: one for each operation and part of the tool, with the deepest place.
 pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
+    report_missing(program, motion, stock, sink);
     for o in &stock.operations {
         let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
         let declared = &program.operations[operation.operation];
         let solid = &program.tools[declared.tool].solid;
-        if let Some(link) = o.link {
-            let cuts = operation.moves.iter().zip(&o.moves).filter(|(m, _)| m.kind == MoveKind::Cut);
-            let most = cuts.map(|(_, e)| e.rate).fold(0.0, f64::max);
-            if link.value > most {
-                let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);
-                let text = format!(
-                    "at link feed the cutter removes {}; no cut of it removes over {}",
-                    rate(link.value),
-                    rate(most)
-                );
-                sink.push(
-                    Diag::error(verification::LINK_CUTS, text)
-                        .label(declared.span, "in this operation")
-                        .place(describe(program, motion, Some(link.at)), Point3::from(link.tip))
-                        .block(link.at.operation, link.at.index)
-                        .note("a move at feed above `feed` of the operation is a link")
-                        .help("the process feed in this block, or leads that begin and end outside of the stock"),
-                );
-            }
-        }
+        load::report(program, motion, o, sink);
         for part in ["cutter at rapid", "shank", "holder"] {
             let all = o.collisions.iter().filter(|c| c.part == part);
             let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };

@@ -263,7 +263,7 @@ fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
 }
 
 /// The extreme of g that was found on a surface, followed to where it is most extreme (`sign` -1 for the least).
-fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
+pub(super) fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
     let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
     // Only a cut deeper than any tolerance can be deeper along the normal than in distance.
     let deep = sign < 0.0 && value < -DEEP;

@@ -88,9 +88,11 @@ Way out: a longer reach, a slimmer holder, or an operation before that opens the
         "The simulation of the stock sends rays through it, one for each cell of its three faces. Cells must be above \
 zero, and not so fine that the rays outgrow memory.\n\nExample: `--stock-cell 0.001` on a part of 120 mm.\n\n\
 Way out: a larger `--stock-cell`.";
-    LINK_CUTS = "IMP0735", "a link cuts harder than any cut",
+    LINK_CUTS = "IMP0735", "a link cuts",
         "A move at more than the process feed of its operation is a link: it is there to go through air. Here one removes \
-more stock a minute than any cut of the operation, for which its feed was never chosen. At the machine the tool breaks.\n\n\
+more than a cell of stock, for which its feed was never chosen. It is an error where the link removes more a minute than any \
+cut of the operation, or where each of its teeth takes a chip of more than 3 % of the diameter: at the machine the tool \
+breaks. Else it is a remark.\n\n\
 Example: `F1000` in a block of a slot that is cut with 150 mm/min.\n\n\
 Way out: the process feed in this block, or leads that begin and end outside of the stock.";
     NOT_A_NUMBER = "IMP0741", "a figure of the certificate is no number",
@@ -106,9 +108,38 @@ Example: a machine whose Z ends 120 mm over its rotation point, a wheel that rea
 its holder of 40 mm.\n\n\
 Way out: `[retract] z` of the machine file as high as Z goes, a shorter tool or holder, or a part that stands lower or nearer \
 to the axis of A.";
+    CLAMPING = "IMP0737", "the tool runs into the clamping",
+        "Chuck and table stand below the stock: a cylinder about Z without a lower end, which `clamping { below -42 mm \
+diameter 60 mm }` of the stock states. A job that does not say has everything below the back face. No part of a tool may \
+enter it, in cuts, links and rapids, over continuous time.\n\n\
+Example: a long lead-out over the outlet with a tool that leans far, so that its holder dips below the back face.\n\n\
+Way out: a shorter lead, a longer reach, tool axes that lean less, or `clamping` with the true height and diameter.";
+    ROUGH_TOLERANCE = "IMP0738", "roughing can reach the finished part",
+        "In roughing the control may leave the programmed path by `tolerance rough` to smooth it. Where the cutter passes the \
+finished part within this tolerance, the smoothed path can cut into it. Faces, fillets, hub and kept surfaces count.\n\n\
+Example: `allowance vane 40 um` under `tolerance rough 50 um`.\n\n\
+Way out: allowances that are larger than the tolerance and the chord error of the path together, or a smaller tolerance.";
+    TOOL_LOAD = "IMP0739", "feed and spindle load the tool beyond its size",
+        "Feed, spindle speed and number of teeth make a chip; the simulated stock tells how much of the cutter stands in \
+material. Told are chips over 3 % of the diameter, and finishing that cuts a slot over its full width deeper than a quarter of the \
+diameter. Errors are those that break the tool: chips over a tenth of the diameter, a spindle that stands still, and a full slot \
+deeper than the diameter with chips over 3 %.\n\n\
+Example: `flank` right after `groove`, without an `expand` between them.\n\n\
+Way out: a lower `feed`, a higher `speed`, or roughing that leaves less.";
+    PART_CUT = "IMP0746", "stock is gone where the finished part is",
+        "In the simulated stock material is missing inside of the hub disc, a tenth of a millimetre and more below its surface. This \
+net is apart from the proofs of the surfaces and coarser: it sees what its rays meet.\n\n\
+Example: a hole through the rim.\n\n\
+Way out: leads, links and passes that stay out of the part.";
     CARRIED = "IMP0734", "the tool runs into table or fixture",
         "The machine file has a table or a fixture; at this block the cutter, the shank or the holder is inside of it. All \
 moves are looked at: cuts, links and rapids, over continuous time. The solids are sampled, and the spacing of the samples \
 counts against the tool.\n\nExample: a holder of 40 mm that follows the outlet of a hub right over the table.\n\n\
 Way out: a longer reach, tool axes that lean less, or a part that stands higher over the table (`[part] origin`).";
+    KEPT = "IMP0736", "a cutter goes into a surface that is kept",
+        "What no operation makes is kept as the lathe left it: rim, back face, bore and nose of the hub disc, tips of the \
+vanes, and their turned edges at inlet and outlet unless an `edge` operation finishes them. No cutter may go deeper into \
+these than the strictest contract on gouge. The depth is found and proved as that of design surfaces, over all moves: cuts, \
+links and rapids.\n\nExample: a lead-out that turns down over the outlet and cuts a groove along the rim.\n\n\
+Way out: leads and links that stay clear of the surface, or a thinner tool.";
 }

@@ -55,6 +55,9 @@ fn name(kind: SurfaceKind) -> String {
         SurfaceKind::Tip => "tip".to_owned(),
         SurfaceKind::InletEdge => "inlet edge".to_owned(),
         SurfaceKind::OutletEdge => "outlet edge".to_owned(),
+        SurfaceKind::InletRoot => "root at the inlet".to_owned(),
+        SurfaceKind::OutletRoot => "root at the outlet".to_owned(),
+        SurfaceKind::Rim | SurfaceKind::Back | SurfaceKind::Bore | SurfaceKind::Nose => kind.in_sectors(&[0]),
     }
 }
 

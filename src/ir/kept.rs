@@ -1,0 +1,223 @@
+//! Surfaces of the finished part that milling leaves as the lathe made them: no cutter may go into them.
+//!
+//! Together with the milled surfaces of [`crate::ir::chart`] they close the part.
+//!
+//! | surface | x | y |
+//! |---|---|---|
+//! | rim, back face, bore, nose | once around, from +X | along the meridian |
+//! | tip | u, from inlet to outlet | from the pressure face to the suction face, on the shroud |
+//! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
+//! | root | from the hub to the edge | between the two fillets of the vane |
+
+use super::chart::{self, Chart, Patch, Place, Shape, charts};
+use super::design::SurfaceKind;
+use super::part::{Part, Side};
+use super::program::Stock;
+use super::solid::Sheet;
+use nalgebra::{Point3, Vector2, Vector3};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Rows of the tables of borders, as for charts: borders only divide one surface from the next.
+const ROWS: usize = 400;
+
+/// Rows of a root, which is a few millimetres high.
+const ROOT_ROWS: usize = 48;
+
+/// Share of the height of the fillet by which a root goes on above it, so that nothing is left open below the edge.
+const ROOT_OVERLAP: f64 = 0.05;
+
+/// Width of a ring below which it is rounding of the ends of hub and shroud, mm.
+const SLIVER: f64 = 1e-3;
+
+/// A kept surface: of the whole part where it goes all around, of sector 0 where each vane has one.
+#[derive(Clone, Debug)]
+pub struct Kept<'a> {
+    /// Which one.
+    pub kind: SurfaceKind,
+    form: Form<'a>,
+}
+
+#[derive(Clone, Debug)]
+enum Form<'a> {
+    /// A straight line of the meridian plane, turned once around, and its unit normal (r, z) out of the material.
+    Ring { ends: [Vector2<f64>; 2], normal: Vector2<f64> },
+    /// u of the shroud and azimuth of the upper border of the pressure and of the suction face, row by row.
+    Tip { part: &'a Part, borders: [Vec<[f64; 2]>; 2] },
+    /// The chart of a surface that milling makes in other jobs, or in this one.
+    Chart(Chart<'a>),
+    /// Radius, height and azimuth of the borders at the pressure and at the suction fillet, row by row, and the unit normal
+    /// (r, z).
+    Root { borders: [Vec<[f64; 3]>; 2], normal: Vector2<f64> },
+}
+
+/// All kept surfaces of a part that is milled from a blank. `milled_edges`: an operation finishes the edges of the vanes,
+/// which then are design surfaces.
+///
+/// Roots are missing where a fillet does not reach from inlet to outlet: there the part has no closed surface.
+pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'a>> {
+    let (inlet, outlet) = (part.hub.meridian(0.0).point, part.hub.meridian(1.0).point);
+    let (bore, back) = (stock.bore_radius.get(), stock.back.get());
+    let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
+    let ring = |kind, from: [f64; 2], to: [f64; 2], normal: [f64; 2]| {
+        let ends = [Vector2::from(from), Vector2::from(to)];
+        let form = Form::Ring { ends, normal: Vector2::from(normal) };
+        ((ends[1] - ends[0]).norm() > SLIVER && from[0].max(to[0]) > 0.0).then_some(Kept { kind, form })
+    };
+    let mut all: Vec<Kept<'a>> = [
+        ring(SurfaceKind::Rim, [outside, back], [outside, outlet.y], [1.0, 0.0]),
+        // Where the blank is wider than the hub the rim has a step at the height of the outlet.
+        ring(SurfaceKind::Rim, [outside, outlet.y], [outlet.x, outlet.y], [0.0, 1.0]),
+        ring(SurfaceKind::Back, [bore, back], [outside, back], [0.0, -1.0]),
+        ring(SurfaceKind::Bore, [bore, inlet.y], [bore, back], [-1.0, 0.0]),
+        ring(SurfaceKind::Nose, [inlet.x, inlet.y], [bore, inlet.y], [0.0, 1.0]),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    all.push(tip(part));
+    if !milled_edges {
+        all.extend(chart::edges(part).map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }));
+    }
+    all.extend(roots(part));
+    all
+}
+
+/// The milled surfaces of the part, as surfaces to be kept: until finishing no cutter may touch them.
+pub fn milled(part: &Part) -> Vec<Kept<'_>> {
+    charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }).collect()
+}
+
+fn tip(part: &Part) -> Kept<'_> {
+    let borders = [Side::Pressure, Side::Suction].map(|side| {
+        let at = |i: usize| {
+            let u = i as f64 / ROWS as f64;
+            let p = part.face(side).surface.point(u, part.ruling_meets(side, u, &part.shroud, 1.0));
+            let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
+            [along, libm::atan2(p.y, p.x)]
+        };
+        (0..=ROWS).into_par_iter().map(at).collect()
+    });
+    Kept { kind: SurfaceKind::Tip, form: Form::Tip { part, borders } }
+}
+
+/// Roots at inlet and outlet; none without fillets, or where a fillet ends before.
+fn roots(part: &Part) -> Vec<Kept<'_>> {
+    if part.fillet.is_none() {
+        return Vec::new();
+    }
+    let charts = charts(part);
+    let sheets = [Side::Pressure, Side::Suction].map(|side| Sheet::new(part, &charts, side));
+    let [Some(pressure), Some(suction)] = sheets else { return Vec::new() };
+    let root = |(kind, end): (SurfaceKind, f64)| {
+        let border = |sheet: &Sheet<'_>| -> Option<Vec<[f64; 3]>> {
+            let at = |i: usize| {
+                let w = (1.0 + ROOT_OVERLAP) * i as f64 / ROOT_ROWS as f64;
+                let p = sheet.point(sheet.meets(end, w)?, w);
+                Some([libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)])
+            };
+            (0..=ROOT_ROWS).map(at).collect()
+        };
+        let (hub, shroud) = (part.hub.meridian(end).point, part.shroud.meridian(end).point);
+        let across = (shroud - hub).normalize();
+        // Away from the other end of the hub.
+        let normal = Vector2::new(across.y, -across.x);
+        let away = hub - part.hub.meridian(1.0 - end).point;
+        let normal = if normal.dot(&away) < 0.0 { -normal } else { normal };
+        Some(Kept { kind, form: Form::Root { borders: [border(&pressure)?, border(&suction)?], normal } })
+    };
+    [(SurfaceKind::InletRoot, 0.0), (SurfaceKind::OutletRoot, 1.0)].into_iter().filter_map(root).collect()
+}
+
+impl Kept<'_> {
+    /// True for a surface that goes all around; others are there once a sector.
+    pub fn is_ring(&self) -> bool {
+        matches!(self.form, Form::Ring { .. })
+    }
+
+    /// Middle of a patch and the distance within which all of it lies, mm; `None` where this is not known at once.
+    pub fn ball(&self, patch: &Patch) -> Option<(Point3<f64>, f64)> {
+        let Form::Ring { ends, .. } = &self.form else { return None };
+        let [x, y] = [patch.x, patch.y].map(|range| 0.5 * (range[0] + range[1]));
+        let half = |range: [f64; 2]| 0.5 * (range[1] - range[0]);
+        let widest = ends[0].x.max(ends[1].x);
+        let radius = libm::hypot(half(patch.x) * TAU * widest, half(patch.y) * (ends[1] - ends[0]).norm());
+        Some((self.place(x, y).position, radius))
+    }
+}
+
+/// Row of a table at x, linear between its rows.
+fn level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
+    let at = x.clamp(0.0, 1.0) * (table.len() - 1) as f64;
+    let i = (at as usize).min(table.len().saturating_sub(2));
+    let t = at - i as f64;
+    std::array::from_fn(|k| table[i][k] + (table[i + 1][k] - table[i][k]) * t)
+}
+
+/// Azimuth a share of the way from one to another, the short way.
+fn between(from: f64, to: f64, share: f64) -> f64 {
+    let ahead = to - from;
+    from + (ahead - TAU * (ahead / TAU).round()) * share
+}
+
+/// A row of a table whose last column is an azimuth: neighbours lie within half a turn.
+fn turned_level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
+    let at = x.clamp(0.0, 1.0) * (table.len() - 1) as f64;
+    let i = (at as usize).min(table.len().saturating_sub(2));
+    let mut row = level(table, x);
+    if (table[i + 1][N - 1] - table[i][N - 1]).abs() > PI {
+        row[N - 1] = between(table[i][N - 1], table[i + 1][N - 1], at - i as f64);
+    }
+    row
+}
+
+/// A place of a surface of revolution.
+fn place([r, z]: [f64; 2], azimuth: f64, normal: Vector2<f64>, parameters: [f64; 2]) -> Place {
+    let (sin, cos) = libm::sincos(azimuth);
+    Place {
+        position: Point3::new(r * cos, r * sin, z),
+        normal: Vector3::new(normal.x * cos, normal.x * sin, normal.y),
+        parameters,
+    }
+}
+
+impl Shape for Kept<'_> {
+    fn place(&self, x: f64, y: f64) -> Place {
+        match &self.form {
+            Form::Ring { ends: [from, to], normal } => {
+                let p = from + (to - from) * y;
+                place([p.x, p.y], TAU * x, *normal, [x, y])
+            }
+            Form::Tip { part, borders } => {
+                let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
+                let (u, azimuth) = (p[0] + (s[0] - p[0]) * y, between(p[1], s[1], y));
+                let normal = part.shroud.normal(u, azimuth);
+                Place { position: part.shroud.point(u, azimuth), normal, parameters: [x, y] }
+            }
+            Form::Chart(chart) => chart.place(x, y),
+            Form::Root { borders, normal } => {
+                let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
+                let at = [0, 1].map(|k| p[k] + (s[k] - p[k]) * y);
+                place(at, between(p[2], s[2], y), *normal, [x, y])
+            }
+        }
+    }
+
+    fn is_milled(&self, position: &Point3<f64>) -> bool {
+        if let Form::Chart(chart) = &self.form { chart.is_milled(position) } else { true }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The way between azimuths is the short one, over the jump at half a turn as well.
+    #[test]
+    fn the_short_way_around() {
+        assert!((between(3.0, -3.0, 0.5).abs() - PI).abs() < 1e-12);
+        let table = [[1.0, 3.1], [2.0, -3.1]];
+        let [r, azimuth] = turned_level(&table, 0.5);
+        assert!((r - 1.5).abs() < 1e-12 && (azimuth.abs() - PI).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,122 @@
+//! Roughing counts with what the control may add: where it smooths the path by its tolerance, the cutter may come nearer
+//! to the finished part by as much. No roughing cutter may then touch a surface of the finished part, milled or kept.
+//!
+//! Proved as gouge is (`kept.rs`), of the roughing cutters alone, up to the tolerance outside of the part.
+
+use super::certificate::describe;
+use super::kept::{cover, deepest};
+use super::surface::{self, SLACK, Worst};
+use super::sweep::Sweep;
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::kept::{Kept, kept, milled};
+use crate::ir::{Motion, OperationKind, Program};
+use crate::progress::Progress;
+use crate::units::length;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// How much the roughing cutters leave of their allowance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AllowanceReport {
+    /// What the control may add in roughing, mm.
+    pub tolerance: f64,
+    /// Where cutters come nearer to the part than it, the nearest of these places.
+    pub nearest: Option<NearestRough>,
+    /// No roughing cutter comes nearer to any surface, mm; places farther than the tolerance count as this far.
+    pub bound: f64,
+}
+
+/// The place where a roughing cutter comes nearest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NearestRough {
+    /// Surface.
+    pub surface: String,
+    /// Place; the value is what is left there.
+    pub place: Worst,
+}
+
+/// Least distance of roughing cutters to all surfaces of the part; `None` without roughing.
+pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<AllowanceReport> {
+    let roughs = |o: usize| !program.operations[motion.operations[o].operation].kind.finishes();
+    let sweeps: Vec<Sweep<'_>> =
+        (0..motion.operations.len()).filter(|o| roughs(*o)).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    if sweeps.is_empty() {
+        return None;
+    }
+    let tolerance = program.tolerances.chord_rough.get();
+    // So much more that the slack of a proof does not fail it.
+    let ceiling = tolerance + 2.0 * SLACK;
+    let mut shapes: Vec<Kept<'_>> = milled(&program.part);
+    shapes.extend(kept(&program.part, &program.stock, false));
+    let (grids, covered) = cover(program, &shapes, &sweeps, ceiling);
+    let all = deepest(&covered, &grids, &sweeps, (ceiling, -tolerance), progress, "roughing against the finished part");
+    let bound = all.iter().map(|d| d.low).fold(ceiling, f64::min);
+    let least = |d: &super::kept::Deepest| d.found.map_or(f64::INFINITY, |f| f.0);
+    let nearest = covered.iter().zip(&all).filter(|(_, d)| least(d) < tolerance);
+    let nearest = nearest.min_by(|a, b| least(a.1).total_cmp(&least(b.1))).map(|(c, d)| NearestRough {
+        surface: c.surface.id.to_string(),
+        place: surface::extreme(&c.surface, d.found, -1.0, &sweeps),
+    });
+    Some(AllowanceReport { tolerance, nearest, bound })
+}
+
+impl AllowanceReport {
+    /// True when a cutter touches the part with what the control may add.
+    fn fails(&self) -> bool {
+        self.bound < self.tolerance
+    }
+
+    /// Writes the line of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        let tolerance = length(self.tolerance);
+        match &self.nearest {
+            None => {
+                writeln!(t, "  roughing stays over {tolerance} outside of the finished part, which its control may add")
+            }
+            Some(n) => writeln!(
+                t,
+                "  roughing comes within {} of {}, where its control may add {tolerance}",
+                length(n.place.value),
+                n.surface
+            ),
+        }
+    }
+}
+
+/// Roughing that reaches the part as an error.
+pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport, sink: &mut Sink) {
+    if !found.fails() {
+        return;
+    }
+    let tolerance = length(found.tolerance);
+    let left = |value: f64| match value < 0.0 {
+        true => format!("goes {} into", length(-value)),
+        false => format!("comes within {} of", length(value)),
+    };
+    let help = "larger allowances (`allowance vane 0.2 mm, hub 0.5 mm`), or a smaller `tolerance rough`";
+    let Some(n) = &found.nearest else {
+        let text = format!(
+            "roughing is proved to stay {} outside of the finished part only, where the control may add {tolerance}",
+            length(found.bound)
+        );
+        sink.push(Diag::error(verification::ROUGH_TOLERANCE, text).help(help));
+        return;
+    };
+    let text = format!(
+        "roughing {} the {}; the control may add {tolerance} (`tolerance rough`)",
+        left(n.place.value),
+        n.surface
+    );
+    let mut diag = Diag::error(verification::ROUGH_TOLERANCE, text)
+        .place(describe(program, motion, n.place.at), n.place.point.into());
+    if let Some((at, operation)) = n.place.at.and_then(|at| Some((at, motion.operations.get(at.operation as usize)?))) {
+        let declared = &program.operations[operation.operation];
+        diag = diag.block(at.operation, at.index).label(declared.span, "in this operation");
+        if let OperationKind::Groove { allowance_vane, allowance_hub, .. }
+        | OperationKind::Expand { allowance_vane, allowance_hub, .. } = &declared.kind
+        {
+            diag = diag.note(format!("its allowances are {allowance_vane} on vanes and {allowance_hub} on the hub"));
+        }
+    }
+    sink.push(diag.help(help));
+}

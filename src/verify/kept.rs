@@ -1,0 +1,224 @@
+//! Surfaces that are kept: how deep cutters go into what milling must leave as the lathe made it.
+//!
+//! The same proof as for design surfaces (`bounds.rs`, `cells.rs`), from below alone: nobody asks what is left on a kept
+//! surface. What no cutter touches is put aside by whole patches, so that a back face of 100 cm2 costs milliseconds.
+
+use super::SPACING;
+use super::cells::{Found, Goals, Looked, Proved, Task};
+use super::certificate::describe;
+use super::grid::{Grid, Surface};
+use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
+use super::sweep::Sweep;
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::chart::Shape;
+use crate::ir::design::{SurfaceId, SurfaceKind};
+use crate::ir::kept::{Kept, kept};
+use crate::ir::{Motion, Program};
+use crate::progress::Progress;
+use crate::units::length;
+use nalgebra::Rotation3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Figures of the kept surfaces of one kind, in all sectors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeptReport {
+    /// Name of all of them: `rim`, `vanes 1-8 tip`.
+    pub surface: String,
+    /// The one with the deepest cut.
+    pub worst_on: String,
+    /// Deepest cut that was found.
+    pub gouge: Worst,
+    /// No cut into any of them is deeper, mm.
+    pub gouge_bound: f64,
+    /// Kind of them.
+    #[serde(skip)]
+    pub kind: SurfaceKind,
+}
+
+/// What is proved of all kept surfaces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeptSurfaces {
+    /// Deepest cut that is allowed, mm: the strictest contract on gouge.
+    pub allowed: f64,
+    /// By kind.
+    pub surfaces: Vec<KeptReport>,
+}
+
+/// A surface with the patches of it that cutters may touch.
+pub(super) struct Covered<'a> {
+    /// The surface in its sector.
+    pub(super) surface: Surface<'a>,
+    /// Its patches, by index into all grids.
+    grids: Vec<usize>,
+}
+
+/// Least distance of cutters to one surface, as far as it lies below what was asked.
+pub(super) struct Deepest {
+    /// Least found, with its place in the chart; `None` where nothing comes below the ceiling.
+    pub(super) found: Found,
+    /// Nowhere less, mm.
+    pub(super) low: f64,
+}
+
+/// Measures the cutters of the whole program against all kept surfaces.
+pub fn check(program: &Program, sweeps: &[Sweep<'_>], progress: &Progress) -> KeptSurfaces {
+    let allowed = super::kept_gouge(program);
+    let shapes = kept(&program.part, &program.stock, program.finishes_edges());
+    let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
+    let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed), progress, "kept surfaces");
+    let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
+    for (c, d) in covered.iter().zip(&deepest) {
+        let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
+        // A deep cut is proved by its depth: the bound of g says how much more there may be.
+        let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
+        let SurfaceId { kind, sector } = c.surface.id;
+        let report =
+            KeptReport { surface: String::new(), worst_on: c.surface.id.to_string(), gouge, gouge_bound, kind };
+        match surfaces.iter_mut().find(|(known, _)| known.kind == kind) {
+            Some((known, sectors)) => {
+                sectors.push(sector);
+                known.gouge_bound = known.gouge_bound.max(report.gouge_bound);
+                let deeper = (report.gouge.depth, -report.gouge.value) > (known.gouge.depth, -known.gouge.value);
+                if deeper {
+                    *known = KeptReport { gouge_bound: known.gouge_bound, ..report };
+                }
+            }
+            None => surfaces.push((report, vec![sector])),
+        }
+    }
+    let named = |(report, mut sectors): (KeptReport, Vec<u32>)| {
+        sectors.sort_unstable();
+        sectors.dedup();
+        KeptReport { surface: report.kind.in_sectors(&sectors), ..report }
+    };
+    KeptSurfaces { allowed, surfaces: surfaces.into_iter().map(named).collect() }
+}
+
+/// The surfaces in their sectors, and grids of those patches that any cutter comes nearer to than `reach`.
+pub(super) fn cover<'a>(
+    program: &Program,
+    shapes: &'a [Kept<'_>],
+    sweeps: &[Sweep<'_>],
+    reach: f64,
+) -> (Vec<Grid>, Vec<Covered<'a>>) {
+    let mut all = Vec::new();
+    let mut covered = Vec::new();
+    for shape in shapes {
+        let touched = |patch: &crate::ir::chart::Patch| {
+            shape
+                .ball(patch)
+                .is_none_or(|(middle, radius)| sweeps.iter().any(|sweep| sweep.near(&middle, radius + reach).is_some()))
+        };
+        let patches: Vec<_> = shape.patches(SPACING).into_par_iter().filter(touched).collect();
+        let first = all.len();
+        all.extend(patches.into_par_iter().map(|p| Grid::new(shape, p)).collect::<Vec<_>>());
+        let sectors = if shape.is_ring() { 1 } else { program.part.vane_count };
+        for sector in 0..sectors {
+            let turn = if shape.is_ring() { Rotation3::identity() } else { program.part.sector_rotation(sector) };
+            let id = SurfaceId { kind: shape.kind, sector };
+            covered.push(Covered { surface: Surface { shape, turn, id }, grids: (first..all.len()).collect() });
+        }
+    }
+    (all, covered)
+}
+
+/// Least distance of cutters to each surface, where it is less than `ceiling`, and its proof: to within
+/// [`surface::SLACK`] of what was found, or to within `-limit` where that lies closer.
+pub(super) fn deepest(
+    covered: &[Covered<'_>],
+    grids: &[Grid],
+    sweeps: &[Sweep<'_>],
+    (ceiling, limit): (f64, f64),
+    progress: &Progress,
+    stage: &'static str,
+) -> Vec<Deepest> {
+    let tasks: Vec<(usize, Task<'_>)> = covered
+        .iter()
+        .enumerate()
+        .flat_map(|(s, c)| {
+            let of_grid = move |grid: &usize| Task { surface: &c.surface, grid: &grids[*grid], sweeps };
+            c.grids.iter().map(move |grid| (s, of_grid(grid)))
+        })
+        .collect();
+    let work = progress.begin(stage, 2 * tasks.len());
+    // Room for rounding: what comes as near as the ceiling is looked at.
+    let look = |task: &Task<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
+    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(look(task))).collect();
+    let mut least = vec![FAR; covered.len()];
+    for ((s, _), looked) in tasks.iter().zip(&looked) {
+        least[*s] = least[*s].min(looked.range[0]);
+    }
+    let goal = |found: f64| {
+        // Beyond what was found by the slack, or by less where the limit lies between.
+        let found = -found.min(ceiling);
+        let within = if found < limit { limit } else { f64::INFINITY };
+        Goals { low: -(found + SLACK).min(within).max(found + LEAST_SLACK), high: f64::INFINITY }
+    };
+    let proved: Vec<Proved> = tasks
+        .par_iter()
+        .zip(&looked)
+        .with_max_len(1)
+        .map(|((s, task), l)| work.step(task.prove(l, goal(least[*s]))))
+        .collect();
+    let mut all: Vec<Proved> = vec![Proved::NOTHING; covered.len()];
+    for ((s, _), p) in tasks.iter().zip(&proved) {
+        all[*s] = all[*s].join(p);
+    }
+    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(ceiling) }).collect()
+}
+
+impl KeptSurfaces {
+    /// Writes the part of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(
+            t,
+            "kept surfaces: what milling leaves as the lathe made it, um; {} are allowed, the strictest gouge of the whole part",
+            length(self.allowed)
+        )?;
+        writeln!(t, "  {:<27} {:>8} {:>8}  at (mm)", "surface", "gouge", "at most")?;
+        for s in &self.surfaces {
+            let [x, y, z] = s.gouge.point;
+            let place = match s.gouge.depth > 0.0 {
+                true => format!("({x:.3}, {y:.3}, {z:.3})"),
+                false => "-".to_owned(),
+            };
+            let um = |mm: f64| format!("{:.2}", mm * 1e3);
+            writeln!(t, "  {:<27} {:>8} {:>8}  {place}", s.surface, um(s.gouge.depth), um(s.gouge_bound))?;
+        }
+        Ok(())
+    }
+}
+
+/// Cuts into kept surfaces as errors, one for each kind.
+pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, sink: &mut Sink) {
+    for s in found.surfaces.iter().filter(|s| s.gouge_bound > found.allowed) {
+        let (surface, allowed) = (&s.worst_on, length(found.allowed));
+        let text = if s.gouge.depth > found.allowed {
+            format!(
+                "a cutter goes {} deep into the {surface}, which is kept; {allowed} are allowed",
+                length(s.gouge.depth)
+            )
+        } else {
+            format!(
+                "no cutter is found deeper than {} in the {surface}, which is kept, but only {} are proved; {allowed} are \
+                 allowed",
+                length(s.gouge.depth),
+                length(s.gouge_bound)
+            )
+        };
+        let mut diag =
+            Diag::error(verification::KEPT, text).place(describe(program, motion, s.gouge.at), s.gouge.point.into());
+        if let Some(at) = s.gouge.at {
+            diag = diag.block(at.operation, at.index);
+            if let Some(operation) = motion.operations.get(at.operation as usize) {
+                diag = diag.label(program.operations[operation.operation].span, "in this operation");
+            }
+        }
+        sink.push(
+            diag.note("no operation makes this surface: it is as the lathe left it, within the strictest contract on gouge")
+                .help("leads and links that stay clear of it, or a thinner tool; for an edge of the vanes an `edge` operation"),
+        );
+    }
+}

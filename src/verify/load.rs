@@ -1,0 +1,116 @@
+//! Feed against spindle and engagement: chips that are too thick for the tool, finishing in full material, links that cut.
+//!
+//! Findings are errors where the tool breaks, else remarks. What they are compared with comes from the tool and the job.
+
+use super::certificate::describe;
+use super::stock::{FULL_ARC, OperationStock};
+use super::sweep::At;
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
+use crate::units::length;
+use nalgebra::Point3;
+
+/// Depth of a slot from which finishing in full material is worth a remark, as a share of the diameter of the cutter.
+const FULL_DEPTH: f64 = 0.25;
+
+/// The same from which the tool breaks, where the chip is thick as well.
+const BREAKING_DEPTH: f64 = 1.0;
+
+/// Chip a tooth that is worth a remark, as a share of the diameter: tables of end mills end at some 2 %.
+const THICK_CHIP: f64 = 0.03;
+
+/// The same from which the tool breaks.
+const BREAKING_CHIP: f64 = 0.1;
+
+/// Findings of one operation.
+pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    report_cuts(program, motion, o, sink);
+    report_link(program, motion, o, sink);
+}
+
+/// The link that removes most.
+fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some((link, operation)) = o.link.zip(motion.operations.get(o.operation as usize)) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let cuts = operation.moves.iter().zip(&o.moves).filter(|(m, _)| m.kind == MoveKind::Cut);
+    let most = cuts.map(|(_, e)| e.rate).fold(0.0, f64::max);
+    let feed = operation.moves.get(link.at.index as usize).and_then(|m| m.feed).unwrap_or_default();
+    let chip = feed / declared.speed.get().max(0.0) / f64::from(tool.flutes);
+    let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);
+    let removes = format!("at link feed the cutter removes {}", rate(link.value));
+    let (harms, text) = if link.value > most {
+        (true, format!("{removes}; no cut of it removes over {}", rate(most)))
+    } else {
+        let thick = chip > THICK_CHIP * 2.0 * tool.solid.cutter.nominal_radius();
+        (thick, format!("{removes}, each tooth a chip of {}", length(chip)))
+    };
+    let new = if harms { Diag::error } else { Diag::remark };
+    sink.push(
+        new(verification::LINK_CUTS, text)
+            .label(declared.span, "in this operation")
+            .place(describe(program, motion, Some(link.at)), Point3::from(link.tip))
+            .block(link.at.operation, link.at.index)
+            .note("a move at feed above `feed` of the operation is a link")
+            .help("the process feed in this block, or leads that begin and end outside of the stock"),
+    );
+}
+
+/// Chip a tooth of the fastest cut of an operation, mm, with its move; infinite where the spindle stands.
+fn thickest_chip(declared: &Operation, operation: &MotionOperation) -> Option<(f64, usize)> {
+    let cuts = operation.moves.iter().enumerate().filter(|(_, m)| m.kind == MoveKind::Cut);
+    let fastest = cuts.filter_map(|(i, m)| Some((m.feed?, i))).max_by(|a, b| a.0.total_cmp(&b.0));
+    fastest.map(|(feed, i)| (feed / declared.speed.get().max(0.0), i))
+}
+
+/// Findings of feed against spindle: chips that break the tool, and finishing in full material.
+fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some(operation) = motion.operations.get(o.operation as usize) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let diameter = 2.0 * tool.solid.cutter.nominal_radius();
+    let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
+    let share = |mm: f64| format!("{:.1} % of the {diameter:.3} mm of diameter", 100.0 * mm / diameter);
+    if let Some((chip, index)) = chip.filter(|(chip, _)| *chip > THICK_CHIP * diameter) {
+        let text = match chip.is_finite() {
+            true => format!("each tooth of {} takes a chip of {}, {}", tool.name, length(chip), share(chip)),
+            false => format!("{} cuts with a spindle that stands still", tool.name),
+        };
+        let breaks = chip > BREAKING_CHIP * diameter;
+        let limit = if breaks { BREAKING_CHIP } else { THICK_CHIP };
+        let new = if breaks { Diag::error } else { Diag::remark };
+        let tip = operation.moves.get(index).map(|m| program.machine.forward(&m.joints).tip).unwrap_or_default();
+        let at = At { operation: o.operation, index: u32::try_from(index).unwrap_or(u32::MAX) };
+        sink.push(
+            new(verification::TOOL_LOAD, text)
+                .label(declared.span, "in this operation")
+                .place(describe(program, motion, Some(at)), tip)
+                .block(at.operation, at.index)
+                .note(format!("compared with {:.0} % of the diameter", 100.0 * limit))
+                .help("a lower `feed`, or a higher `speed`"),
+        );
+    }
+    let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
+    let Some(full) = full else { return };
+    let thick = chip.is_some_and(|(chip, _)| chip > THICK_CHIP * diameter);
+    let breaks = full.value > BREAKING_DEPTH * diameter && thick;
+    let new = if breaks { Diag::error } else { Diag::remark };
+    let text = format!(
+        "finishing cuts in full material: a slot of {} that is {} deep, {}",
+        tool.name,
+        length(full.value),
+        share(full.value)
+    );
+    let chip = chip.map_or_else(String::new, |(chip, _)| format!("; each tooth takes up to {}", length(chip)));
+    sink.push(
+        new(verification::TOOL_LOAD, text)
+            .label(declared.span, "in this operation")
+            .place(describe(program, motion, Some(full.at)), Point3::from(full.tip))
+            .block(full.at.operation, full.at.index)
+            .note(format!(
+                "engaged over {FULL_ARC:.0} deg and more, deeper than {:.0} % of the diameter{chip}",
+                100.0 * if breaks { BREAKING_DEPTH } else { FULL_DEPTH }
+            ))
+            .help("roughing that leaves less there: one more `expand`, or a smaller `residual`"),
+    );
+}
