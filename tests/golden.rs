@@ -6,7 +6,7 @@
 use impellerc::driver::{self, Emit, Options, Outcome, Stages};
 use impellerc::ir::print::{self, Detail};
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::{Machine, RotaryAxis};
+use impellerc::kin::{Machine, Planning, RotaryAxis};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::post;
 use impellerc::verify::{Certificate, Verified, verify};
@@ -59,7 +59,7 @@ impl Compiled {
         post.emit(&self.program_for(post), &self.motion, &[]).text()
     }
 
-    /// The program with the machine that has the senses of the dialect; but for its name and its words the motion is that
+    /// The program with the machine that has the senses of the dialect; but for its name, its words and its control the motion is that
     /// of the job's own machine.
     fn program_for(&self, post: &dyn post::Post) -> Program {
         if post.name() != "linuxcnc" {
@@ -68,6 +68,9 @@ impl Compiled {
         let machine = shipped("5mc850-c-linuxcnc");
         let of_job = Machine {
             name: self.program.machine.name.clone(),
+            cycle: self.program.machine.cycle,
+            planning: Planning::Joints,
+            assumed: self.program.machine.assumed.clone(),
             tilt: RotaryAxis { word_sign: 1.0, ..machine.tilt },
             turn: RotaryAxis { word_sign: 1.0, ..machine.turn },
             ..machine.clone()

@@ -5,6 +5,7 @@ use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineSpec, RotarySpec,
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
+use crate::kin::Planning;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
 use serde::Deserialize;
@@ -22,6 +23,9 @@ const MOST_CARRIED: f64 = 1000.0;
 /// Control cycle where the machine file gives none, s: slow for controls of milling machines, so that what the joints
 /// do between two positions is not told too small.
 const DEFAULT_CYCLE: f64 = 0.002;
+
+/// Name of the trajectory planner of LinuxCNC.
+pub(super) const LINUXCNC: &str = "linuxcnc-2.9";
 
 /// Word for the jerk of an axis whose control has no limit of it.
 const UNLIMITED: &str = "unlimited";
@@ -41,6 +45,7 @@ struct MachineFile {
     retract: Option<RetractTable>,
     rapid: Text,
     cycle: Option<Text>,
+    planning: Option<Text>,
     table: Option<CarriedTable>,
     fixture: Option<CarriedTable>,
 }
@@ -357,6 +362,19 @@ pub(super) fn machine(
             DEFAULT_CYCLE
         }
     };
+    let planning = match &table.planning {
+        None => Planning::Joints,
+        Some(text) if text.get_ref() == LINUXCNC => Planning::LinuxCnc,
+        Some(text) => {
+            reader.fault(
+                reader.span(text),
+                format!("the planning of speeds by `{}` is not known", text.get_ref()),
+                format!("\"{LINUXCNC}\" is the one that exists"),
+                "leave the line out for a control that looks ahead and keeps the limits of every joint",
+            );
+            Planning::Joints
+        }
+    };
     let jerks = [&table.axes.x.jerk, &table.axes.y.jerk, &table.axes.z.jerk, &a.jerk, &c.jerk];
     let silent: Vec<&str> =
         ["X", "Y", "Z", "A", "C"].into_iter().zip(jerks).filter(|j| j.1.is_none()).map(|j| j.0).collect();
@@ -383,6 +401,7 @@ pub(super) fn machine(
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
         cycle,
+        planning,
         table: table.table.as_ref().map(|t| reader.carried(t)),
         fixture: table.fixture.as_ref().map(|t| reader.carried(t)),
         assumed,

@@ -2,6 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
+use crate::kin::Planning;
 use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
@@ -55,6 +56,8 @@ pub struct MachineSpec {
     pub rapid: MmPerMin,
     /// Time between two positions that the control gives to its drives, s.
     pub cycle: f64,
+    /// How the control plans speeds.
+    pub planning: Planning,
     /// Table, with its top in the machine frame at A = 0.
     pub table: Option<CarriedSpec>,
     /// Fixture, with its top in the part frame.

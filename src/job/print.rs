@@ -1,6 +1,8 @@
 //! Text form of the job: every default written out.
 
+use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
+use crate::kin::Planning;
 use crate::method::FlankMethod;
 use crate::units::trim;
 use std::fmt::Write;
@@ -67,6 +69,9 @@ fn machine(out: &mut String, job: &Job) {
     let _ = writeln!(out, "  retract z {}", m.retract);
     let _ = writeln!(out, "  spindle {} to {}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
     let _ = writeln!(out, "  cycle {} s", trim(m.cycle, 6));
+    if m.planning == Planning::LinuxCnc {
+        let _ = writeln!(out, "  planning {LINUXCNC}");
+    }
     for assumed in &m.assumed {
         let _ = writeln!(out, "  assumed: {assumed}");
     }

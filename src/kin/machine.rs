@@ -35,6 +35,16 @@ pub struct RotaryAxis {
     pub word_sign: f64,
 }
 
+/// How the control of a machine plans the speed along the blocks of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Planning {
+    /// With look-ahead over blocks, within speed, acceleration and jerk of every joint, corners within its tolerance.
+    #[default]
+    Joints,
+    /// As LinuxCNC 2.9 does: blocks in the frame of the program, each from rest to rest, blended with the next one.
+    LinuxCnc,
+}
+
 /// A table-table machine with axes X Y Z A C. Positions of Z, where a travel or a height is given, are those of the gauge
 /// line: the face of the spindle that tool lengths are measured from.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +72,8 @@ pub struct Machine {
     pub rapid: f64,
     /// Time between two positions that the control gives to its drives, s; between them each joint runs evenly.
     pub cycle: f64,
+    /// How the control plans speeds.
+    pub planning: Planning,
     /// Table and fixtures, which turn with the part.
     pub carried: Vec<Carried>,
     /// What its file marks as assumed.
@@ -154,6 +166,7 @@ mod tests {
             spindle: [1.0, 2.0],
             rapid: 1.0,
             cycle: 1.0,
+            planning: Planning::Joints,
             carried: Vec::new(),
             assumed: Vec::new(),
         }

@@ -234,6 +234,7 @@ fn machine(spec: &MachineSpec) -> Machine {
         spindle: spec.spindle.map(crate::units::Rpm::get),
         rapid: spec.rapid.get() / 60.0,
         cycle: spec.cycle,
+        planning: spec.planning,
         carried: carried(spec),
         assumed: spec.assumed.clone(),
     }

@@ -11,7 +11,7 @@ use impellerc::ir::{
     DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
     Stock, Tolerances, Tool, ToolId,
 };
-use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
+use impellerc::kin::{LinearAxis, Machine, Planning, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
@@ -115,6 +115,7 @@ pub fn machine() -> Machine {
         spindle: [100.0, 18000.0],
         rapid: 500.0,
         cycle: 0.002,
+        planning: Planning::Joints,
         carried: Vec::new(),
         assumed: Vec::new(),
     }
