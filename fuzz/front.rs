@@ -5,8 +5,8 @@ use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Sink, codes, render};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
-use impellerc::job::{self, Files, Found, Missing};
-use impellerc::source::SourceMap;
+use impellerc::job::{self, Files, Missing};
+use impellerc::source::{SourceFile, SourceMap};
 use impellerc::{lower, syntax};
 
 /// Texts of one compilation. A file that is not given is the shipped one, or that of the small job.
@@ -31,24 +31,24 @@ pub const SMALL: Texts<'_> = Texts {
 };
 
 impl Files for Texts<'_> {
-    fn machine(&mut self, name: &str) -> Result<Found, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
         find(name, self.machine, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<Found, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
         find(name, self.tools, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<Found, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         find(path, Some(self.curves), &[])
     }
 }
 
-fn find(name: &str, given: Option<&str>, files: &[(&str, &str)]) -> Result<Found, Missing> {
+fn find(name: &str, given: Option<&str>, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {
     let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
     match given.or_else(|| files.iter().find(|f| f.0 == name).map(|f| f.1)) {
-        Some(text) => Ok(Found { name: name.to_owned(), text: text.to_owned(), path: None }),
-        None => Err(Missing { reason: "not in memory".to_owned(), known }),
+        Some(text) => Ok(SourceFile::text(name, text)),
+        None => Err(Missing { reason: "not in memory".to_owned(), known, ..Missing::default() }),
     }
 }
 

@@ -9,18 +9,20 @@ mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::junit::Judged;
-use crate::diag::{Aborted, Diag, Sink};
-use crate::export::certificate_file::{CertificateFile, HEAD, Inputs, Lines, NcText, sha256};
+use crate::diag::{Aborted, Diag, Sink, printable};
+use crate::export::certificate_file::{self, BLANK, CertificateFile, HEAD, InputFile, Inputs, Lines, NcText, sha256};
+use crate::export::picture;
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, PostChoice, Program};
-use crate::job::{Files, Job};
+use crate::job::{Fault, Files, Job};
+use crate::output::Outputs;
 use crate::passes::pipeline;
 use crate::post::{self, NcProgram, Post};
-use crate::source::SourceMap;
+use crate::source::{Origin, SourceFile, SourceMap};
 use crate::syntax::ast::{File, ItemKind};
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport};
-use crate::{analysis, export, job, lower, output};
+use crate::{analysis, job, lower};
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
 pub use stages::{Emit, Stages};
@@ -31,6 +33,8 @@ use std::path::{Path, PathBuf};
 pub struct RunOptions {
     /// Folder with `machines` and `tools`, before any other.
     pub library: Option<PathBuf>,
+    /// Folder with curve files, beside the job's.
+    pub curves: Option<PathBuf>,
     /// Dialect instead of the job's.
     pub post: Option<String>,
     /// Name of the machine file instead of the job's.
@@ -43,15 +47,6 @@ pub struct RunOptions {
     pub stock: Option<PathBuf>,
     /// Memory that planning may take, bytes, instead of the usual.
     pub memory: Option<f64>,
-}
-
-impl RunOptions {
-    /// Whether everything can be written.
-    fn check(&self, sink: &mut Sink) -> Result<(), Aborted> {
-        let report = self.report.as_deref().map_or(Ok(()), output::check);
-        let all = report.and_then(|()| self.stock.as_deref().map_or(Ok(()), rest_stock::check));
-        all.map_err(|d| sink.push(d)).map_err(|()| Aborted)
-    }
 }
 
 /// What a compilation is asked to do.
@@ -116,10 +111,9 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
 
     let post = find_post(&program, sink)?;
     // Told before the minute that planning takes, not after it.
-    options.run.check(sink)?;
-    for path in [&options.output, &options.certificate, &options.picture].into_iter().flatten() {
-        output::check(path).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-    }
+    let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
+    let outputs = before_work(Outputs::default(), &options.run, &own, sources, &program).map_err(|d| sink.push(d));
+    let Ok(mut outputs) = outputs else { return Err(Aborted) };
     analysis::cost::check(&program, sink)?;
     // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
     stages.run("facts", || analysis::check(&program, sink));
@@ -139,7 +133,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
     let mut stock = Vec::new();
     let (judged, certificate) = stages.watched("verify", |progress| {
-        rest_stock::examine(&options.run, &program, plan.motion, &mut stock, progress, sink)
+        rest_stock::examine(&options.run, &program, plan.motion, (&mut stock, &mut outputs), progress, sink)
     })?;
     contracts.clone_from(&certificate.contracts);
     let inputs = inputs(sources);
@@ -160,8 +154,14 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     else {
         // What failed is what the reader wants to see.
         if let Some(path) = &options.run.report {
-            report::write(path, &shown, stages, sink)?;
-            *emitted = Some(format!("wrote {}; no NC text\n", path.display()));
+            let html = report::html(&shown, stages, sink);
+            outputs.stage("--report", path, html.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+        }
+        outputs.commit().map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+        let meshes = meshes_written(&options.run, shown.motion);
+        *emitted = (!meshes.is_empty()).then(|| format!("{meshes}no NC text written\n"));
+        if let Some(path) = &options.run.report {
+            *emitted = Some(format!("{meshes}wrote {}; no NC text\n", shown_path(path)));
         }
         return Err(Aborted);
     };
@@ -194,27 +194,80 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         read.tip,
         read.axis
     ));
-    if let Some(path) = &options.output {
-        output::write_whole(path, nc.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-        text.push_str(&format!("wrote {}: {} lines\n", path.display(), nc.lines().count()));
-    } else {
-        text.push_str("nothing written: no `-o FILE`\n");
+    let picture = options.picture.as_ref().map(|_| stages.run("picture", || picture::picture(&program, motion.get())));
+    let nc_lines = Some(report::NcLines::written(&written));
+    let html =
+        options.run.report.as_ref().map(|_| report::html(&report::Shown { nc: nc_lines, ..shown }, stages, sink));
+    let texts = [
+        ("-o", &options.output, Some(nc.as_bytes())),
+        ("--certificate", &options.certificate, Some(file.as_bytes())),
+        ("--picture", &options.picture, picture.as_deref()),
+        ("--report", &options.run.report, html.as_deref().map(str::as_bytes)),
+    ];
+    let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
+    stages.run("save", || save(outputs, files)).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    match &options.output {
+        Some(path) => text.push_str(&format!("wrote {}: {} lines\n", shown_path(path), nc.lines().count())),
+        None => text.push_str("no NC text written: no `-o FILE`\n"),
     }
-    if let Some(path) = &options.certificate {
-        output::write_whole(path, file.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-        text.push_str(&format!("wrote {}\n", path.display()));
-    }
-    if let Some(path) = &options.picture {
-        let picture = stages.run("picture", || export::picture::picture(&program, motion.get()));
-        output::write_whole(path, &picture).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-        text.push_str(&format!("wrote {}\n", path.display()));
-    }
-    if let Some(path) = &options.run.report {
-        report::write(path, &report::Shown { nc: Some(report::NcLines::written(&written)), ..shown }, stages, sink)?;
-        text.push_str(&format!("wrote {}\n", path.display()));
+    text.push_str(&meshes_written(&options.run, motion.get()));
+    for path in [&options.certificate, &options.picture, &options.run.report].into_iter().flatten() {
+        text.push_str(&format!("wrote {}\n", shown_path(path)));
     }
     *emitted = Some(text);
     Ok(())
+}
+
+/// A path in what is printed.
+fn shown_path(path: &Path) -> String {
+    printable(&path.display().to_string()).into_owned()
+}
+
+/// Says that the stock after each operation was written, where that was asked for.
+fn meshes_written(run: &RunOptions, motion: &Motion) -> String {
+    let line = |folder: &PathBuf| format!("wrote {}: {} meshes\n", shown_path(folder), motion.operations.len());
+    run.stock.as_ref().map(line).unwrap_or_default()
+}
+
+/// Writes files in one step, with those that wait already.
+fn save<'a>(mut outputs: Outputs, files: impl Iterator<Item = (&'a str, &'a Path, &'a [u8])>) -> Result<(), Diag> {
+    for (flag, path, bytes) in files {
+        outputs.stage(flag, path, bytes)?;
+    }
+    outputs.commit()
+}
+
+/// What can be refused before planning: outputs that cannot be written or that meet a file of the run, and cells of the
+/// stock that are too coarse. `outputs` knows inputs that are no sources; `own` are the outputs of the command beside the
+/// report and the meshes.
+fn before_work(
+    mut outputs: Outputs,
+    run: &RunOptions,
+    own: &[(&str, &Option<PathBuf>)],
+    sources: &SourceMap,
+    program: &Program,
+) -> Result<Outputs, Diag> {
+    if let Some(cell) = run.stock_cell {
+        rest_stock::check_cell(cell, &program.stock.profile)?;
+    }
+    for file in sources.files() {
+        if let Some(path) = &file.disk {
+            outputs.protect(format!("`{}`", file.name), path);
+        }
+    }
+    if let Some(folder) = &run.stock {
+        outputs.folder("--stock", folder)?;
+        let names = program.operations.iter().map(|(_, o)| o.name.as_str());
+        for (o, name) in names.enumerate() {
+            outputs.announce("--stock", &rest_stock::path(folder, o, name))?;
+        }
+    }
+    for (flag, path) in own.iter().chain(&[("--report", &run.report)]) {
+        if let Some(path) = path {
+            outputs.announce(flag, path)?;
+        }
+    }
+    Ok(outputs)
 }
 
 /// The stages from the text to the program; `None` when the stage value that is to be printed lies before it.
@@ -225,14 +278,18 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     let Outcome { sources, sink, emitted, .. } = outcome;
 
     let text = read_job(&options.job, sink)?;
-    let source = sources.add(options.job.display().to_string(), text.clone());
+    let source = sources.add_file(SourceFile {
+        disk: options.job.canonicalize().ok(),
+        ..SourceFile::text(shown_path(&options.job), text.clone())
+    });
     let mut ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
     if options.emit == Some(Emit::Ast) {
         *emitted = Some(crate::syntax::print::print(&ast));
         return Ok(None);
     }
 
-    let mut files = DiskFiles::new(&options.job, options.run.library.clone());
+    let files = DiskFiles::new(&options.job, options.run.library.as_deref(), options.run.curves.as_deref());
+    let mut files = files.map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     if let Some(name) = &options.run.machine {
         take_machine(name, &mut ast, &mut files, sink)?;
     }
@@ -253,9 +310,13 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
 /// The job with the machine of the command line instead of its own.
 fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
     if let Err(missing) = library.machine(name) {
-        let mut diag = Diag::error(files::NOT_IN_LIBRARY, format!("there is no machine file `{name}`"))
-            .note(missing.reason)
-            .note("asked for by `--machine`");
+        let (code, fault) = match missing.fault {
+            Fault::Absent => (files::NOT_IN_LIBRARY, format!("there is no machine file `{name}`")),
+            Fault::Unreadable | Fault::Outside => {
+                (files::CANNOT_READ, format!("the machine file `{name}` cannot be read"))
+            }
+        };
+        let mut diag = Diag::error(code, fault).note(missing.reason).note("asked for by `--machine`");
         if !missing.known.is_empty() {
             diag = diag.help(format!("the machines are {}", missing.known.join(", ")));
         }
@@ -287,17 +348,15 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
     })
 }
 
-/// Hashes of all texts that take part. Of the job's path only the name is kept, so that the same job elsewhere gives the
-/// same bytes.
+/// Hashes of all texts that take part. Of the job's path only the name of the file itself is kept, so that the same job
+/// elsewhere, or called by another path, gives the same bytes.
 fn inputs(sources: &SourceMap) -> Inputs {
-    let name = |name: &str| Path::new(name).file_name().map_or_else(|| name.to_owned(), |n| n.display().to_string());
-    let texts: Vec<(String, &str)> = sources
-        .files()
-        .iter()
-        .enumerate()
-        .map(|(i, f)| (if i == 0 { name(&f.name) } else { f.name.clone() }, f.text.as_str()))
-        .collect();
-    Inputs::new(texts.iter().map(|(name, text)| (name.as_str(), *text)))
+    let own_name = |file: &SourceFile| {
+        let path = file.disk.as_deref().unwrap_or(Path::new(&file.name));
+        path.file_name().map_or_else(|| file.name.clone(), |n| n.display().to_string())
+    };
+    let name = |file: &SourceFile| if file.origin == Origin::Given { own_name(file) } else { file.name.clone() };
+    Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.text.as_str())))
 }
 
 /// The NC program and the text of its certificate, each with the hash of the other.
@@ -308,15 +367,20 @@ fn written(
     post: &dyn Post,
     inputs: Inputs,
 ) -> (NcProgram, Result<String, String>) {
-    // The body does not depend on the head, its place only on the number of lines there.
-    let blank = header(program, certificate, ["", "", ""]);
-    let nc = post.emit(program, motion, &blank);
+    let mut nc = post.emit(program, motion, &header(program, certificate, &inputs));
+    // The body is known first, then the head but for the line of the certificate, then the certificate.
+    let [_, of_body, of_certificate] = HEAD;
+    let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
+        nc.lines.iter_mut().any(|line| certificate_file::fill(&mut line.text, word, hash))
+    };
+    let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
+    fill(&mut nc, of_body, &body);
     let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
-    let (of_inputs, of_body) = (inputs.sha256.clone(), text.body_sha256.clone());
     let file = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
-    let of_file = file.as_ref().map_or(String::new(), |f| sha256(f.as_bytes()));
-    let header = header(program, certificate, [&of_inputs, &of_body, &of_file]);
-    (post.emit(program, motion, &header), file)
+    if let Ok(file) = &file {
+        fill(&mut nc, of_certificate, &sha256(file.as_bytes()));
+    }
+    (nc, file)
 }
 
 /// Where the operations stand in the text.
@@ -336,12 +400,24 @@ fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Li
     found
 }
 
-/// Lines of the comment block at the head of the NC text, with the hashes of inputs, body and certificate.
-fn header(program: &Program, certificate: &Certificate, hashes: [&str; 3]) -> Vec<String> {
+/// Letters of a name in a line of the head; controls show some 100 of a line.
+const NAME_IN_LINE: usize = 80;
+
+/// The lines of the head for a file that took part.
+fn file_lines(file: &InputFile) -> Vec<String> {
+    let InputFile { name, origin, sha256, .. } = file;
+    let name: Vec<char> = name.chars().collect();
+    let names = name.chunks(NAME_IN_LINE).map(|part| format!("named {}", part.iter().collect::<String>()));
+    std::iter::once(format!("file sha256 {sha256}, {origin}:")).chain(names).collect()
+}
+
+/// Lines of the comment block at the head of the NC text; the hashes of body and certificate are left blank.
+fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<String> {
     let mut head = certificate.head();
     let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
     lines.extend(head);
-    lines.extend(HEAD.iter().zip(hashes).map(|(word, hash)| format!("{word}{hash}")));
+    lines.extend(HEAD.iter().zip([&inputs.sha256, BLANK, BLANK]).map(|(word, hash)| format!("{word}{hash}")));
+    lines.extend(inputs.files.iter().flat_map(file_lines));
     lines.push(format!(
         "part {}, machine {}, zero at the origin of the part frame, mm",
         program.name, program.machine.name

@@ -6,15 +6,25 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
-use impellerc::diag::{Code, render};
+use impellerc::diag::{Code, Exit, render};
 use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, RunOptions, Stages};
+use impellerc::output::interrupt;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+/// Exit codes, for the help.
+const EXIT_CODES: &str = "Exit codes:
+  0  all holds
+  1  a contract fails, or there is a finding: NC text that does what it must not, a certificate that does not belong to it
+  2  job, library, NC text, certificate or command line cannot be understood, or no program can be made of the job
+  3  a file cannot be read or written
+Of several the largest counts. Outputs are written together or not at all; none may be a file that the run reads.";
+
 /// Compiles a job that declares an impeller into verified five-axis NC.
 #[derive(Parser)]
 #[command(version, about, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -58,11 +68,15 @@ struct RunArguments {
     #[arg(long, value_name = "NAME")]
     machine: Option<String>,
 
+    /// Folder with curve files that `spline from` may read, beside those below the job's folder
+    #[arg(long, value_name = "DIR")]
+    curves: Option<PathBuf>,
+
     /// File to write a report for a browser to: deviations, paths, stock, plots, contracts; also when a contract fails
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 
-    /// Edge of the cells of the stock simulation; usually 1 mm, more for parts over 200 mm
+    /// Edge of the cells of the stock simulation, to make it finer; usually 1 mm, more for parts over 200 mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     stock_cell: Option<f64>,
 
@@ -86,8 +100,8 @@ struct RunArguments {
 impl RunArguments {
     /// As the driver takes them.
     fn options(self, post: Option<String>) -> RunOptions {
-        let Self { library, machine, report, stock_cell, stock, memory, .. } = self;
-        RunOptions { library, post, machine, report, stock_cell, stock, memory }
+        let Self { library, curves, machine, report, stock_cell, stock, memory, .. } = self;
+        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory }
     }
 }
 
@@ -99,6 +113,7 @@ enum Command {
         code: Option<String>,
     },
     /// Measures NC text of any origin against a job
+    #[command(after_help = EXIT_CODES)]
     Verify {
         /// NC text
         nc: PathBuf,
@@ -116,7 +131,7 @@ enum Command {
         certificate: Option<PathBuf>,
 
         #[command(flatten)]
-        run: RunArguments,
+        run: Box<RunArguments>,
     },
 }
 
@@ -198,6 +213,7 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
     let human = format == ErrorFormat::Human;
     let mut stages = Stages::default();
     stages.progress = terminal && human;
+    interrupt::watch(human);
     let outcome = work(&mut stages);
     let colour = terminal && std::env::var_os("NO_COLOR").is_none();
     let (sink, sources) = (&outcome.sink, &outcome.sources);
@@ -211,7 +227,8 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
         say(&stages.report());
     }
     let written = outcome.emitted.is_none_or(|text| print(&text));
-    if outcome.sink.has_errors() || !written { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    let exit = Exit::of_run(sink);
+    ended(if written { exit } else { exit.max(Exit::File) })
 }
 
 /// Prints the page of a code, or the list of all.
@@ -225,12 +242,17 @@ fn explain(code: Option<&str>) -> ExitCode {
         Some(code) => {
             let Some(found) = Code::find(code).or_else(|| Code::find(&format!("IMP{code:0>4}"))) else {
                 say(&format!("no diagnostic has the code {code}; `impellerc explain` lists them all\n"));
-                return ExitCode::FAILURE;
+                return ended(Exit::Text);
             };
             format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end())
         }
     };
-    if print(&text) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    ended(if print(&text) { Exit::Holds } else { Exit::File })
+}
+
+/// The code for the shell.
+fn ended(exit: Exit) -> ExitCode {
+    ExitCode::from(exit.number())
 }
 
 /// Writes to standard output; false when it was closed, as by `head`.

@@ -1,84 +1,410 @@
-//! Output files: written whole or not at all.
+//! Output files of a run. They are announced before the work: none of them may be a file that the run reads, or another
+//! output. They are written all together or not at all: each to a temporary file beside its place first, then all of them
+//! take their places; when one cannot, those before it are put back.
+//!
+//! A symbolic link goes on pointing to its file, which gets the new text. The new file has the rights of the old one, and
+//! its owner where the system allows that; a new name has the usual rights. Other hard links of the old file keep the old
+//! text: nobody asked for a change of theirs. Extended attributes are not carried over. Character devices and FIFOs are
+//! written to, last of all before the files take their places.
+
+pub mod interrupt;
+mod target;
 
 use crate::diag::{Diag, codes::files};
-use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use target::{Identity, Kind, Target};
 
-/// Tells whether a path can be written, without touching what is there.
-///
-/// # Errors
-/// A path that cannot be written, with the reason of the system.
-pub fn check(path: &Path) -> Result<(), Diag> {
-    temporary(path).map(drop)
+/// What is true of the files of a run that fails before its end.
+const NOTHING: &str = "nothing was written; every file is as it was";
+
+/// Beginning of the names of temporary files.
+const PREFIX: &str = ".impellerc-";
+
+/// The outputs of a run.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    inputs: Vec<(String, Identity)>,
+    announced: Vec<(String, Target)>,
+    staged: Vec<Staged>,
+    folders: Folders,
 }
 
-/// Writes a file in one step: to a temporary file in the same folder, which then takes the place of the old one. On
-/// any failure an existing file stays as it was.
-///
-/// # Errors
-/// A path that cannot be written, with the reason of the system.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diag> {
-    let mut file = temporary(path)?;
-    file.write_all(bytes)
-        .and_then(|()| file.as_file().sync_all())
-        .and_then(|()| readable(path, file.as_file()))
-        .map_err(|e| failed(path, &e.to_string()))?;
-    file.persist(path).map_err(|e| failed(path, &e.error.to_string()))?;
+/// An output that waits for its place.
+#[derive(Debug)]
+enum Staged {
+    File { shown: PathBuf, file: PathBuf, temporary: Temporary },
+    Stream { shown: PathBuf, bytes: Vec<u8> },
+}
+
+/// A temporary file beside an output. It is gone when it is dropped, or when a signal ends the program.
+#[derive(Debug)]
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        interrupt::hold().remove(&self.0);
+    }
+}
+
+/// Folders that were made for outputs. Those that are empty are gone when this is dropped.
+#[derive(Debug, Default)]
+struct Folders(Vec<PathBuf>);
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        let mut unfinished = interrupt::hold();
+        for folder in self.0.drain(..).rev() {
+            unfinished.remove_folder(&folder);
+        }
+    }
+}
+
+impl Outputs {
+    /// A file that the run reads, with its name in messages ("the job").
+    pub fn protect(&mut self, name: impl Into<String>, path: &Path) {
+        if let Some(identity) = target::identity(path) {
+            self.inputs.push((name.into(), identity));
+        }
+    }
+
+    /// An output that the run will write, by its flag; looked at without touching what is there.
+    ///
+    /// # Errors
+    /// A path that cannot be written, or that is an input or another output.
+    pub fn announce(&mut self, flag: &str, path: &Path) -> Result<(), Diag> {
+        let mut target = Target::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
+        if matches!(target.kind, Kind::New | Kind::Regular) {
+            // Whether the folder takes a new file, and whether its names differ by case.
+            let probe = temporary(&target).map_err(|e| failed(path, &target::reason(&e)).note(NOTHING))?.1;
+            target.identity = target.identity.with_case(target::case_matters(&probe.0));
+        }
+        let named = format!("`{flag} {}`", path.display());
+        self.meets(&named, &target)?;
+        self.announced.push((named, target));
+        Ok(())
+    }
+
+    /// A folder that outputs go to; it is made where it is missing.
+    ///
+    /// # Errors
+    /// A folder that cannot be made.
+    pub fn folder(&mut self, flag: &str, path: &Path) -> Result<(), Diag> {
+        let cannot = |reason: &str| {
+            Diag::error(files::CANNOT_WRITE, format!("the folder {} cannot be made: {reason}", path.display()))
+                .help(format!("give `{flag}` a folder, or a path at which one can be made"))
+        };
+        let missing: Vec<&Path> =
+            path.ancestors().take_while(|p| !p.as_os_str().is_empty() && std::fs::metadata(p).is_err()).collect();
+        for folder in missing.into_iter().rev() {
+            let mut unfinished = interrupt::hold();
+            // `a/..` exists as soon as `a` does.
+            if !folder.is_dir() {
+                std::fs::create_dir(folder).map_err(|e| cannot(&target::reason(&e)))?;
+                let made = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+                unfinished.folder(&made);
+                self.folders.0.push(made);
+            }
+        }
+        if path.is_dir() { Ok(()) } else { Err(cannot("a file is in its place")) }
+    }
+
+    /// Refuses a target that is an input, an output announced before, or where this program prints.
+    fn meets(&self, named: &str, target: &Target) -> Result<(), Diag> {
+        let meets = |message: String| {
+            Diag::error(files::MEETS, message).note(NOTHING).help("give each output a file of its own")
+        };
+        let is = |(_, other): &&(String, Identity)| target.identity.is(other);
+        if let Some((name, _)) = self.inputs.iter().find(is) {
+            return Err(meets(format!("{named} would destroy an input: it is {name}")));
+        }
+        if let Some((name, _)) = target::standard().iter().find(|(_, other)| target.identity.is(other)) {
+            let diag = meets(format!("{named} is where {name} goes: both texts would mix"));
+            return Err(diag.help("`--emit nc` prints the NC text alone; else give the output a file of its own"));
+        }
+        let device = target.kind == Kind::Device;
+        let other = self.announced.iter().find(|(_, other)| !device && target.identity.is(&other.identity));
+        other.map_or(Ok(()), |(name, _)| Err(meets(format!("{name} and {named} are the same file"))))
+    }
+
+    /// Writes an output to a temporary file beside its place. What was not announced is looked at here.
+    ///
+    /// # Errors
+    /// A path that cannot be written, or that became an input or another output since it was announced.
+    pub fn stage(&mut self, flag: &str, path: &Path, bytes: &[u8]) -> Result<(), Diag> {
+        let named = format!("`{flag} {}`", path.display());
+        if self.announced.iter().all(|(name, _)| *name != named) {
+            self.announce(flag, path)?;
+        }
+        let target = Target::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
+        let shown = path.to_path_buf();
+        let staged = match target.kind {
+            Kind::Device | Kind::Fifo => Staged::Stream { shown, bytes: bytes.to_vec() },
+            Kind::New | Kind::Regular => {
+                let written = temporary(&target).and_then(|(mut file, temporary)| {
+                    file.write_all(bytes)?;
+                    alike(&target, &file)?;
+                    file.sync_all()?;
+                    Ok(temporary)
+                });
+                let temporary = written.map_err(|e| failed(path, &target::reason(&e)).note(NOTHING))?;
+                Staged::File { shown, file: target.file, temporary }
+            }
+        };
+        self.staged.push(staged);
+        Ok(())
+    }
+
+    /// Puts all outputs in their places.
+    ///
+    /// # Errors
+    /// A path that cannot be written: then no file is changed, and the message says what devices already got.
+    pub fn commit(mut self) -> Result<(), Diag> {
+        let mut got = Vec::new();
+        for staged in &self.staged {
+            let Staged::Stream { shown, bytes } = staged else { continue };
+            stream(shown, bytes).map_err(|e| {
+                let part = format!("{} may have got a part of its text", shown.display());
+                told(failed(shown, &target::reason(&e)), &got, &[part])
+            })?;
+            got.push(shown.display().to_string());
+        }
+        // From here on signals wait, and come when all is done.
+        let mut unfinished = interrupt::hold();
+        let mut placed: Vec<(&Path, Option<PathBuf>)> = Vec::new();
+        let mut fault = None;
+        for staged in &self.staged {
+            let Staged::File { shown, file, temporary } = staged else { continue };
+            match place(file, &temporary.0) {
+                Ok(old) => placed.push((file, old)),
+                Err(reason) => {
+                    fault = Some(failed(shown, &reason));
+                    break;
+                }
+            }
+        }
+        if let Some(diag) = fault {
+            let undone = placed.into_iter().rev().map(|(file, old)| put_back(file, old.as_deref()));
+            let stays: Vec<String> = undone.filter_map(Result::err).collect();
+            drop(unfinished);
+            return Err(told(diag, &got, &stays));
+        }
+        for (file, old) in placed {
+            if let Some(old) = old {
+                let _ = std::fs::remove_file(old);
+            }
+            // The new name is on the disk when the folder is; a system that cannot do that loses nothing else.
+            let _ = File::open(target::folder(file)).and_then(|folder| folder.sync_all());
+        }
+        for staged in &self.staged {
+            match staged {
+                Staged::File { shown, temporary, .. } => {
+                    unfinished.forget(&temporary.0);
+                    unfinished.done(shown.display().to_string());
+                }
+                Staged::Stream { shown, .. } => unfinished.done(shown.display().to_string()),
+            }
+        }
+        for folder in self.folders.0.drain(..) {
+            unfinished.forget(&folder);
+        }
+        drop(unfinished);
+        Ok(())
+    }
+}
+
+/// An empty file beside an output; with the usual rights where the output is new, else private until it has those of the
+/// old file.
+fn temporary(target: &Target) -> std::io::Result<(File, Temporary)> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX);
+    #[cfg(unix)]
+    if target.kind == Kind::New {
+        use std::os::unix::fs::PermissionsExt as _;
+        // The system takes the mask of the user away.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut unfinished = interrupt::hold();
+    let (file, path) = builder.tempfile_in(target::folder(&target.file))?.keep().map_err(|e| e.error)?;
+    unfinished.file(&path);
+    Ok((file, Temporary(path)))
+}
+
+/// Gives a temporary file the owner and the rights of the file that it will replace.
+#[cfg(unix)]
+fn alike(target: &Target, file: &File) -> std::io::Result<()> {
+    use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, fchown};
+    if target.kind == Kind::New {
+        return Ok(());
+    }
+    let old = std::fs::metadata(&target.file)?;
+    let new = file.metadata()?;
+    let mut mode = old.mode() & 0o7777;
+    // Only the administrator gives files away; a group of one's own may be given.
+    let given = (old.uid() == new.uid() && old.gid() == new.gid())
+        || fchown(file, Some(old.uid()), Some(old.gid())).is_ok()
+        || (old.uid() == new.uid() && fchown(file, None, Some(old.gid())).is_ok());
+    if !given {
+        let group = fchown(file, None, Some(old.gid())).is_ok() || old.gid() == new.gid();
+        // Rights of the old group are not those of another one, and nobody runs the text as somebody else.
+        mode &= if group { 0o777 } else { 0o707 };
+    }
+    file.set_permissions(std::fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+fn alike(_target: &Target, _file: &File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// An empty file beside the output; it goes away when it is dropped.
-fn temporary(path: &Path) -> Result<tempfile::NamedTempFile, Diag> {
-    if path.is_dir() {
-        return Err(failed(path, "it is a folder"));
+/// Writes to a device or FIFO; never makes a file, nor empties one that took its place.
+fn stream(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+    if file.metadata()?.is_file() {
+        return Err(std::io::Error::other("it became a file during the run"));
     }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
+    file.write_all(bytes).and_then(|()| file.flush())
+}
+
+/// Puts a temporary file in its place. The old file, where there is one, gets another name beside it, which is returned.
+fn place(file: &Path, temporary: &Path) -> Result<Option<PathBuf>, String> {
+    // What came there since must not be moved away: a folder, a device.
+    let old = match Target::of(file)?.kind {
+        Kind::New => None,
+        Kind::Regular => Some(aside(file).map_err(|e| target::reason(&e))?),
+        Kind::Device | Kind::Fifo => return Err("it became a device during the run".to_owned()),
     };
-    tempfile::Builder::new().prefix(".impellerc-").tempfile_in(folder).map_err(|e| {
-        // The words of the system would name the temporary file.
-        let reason = match e.kind() {
-            ErrorKind::NotFound => "there is no such folder".to_owned(),
-            ErrorKind::PermissionDenied => "the folder may not be written to".to_owned(),
-            kind => kind.to_string(),
-        };
-        failed(path, &reason)
+    match std::fs::rename(temporary, file) {
+        Ok(()) => Ok(old),
+        Err(error) => {
+            if let Some(old) = old {
+                // A hard link is the same file still; what was moved goes back.
+                let _ = if std::fs::symlink_metadata(file).is_ok() {
+                    std::fs::remove_file(old)
+                } else {
+                    std::fs::rename(old, file)
+                };
+            }
+            Err(target::reason(&error))
+        }
+    }
+}
+
+/// A second name of a file; where the system has no hard links, its only one for a moment.
+fn aside(file: &Path) -> std::io::Result<PathBuf> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX);
+    let linked = builder.make_in(target::folder(file), |name| std::fs::hard_link(file, name));
+    let (_, path) = match linked {
+        Ok(linked) => linked.keep().map_err(|e| e.error)?,
+        Err(_) => {
+            builder.make_in(target::folder(file), |name| std::fs::rename(file, name))?.keep().map_err(|e| e.error)?
+        }
+    };
+    Ok(path)
+}
+
+/// Undoes [`place`]; where that fails, says where the old text is.
+fn put_back(file: &Path, old: Option<&Path>) -> Result<(), String> {
+    let done = match old {
+        Some(old) => std::fs::rename(old, file),
+        None => std::fs::remove_file(file),
+    };
+    done.map_err(|e| match old {
+        Some(old) => format!("{} has the new text ({e}); the old one is {}", file.display(), old.display()),
+        None => format!("{} has the new text: {e}", file.display()),
     })
 }
 
 fn failed(path: &Path, reason: &str) -> Diag {
     Diag::error(files::CANNOT_WRITE, format!("{} cannot be written: {reason}", path.display()))
-        .note("nothing was written; an existing file is as it was")
         .help("give a file in a folder that exists and that you may write to")
 }
 
-/// Temporary files are private; the output gets the rights of the file that it replaces, or the usual ones.
-#[cfg(unix)]
-fn readable(path: &Path, file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    let mode = std::fs::metadata(path).map_or(0o644, |m| m.permissions().mode() & 0o777);
-    file.set_permissions(std::fs::Permissions::from_mode(mode))
-}
-
-#[cfg(not(unix))]
-fn readable(_path: &Path, _file: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
+/// Says what was written all the same: by devices that got their text, and files that could not be put back.
+fn told(diag: Diag, got: &[String], stays: &[String]) -> Diag {
+    let diag = if stays.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
+    let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} got its whole text")));
+    stays.iter().fold(diag, |diag, stays| diag.note(stays.clone()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn folder(texts: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in texts {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        folder
+    }
+
+    fn texts(folder: &Path) -> Vec<(String, String)> {
+        let mut found: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap())
+            .filter(|entry| entry.path().is_file())
+            .map(|entry| (entry.file_name().into_string().unwrap(), std::fs::read_to_string(entry.path()).unwrap()))
+            .collect();
+        found.sort();
+        found
+    }
+
     #[test]
     fn replaces_whole_and_leaves_nothing_behind_on_failure() {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder(&[("part.nc", "old")]);
         let path = folder.path().join("part.nc");
-        write_whole(&path, b"first\n").unwrap();
-        write_whole(&path, b"second\n").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"second\n");
-        assert!(write_whole(folder.path(), b"x").is_err());
-        assert!(write_whole(&folder.path().join("no/such/part.nc"), b"x").is_err());
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        for text in ["first\n", "second\n"] {
+            let mut outputs = Outputs::default();
+            outputs.stage("-o", &path, text.as_bytes()).unwrap();
+            outputs.commit().unwrap();
+        }
+        let mut outputs = Outputs::default();
+        assert!(outputs.announce("-o", folder.path()).is_err());
+        assert!(outputs.announce("-o", &folder.path().join("no/such/part.nc")).is_err());
+        outputs.stage("-o", &path, b"third").unwrap();
+        drop(outputs);
+        assert_eq!(texts(folder.path()), [("part.nc".to_owned(), "second\n".to_owned())]);
+    }
+
+    /// The last of three cannot take its place, since a folder is there by then: the others are put back.
+    #[test]
+    fn all_outputs_or_none() {
+        let folder = folder(&[("a", "old a")]);
+        let at = |name: &str| folder.path().join(name);
+        let mut outputs = Outputs::default();
+        for name in ["a", "b", "c"] {
+            outputs.stage("-o", &at(name), b"new").unwrap();
+        }
+        std::fs::create_dir(at("c")).unwrap();
+        std::fs::write(at("c").join("inside"), "").unwrap();
+        let diag = outputs.commit().unwrap_err();
+        assert!(diag.message.contains("cannot be written"), "{diag:?}");
+        assert_eq!(texts(folder.path()), [("a".to_owned(), "old a".to_owned())]);
+        std::fs::remove_dir_all(at("c")).unwrap();
+        let mut outputs = Outputs::default();
+        for name in ["a", "b", "c"] {
+            outputs.stage("-o", &at(name), name.as_bytes()).unwrap();
+        }
+        outputs.commit().unwrap();
+        assert_eq!(texts(folder.path()), ["a", "b", "c"].map(|n| (n.to_owned(), n.to_owned())));
+    }
+
+    #[test]
+    fn folders_that_were_made_go_unless_something_was_written() {
+        let folder = folder(&[]);
+        let stock = folder.path().join("new/stock");
+        let mut outputs = Outputs::default();
+        outputs.folder("--stock", &stock).unwrap();
+        assert!(stock.is_dir());
+        drop(outputs);
+        assert!(!folder.path().join("new").exists());
+        let mut outputs = Outputs::default();
+        outputs.folder("--stock", &stock).unwrap();
+        outputs.stage("--stock", &stock.join("01.stl"), b"mesh").unwrap();
+        outputs.commit().unwrap();
+        assert_eq!(texts(&stock).len(), 1);
     }
 }

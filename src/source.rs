@@ -1,9 +1,39 @@
 //! Source texts and places in them.
 
 use std::ops::Range;
+use std::path::PathBuf;
+
+/// Where a file comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// Named on the command line: the job, NC text.
+    #[default]
+    Given,
+    /// Below the job's folder, or in a folder `_lib` there or above.
+    BesideJob,
+    /// In the folder of `--library`.
+    Library,
+    /// In the folder of `--curves`.
+    Curves,
+    /// Part of the compiler.
+    Shipped,
+}
+
+impl Origin {
+    /// The word for it in certificates and NC text.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::BesideJob => "beside job",
+            Self::Library => "library",
+            Self::Curves => "curves",
+            Self::Shipped => "shipped",
+        }
+    }
+}
 
 /// One file that takes part in a compilation.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct SourceFile {
     /// Name as the user wrote it.
     pub name: String,
@@ -11,9 +41,18 @@ pub struct SourceFile {
     pub text: String,
     /// Where it lies, seen from the working folder, when the name does not say that.
     pub path: Option<String>,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// The file itself, with symbolic links resolved; `None` for a text without a file.
+    pub disk: Option<PathBuf>,
 }
 
 impl SourceFile {
+    /// A text that no file stands behind.
+    pub fn text(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { name: name.into(), text: text.into(), ..Self::default() }
+    }
+
     /// Where it lies, seen from the working folder.
     pub fn path(&self) -> &str {
         self.path.as_deref().unwrap_or(&self.name)
@@ -117,16 +156,15 @@ fn begins_character(byte: u8) -> bool {
 }
 
 impl SourceMap {
-    /// Adds a file and returns its id.
+    /// Adds a text that no file stands behind and returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> SourceId {
-        self.add_at(name, text, None)
+        self.add_file(SourceFile::text(name, text))
     }
 
-    /// [`Self::add`] for a file whose name does not say where it lies, seen from the working folder.
-    pub fn add_at(&mut self, name: impl Into<String>, text: impl Into<String>, path: Option<String>) -> SourceId {
-        let text = text.into();
-        self.tables.push(Table::new(&text));
-        self.files.push(SourceFile { name: name.into(), text, path });
+    /// Adds a file and returns its id.
+    pub fn add_file(&mut self, file: SourceFile) -> SourceId {
+        self.tables.push(Table::new(&file.text));
+        self.files.push(file);
         SourceId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 

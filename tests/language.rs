@@ -6,9 +6,9 @@ use impellerc::contract::{ContractKind, Guarded, SurfaceClass};
 use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
-use impellerc::job::{self, Files, Found, Job, Missing};
+use impellerc::job::{self, Files, Job, Missing};
 use impellerc::method::{AxisMethod, Lines, Spacing, VaneSurface};
-use impellerc::source::{SourceId, SourceMap};
+use impellerc::source::{SourceFile, SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
 
@@ -19,24 +19,24 @@ const REDUCED: &str = include_str!("../jobs/reduced/reduced.imp");
 struct Memory;
 
 impl Files for Memory {
-    fn machine(&mut self, name: &str) -> Result<Found, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
         find(name, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<Found, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
         find(name, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<Found, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         find(path, &[("vane_curves.csv", include_str!("../jobs/reduced/vane_curves.csv"))])
     }
 }
 
-fn find(name: &str, files: &[(&str, &str)]) -> Result<Found, Missing> {
+fn find(name: &str, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {
     let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
     match files.iter().find(|f| f.0 == name) {
-        Some((name, text)) => Ok(Found { name: (*name).to_owned(), text: (*text).to_owned(), path: None }),
-        None => Err(Missing { reason: "not in memory".to_owned(), known }),
+        Some((name, text)) => Ok(SourceFile::text(*name, *text)),
+        None => Err(Missing { reason: "not in memory".to_owned(), known, ..Missing::default() }),
     }
 }
 

@@ -6,15 +6,18 @@
 pub mod code;
 pub mod codes;
 mod excerpt;
+pub mod exit;
 pub mod junit;
 pub mod render;
 pub mod sarif;
 mod shown;
 
 pub use code::Code;
+pub use exit::Exit;
 
 use crate::source::Span;
 use nalgebra::Point3;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// How grave a diagnostic is. An error stops the compilation; nothing is written.
@@ -76,6 +79,11 @@ pub struct Diag {
     pub fix: Option<Fix>,
     /// Place on the part.
     pub place: Option<Place>,
+}
+
+/// A text of several lines for a terminal: what would steer it, as names and contents of files may, is escaped.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    shown::visible(text)
 }
 
 impl Diag {

@@ -1,52 +1,82 @@
 //! Machine, tool and curve files on the disk, with the shipped library behind them.
 
 use super::reading;
+use crate::diag::codes::files;
+use crate::diag::{Diag, printable};
 use crate::job::files::shipped;
-use crate::job::{Files, Found, Missing};
+use crate::job::{Fault, Files, Missing};
+use crate::source::{Origin, SourceFile};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Largest library or curve file that is read.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// Files beside a job: the library given on the command line, then the `_lib` folders from the job's folder upward,
-/// then what ships with the compiler.
+/// Files of a job: the library given on the command line, then the `_lib` folders from the job's folder upward, then what
+/// ships with the compiler. The folder is that of the job file itself, with symbolic links resolved, so that neither the
+/// spelling of the job's path nor the working folder changes what is found.
 #[derive(Debug)]
 pub struct DiskFiles {
+    /// The job's folder as the user wrote it, for messages.
+    shown: PathBuf,
+    /// The job's folder itself.
     folder: PathBuf,
-    libraries: Vec<PathBuf>,
+    /// Another folder with curve files.
+    curves: Option<PathBuf>,
+    libraries: Vec<(PathBuf, Origin)>,
+}
+
+/// The folder itself, with symbolic links resolved.
+fn folder(flag: &str, path: &Path) -> Result<PathBuf, Diag> {
+    let fault = |reason: &str| {
+        Diag::error(files::CANNOT_READ, format!("`{flag} {}` cannot be read: {reason}", path.display()))
+            .help(format!("give `{flag}` a folder that exists, or leave it out"))
+    };
+    match path.canonicalize().and_then(|folder| std::fs::metadata(&folder).map(|m| (folder, m.is_dir()))) {
+        Ok((folder, true)) => Ok(folder),
+        Ok((_, false)) => Err(fault("it is no folder")),
+        Err(e) if e.kind() == ErrorKind::NotFound => Err(fault("there is no such folder")),
+        Err(e) => Err(fault(&reading::reason(&e))),
+    }
 }
 
 impl DiskFiles {
-    /// Files for a job at a path.
-    pub fn new(job: &Path, library: Option<PathBuf>) -> Self {
-        let folder = job.parent().map(Path::to_path_buf).unwrap_or_default();
-        let mut libraries: Vec<PathBuf> = library.into_iter().collect();
-        let absolute = std::path::absolute(&folder).unwrap_or_else(|_| folder.clone());
-        libraries.extend(absolute.ancestors().map(|dir| dir.join("_lib")).filter(|dir| dir.is_dir()));
-        Self { folder, libraries }
+    /// Files for a job at a path, with the folders of `--library` and `--curves`.
+    ///
+    /// # Errors
+    /// A folder of the command line that does not exist, or is none.
+    pub fn new(job: &Path, library: Option<&Path>, curves: Option<&Path>) -> Result<Self, Diag> {
+        let beside = |job: &Path| job.parent().map(Path::to_path_buf).unwrap_or_default();
+        let itself = job.canonicalize().unwrap_or_else(|_| job.to_path_buf());
+        let (shown, own) = (beside(job), beside(&itself));
+        let library = library.map(|path| folder("--library", path)).transpose()?;
+        let curves = curves.map(|path| folder("--curves", path)).transpose()?;
+        let above = own.ancestors().map(|dir| dir.join("_lib")).filter(|dir| dir.is_dir());
+        let above: Vec<_> = above.map(|dir| (dir, Origin::BesideJob)).collect();
+        let libraries = library.into_iter().map(|dir| (dir, Origin::Library)).chain(above).collect();
+        Ok(Self { shown, folder: own, curves, libraries })
     }
 
-    fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<Found, Missing> {
+    fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<SourceFile, Missing> {
         // A name is no path: it never leads out of the library.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'));
         if plain {
-            for library in &self.libraries {
+            let shown = format!("{kind}/{name}.toml");
+            for (library, origin) in &self.libraries {
                 let path = library.join(kind).join(format!("{name}.toml"));
-                if path.is_file() {
-                    return read(&path, &format!("{kind}/{name}.toml"))
-                        .map_err(|reason| Missing { reason, known: Vec::new() });
+                match std::fs::symlink_metadata(&path) {
+                    // What is there and cannot be read is told: another file of the same name would be another machine.
+                    Ok(_) => return read(&path, &shown, *origin),
+                    Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+                    Err(e) => return Err(unreadable(reading::reason(&e))),
                 }
             }
             if let Some((_, text)) = shipped.iter().find(|s| s.0 == name) {
-                return Ok(Found {
-                    name: format!("{kind}/{name}.toml (shipped)"),
-                    text: (*text).to_owned(),
-                    path: None,
-                });
+                return Ok(SourceFile { origin: Origin::Shipped, ..SourceFile::text(shown, *text) });
             }
         }
         let mut known: Vec<String> = shipped.iter().map(|s| s.0.to_owned()).collect();
-        for library in &self.libraries {
+        for (library, _) in &self.libraries {
             let entries = std::fs::read_dir(library.join(kind)).into_iter().flatten().flatten();
             known.extend(entries.filter_map(|e| e.file_name().to_str()?.strip_suffix(".toml").map(str::to_owned)));
         }
@@ -54,32 +84,67 @@ impl DiskFiles {
         known.dedup();
         let reason = match self.libraries.len() {
             0 => "no `_lib` folder lies beside or above the job; only the shipped library was searched".to_owned(),
-            n => format!("searched {n} `_lib` folder(s) and the shipped library"),
+            n => format!("searched {n} library folder(s) and the shipped library"),
         };
-        Err(Missing { reason, known })
+        Err(Missing { reason, known, ..Missing::default() })
+    }
+
+    /// The file that a path of the job means, with symbolic links resolved, and the folder that it lies in.
+    fn curve_file(&self, path: &str) -> Result<(PathBuf, Origin), Missing> {
+        let mut fault = Missing { reason: "there is no such file".to_owned(), ..Missing::default() };
+        for start in [Some(&self.folder), self.curves.as_ref()].into_iter().flatten() {
+            match start.join(path).canonicalize() {
+                Ok(file) if file.starts_with(&self.folder) => return Ok((file, Origin::BesideJob)),
+                Ok(file) if self.curves.as_ref().is_some_and(|c| file.starts_with(c)) => {
+                    return Ok((file, Origin::Curves));
+                }
+                Ok(_) => {
+                    let reason = "it lies outside of the job's folder".to_owned();
+                    fault = Missing { fault: Fault::Outside, reason, ..Missing::default() };
+                }
+                Err(e) if e.kind() == ErrorKind::NotFound => {}
+                Err(e) => fault = unreadable(reading::reason(&e)),
+            }
+        }
+        Err(fault)
     }
 }
 
-fn read(path: &Path, name: &str) -> Result<Found, String> {
-    let bytes = reading::read(path, MAX_BYTES).map_err(|e| reading::reason(&e))?;
-    let bytes = bytes.ok_or_else(|| format!("it has more than the {} MB that are read", MAX_BYTES >> 20))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))?;
-    Ok(Found { name: name.to_owned(), text, path: None })
+fn unreadable(reason: String) -> Missing {
+    Missing { fault: Fault::Unreadable, reason, ..Missing::default() }
+}
+
+/// A regular file; anything else, as a device, could have no end.
+fn read(path: &Path, name: &str, origin: Origin) -> Result<SourceFile, Missing> {
+    let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
+    if !(regular.is_file() || regular.is_dir()) {
+        return Err(unreadable("it is no regular file".to_owned()));
+    }
+    let bytes = reading::read(path, MAX_BYTES).map_err(|e| unreadable(reading::reason(&e)))?;
+    let bytes =
+        bytes.ok_or_else(|| unreadable(format!("it has more than the {} MB that are read", MAX_BYTES >> 20)))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
+    })?;
+    let disk = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    Ok(SourceFile { origin, disk: Some(disk), ..SourceFile::text(printable(name), text) })
 }
 
 impl Files for DiskFiles {
-    fn machine(&mut self, name: &str) -> Result<Found, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
         self.find("machines", name, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<Found, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
         self.find("tools", name, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<Found, Missing> {
-        let whole = self.folder.join(path);
-        let found = read(&whole, path).map_err(|reason| Missing { reason, known: Vec::new() })?;
-        Ok(Found { path: Some(whole.display().to_string()), ..found })
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        let (file, origin) = self.curve_file(path)?;
+        let found = read(&file, path, origin)?;
+        let as_written = self.shown.join(path);
+        let same = as_written.canonicalize().is_ok_and(|f| f == file);
+        let shown = if same { as_written } else { file };
+        Ok(SourceFile { path: Some(shown.display().to_string()), ..found })
     }
 }

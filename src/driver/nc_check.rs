@@ -1,13 +1,17 @@
 //! `impellerc verify`: NC text against its job.
 
-use super::{Options, Outcome, RunOptions, Stages, find_post, front, reading, report, rest_stock};
+use super::{
+    Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, reading, report, rest_stock,
+    save, shown_path,
+};
 use crate::diag::codes::post as codes;
-use crate::diag::{Aborted, Diag, Sink};
+use crate::diag::{Aborted, Diag, Sink, printable};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
 use crate::ir::Program;
+use crate::output::Outputs;
 use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
-use crate::source::{SourceId, SourceMap, Span};
+use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
 use std::path::{Path, PathBuf};
 
@@ -46,13 +50,14 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         );
         return Err(Aborted);
     }
-    check.run.check(&mut outcome.sink)?;
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
     let program = check.job.as_ref().map(|job| program(check, job, stages, outcome)).transpose()?;
     let inputs = super::inputs(&outcome.sources);
-    let nc = outcome.sources.add(check.nc.display().to_string(), text);
+    let disk = |path: &Path| path.canonicalize().ok();
+    let nc = SourceFile { disk: disk(&check.nc), ..SourceFile::text(shown_path(&check.nc), text) };
+    let nc = outcome.sources.add_file(nc);
     if let Some((shown, bytes, file)) = &file {
         let belong = Belonging { sources: &outcome.sources, nc, shown, bytes, file };
         report.push_str(&belong.check(program.is_some().then_some(&inputs), &mut outcome.sink));
@@ -81,6 +86,12 @@ fn measure(
     outcome: &mut Outcome,
 ) -> Result<Certificate, Aborted> {
     let Outcome { sources, sink, emitted, contracts } = outcome;
+    let mut outputs = Outputs::default();
+    if let Some(path) = &check.certificate {
+        outputs.protect(format!("the certificate `{}`", path.display()), path);
+    }
+    let outputs = before_work(outputs, &check.run, &[], sources, program).map_err(|d| sink.push(d));
+    let Ok(mut outputs) = outputs else { return Err(Aborted) };
     let shown = check.nc.display().to_string();
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     // Without a name on the command line the text itself says its dialect; a text without any is read as the job's, so
@@ -93,8 +104,12 @@ fn measure(
     let known = sink.diags().len();
     let mut stock = Vec::new();
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
-    let asked =
-        rest_stock::Asked { cell: check.run.stock_cell, folder: check.run.stock.as_deref(), stages: stages_asked };
+    let asked = rest_stock::Asked {
+        cell: check.run.stock_cell,
+        folder: check.run.stock.as_deref(),
+        outputs: &mut outputs,
+        stages: stages_asked,
+    };
     let names = rest_stock::names(program, &motion.motion);
     let certificate = stages.watched("verify", |progress| {
         rest_stock::simulated(asked, &names, sink, |settings, sink| {
@@ -108,7 +123,7 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
-    if let Some(path) = &check.run.report {
+    let html = check.run.report.as_ref().map(|_| {
         let nc = sources.get(source).map_or(0, |f| f.text.lines().count());
         let shown = report::Shown {
             program,
@@ -120,13 +135,17 @@ fn measure(
             post: post.name(),
             hash: &inputs.sha256,
         };
-        report::write(path, &shown, stages, sink)?;
-    }
+        report::html(&shown, stages, sink)
+    });
+    let file = check.run.report.as_deref().zip(html.as_deref());
+    let file = file.map(|(path, html)| ("--report", path, html.as_bytes()));
+    save(outputs, file.into_iter()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
     let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
-    text.push_str(&format!("\n{shown}: {moves} moves read as {}\n", post.name()));
+    text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
+    text.push_str(&meshes_written(&check.run, &motion.motion));
     if let Some(path) = &check.run.report {
-        text.push_str(&format!("wrote {}\n", path.display()));
+        text.push_str(&format!("wrote {}\n", shown_path(path)));
     }
     *emitted = Some(text);
     Ok(certificate)
@@ -174,6 +193,16 @@ impl Belonging<'_> {
                         file.nc.body_lines,
                         body.lines().count()
                     )),
+            );
+        }
+        if let Some(edited) = file.nc.head_difference(&text.text) {
+            differs(
+                Diag::error(
+                    codes::CERTIFICATE_OTHER,
+                    format!("the head of the text is not the one that {shown} was written for: line {edited} differs"),
+                )
+                .label(line(edited), "here or below")
+                .note("the comments before the first block name tools, zero, machine and figures"),
             );
         }
         let named = |word| certificate_file::named(&text.text, word);
@@ -229,8 +258,9 @@ impl Belonging<'_> {
             return String::new();
         }
         format!(
-            "{} and {shown} belong together: {} lines, body sha256 {}, inputs sha256 {}, {}{}\n",
-            text.name,
+            "{} and {} belong together: {} lines, body sha256 {}, inputs sha256 {}, {}{}\n",
+            printable(&text.name),
+            printable(shown),
             file.nc.body_lines,
             file.nc.body_sha256,
             file.inputs.sha256,
@@ -245,9 +275,15 @@ const DIGITS: (f64, f64) = (1e-3, 1e-3);
 
 /// Contracts of a certificate against those measured on the text.
 fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
-    let says = file.contracts();
-    let all = serde_json::to_value(measured).map(|measured| CertificateFile { measured, ..file.clone() }.contracts());
-    let found = all.unwrap_or_default();
+    let says = certificate_file::contracts(&file.measured).unwrap_or_default();
+    let found = serde_json::to_value(measured).ok().and_then(|measured| certificate_file::contracts(&measured));
+    let Some(found) = found else {
+        sink.push(
+            Diag::error(codes::CERTIFICATE_FIGURES, "a contract measured on the text has no figure to compare")
+                .help("trust no certificate for a text that cannot be measured"),
+        );
+        return;
+    };
     for (kind, bound, value, _) in says.iter().skip(found.len()) {
         sink.push(
             Diag::error(

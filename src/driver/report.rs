@@ -1,14 +1,12 @@
 //! Writing the report: gathers what the stages made.
 
 use super::stages::Stages;
-use crate::diag::{Aborted, Sink};
+use crate::diag::Sink;
 use crate::export::report::{self, Input, StockStage};
 use crate::ir::{ClPlan, Motion, Program};
-use crate::output;
 use crate::post::NcProgram;
 use crate::post::motion_of::NcMotion;
 use crate::verify::Certificate;
-use std::path::Path;
 
 /// What a run has to show, whether its NC was accepted or not.
 pub(super) struct Shown<'a> {
@@ -25,12 +23,9 @@ pub(super) struct Shown<'a> {
     pub(super) hash: &'a str,
 }
 
-/// Writes the report whole or not at all.
-///
-/// # Errors
-/// A path that cannot be written; the reason is in the sink.
-pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &mut Sink) -> Result<(), Aborted> {
-    let html = stages.run("report", || {
+/// The report as a text.
+pub(super) fn html(shown: &Shown<'_>, stages: &mut Stages, sink: &Sink) -> String {
+    stages.run("report", || {
         let (samples, deviations) = report::deviations(shown.program, shown.certificate);
         report::report(&Input {
             program: shown.program,
@@ -46,8 +41,7 @@ pub(super) fn write(path: &Path, shown: &Shown<'_>, stages: &mut Stages, sink: &
             notes: shown.notes,
             stock: shown.stock,
         })
-    });
-    output::write_whole(path, html.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)
+    })
 }
 
 /// Where the moves stand in NC text.

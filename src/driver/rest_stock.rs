@@ -1,11 +1,11 @@
 //! Verification with the stock after each operation written as a mesh.
 
 use super::RunOptions;
-use crate::diag::codes::files;
+use crate::diag::codes::verification;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::report::StockStage;
 use crate::ir::{Motion, Program};
-use crate::output;
+use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::stock::{Field, Mesh};
 use crate::verify::{self, Certificate, Verified, stock::Settings};
@@ -17,6 +17,8 @@ pub(super) struct Asked<'a> {
     pub(super) cell: Option<f64>,
     /// Where to write the meshes.
     pub(super) folder: Option<&'a Path>,
+    /// Takes the meshes as files, which wait there for the other outputs.
+    pub(super) outputs: &'a mut Outputs,
     /// Gets the meshes for the report.
     pub(super) stages: Option<&'a mut Vec<StockStage>>,
 }
@@ -27,13 +29,13 @@ pub(super) fn examine(
     options: &RunOptions,
     program: &Program,
     motion: Motion,
-    stages: &mut Vec<StockStage>,
+    (stages, outputs): (&mut Vec<StockStage>, &mut Outputs),
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
     let names = names(program, &motion);
     let stages = options.report.is_some().then_some(stages);
-    let asked = Asked { cell: options.stock_cell, folder: options.stock.as_deref(), stages };
+    let asked = Asked { cell: options.stock_cell, folder: options.stock.as_deref(), outputs, stages };
     simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
 }
 
@@ -49,14 +51,14 @@ pub(super) fn simulated<T>(
     sink: &mut Sink,
     work: impl FnOnce(&mut Settings<'_>, &mut Sink) -> Result<T, Aborted>,
 ) -> Result<T, Aborted> {
-    let Asked { cell, folder, mut stages } = asked;
+    let Asked { cell, folder, outputs, mut stages } = asked;
     let wanted = folder.is_some() || stages.is_some();
     let mut failed: Option<Diag> = None;
     let mut after = |o: usize, field: &Field| {
         let name = names.get(o).map_or("", String::as_str);
         let mesh = field.mesh();
         if let (Some(folder), None) = (folder, &failed) {
-            failed = output::write_whole(&path(folder, o, name), &mesh.stl(name)).err();
+            failed = outputs.stage("--stock", &path(folder, o, name), &mesh.stl(name)).err();
         }
         if let Some(stages) = &mut stages {
             stages.push(stage(name, mesh));
@@ -82,15 +84,23 @@ fn stage(name: &str, mesh: Mesh) -> StockStage {
 }
 
 /// Mesh file of an operation: numbered, so that a listing shows them in the order of machining.
-fn path(folder: &Path, operation: usize, name: &str) -> PathBuf {
+pub(super) fn path(folder: &Path, operation: usize, name: &str) -> PathBuf {
     folder.join(format!("{:02}-{name}.stl", operation + 1))
 }
 
-/// Makes the folder where it is missing.
-pub(super) fn check(folder: &Path) -> Result<(), Diag> {
-    std::fs::create_dir_all(folder).map_err(|e| {
-        Diag::error(files::CANNOT_WRITE, format!("the folder {} cannot be made: {e}", folder.display()))
-            .help("give `--stock` a folder, or a path at which one can be made")
-    })?;
-    output::check(&path(folder, 0, "stock"))
+/// Refuses cells larger than the usual ones: a collision would be lost between them. Cells that are too fine for memory
+/// are refused when the stock is made.
+pub(super) fn check_cell(cell: f64, profile: &[[f64; 2]]) -> Result<(), Diag> {
+    // Rounded down, so that the figure that is told is allowed.
+    let most = (verify::stock::usual_cell(profile) * 1e3).floor() / 1e3;
+    if cell > 0.0 && cell <= most {
+        return Ok(());
+    }
+    let why = if cell > most {
+        format!("they are larger than {most} mm, so that a collision could be lost between them")
+    } else {
+        "their edge is no length above zero".to_owned()
+    };
+    Err(Diag::error(verification::STOCK_CELL, format!("the stock cannot be simulated with cells of {cell} mm: {why}"))
+        .help(format!("give `--stock-cell` at most {most} on this part, or leave it out")))
 }

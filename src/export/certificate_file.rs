@@ -1,31 +1,37 @@
 //! The certificate as a file beside the NC text, and the question whether a text and a file belong together.
 //!
-//! Both hold hashes (SHA-256, hexadecimal) of each other: the file that of the text's body, the head of the text that of
-//! the whole file. The body is everything from the first block on, so that the comments at the head may name the file.
+//! Both hold hashes (SHA-256, hexadecimal) of each other: the file those of the text's body and of its head, the head of
+//! the text that of the whole file. The body is everything from the first block on; the head is the comments before it, but
+//! for the line that names the file.
 //! The form is described in `docs/certificate.md` and `docs/certificate.schema.json`.
 
+use crate::source::Origin;
 use crate::verify::Certificate;
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Number, Value};
 use sha2::{Digest, Sha256};
+use std::fmt;
 
 /// Name of the form, first in every file.
 pub const FORMAT: &str = "impellerc-certificate";
 
 /// Version of the form: grows when a field changes its meaning or goes.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Lines in a run of the body that has a hash of its own.
 pub const RUN: usize = 100;
 
-/// Digits that the hash of a run keeps: it says where texts differ, the hash of the body says whether.
-const RUN_DIGITS: usize = 16;
+/// Digits that the hash of a run or of a line of the head keeps: it says where texts differ, the whole hash says whether.
+const DIGITS: usize = 16;
 
 /// A text that the program was made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
     /// Name: of the job without its folder, of the others as the job calls them.
     pub name: String,
+    /// Where it was found: the word of an [`Origin`].
+    pub origin: String,
     /// Length.
     pub bytes: u64,
     /// SHA-256 of the text.
@@ -57,6 +63,10 @@ pub struct Lines {
 pub struct NcText {
     /// Dialect.
     pub post: String,
+    /// SHA-256 of the head without the line that names the certificate.
+    pub head_sha256: String,
+    /// First digits of the SHA-256 of every line of it: they say which one was edited.
+    pub head: Vec<String>,
     /// SHA-256 of the body.
     pub body_sha256: String,
     /// Lines of the body.
@@ -96,15 +106,16 @@ fn hexadecimal(hash: Sha256) -> String {
 }
 
 impl Inputs {
-    /// Hashes of texts by name.
-    pub fn new<'a>(texts: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
+    /// Hashes of texts with their names and origins.
+    pub fn new<'a>(texts: impl IntoIterator<Item = (String, Origin, &'a str)>) -> Self {
         let mut all = Sha256::new();
         let mut files = Vec::new();
-        for (name, text) in texts {
+        for (name, origin, text) in texts {
             // Lengths keep texts apart; names are left out, so that the same job elsewhere hashes the same.
             all.update((text.len() as u64).to_le_bytes());
             all.update(text.as_bytes());
-            files.push(InputFile { name: name.to_owned(), bytes: text.len() as u64, sha256: sha256(text.as_bytes()) });
+            let (bytes, sha256) = (text.len() as u64, sha256(text.as_bytes()));
+            files.push(InputFile { name, origin: origin.word().to_owned(), bytes, sha256 });
         }
         Self { sha256: hexadecimal(all), files }
     }
@@ -147,24 +158,59 @@ pub fn body(text: &str) -> (usize, &str) {
     (line, rest)
 }
 
-/// The lines of a text with their ends.
+/// The lines of the head with their ends and numbers, without the first one that names the certificate.
+fn head(text: &str) -> Vec<(usize, &str)> {
+    let (starts, _) = body(text);
+    let mut lines: Vec<(usize, &str)> = (1..starts).zip(text.split_inclusive('\n')).collect();
+    if let Some(at) = lines.iter().position(|(_, line)| after(line, HEAD[2]).is_some()) {
+        lines.remove(at);
+    }
+    lines
+}
+
+/// What follows a word that a comment begins with.
+fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
+    line.trim_start().strip_prefix([';', '('])?.trim_start().strip_prefix(word)
+}
+
+fn in_short(text: &str) -> String {
+    sha256(text.as_bytes()).chars().take(DIGITS).collect()
+}
+
+/// Hashes of the runs of a body, in short.
 fn runs(body: &str) -> Vec<String> {
     let lines: Vec<&str> = body.split_inclusive('\n').collect();
-    lines.chunks(RUN).map(|run| sha256(run.concat().as_bytes()).chars().take(RUN_DIGITS).collect()).collect()
+    lines.chunks(RUN).map(|run| in_short(&run.concat())).collect()
 }
 
 impl NcText {
     /// Hashes of a text.
     pub fn new(post: &str, text: &str, operations: Vec<Lines>) -> Self {
         let (body_starts, body) = body(text);
+        let head: Vec<&str> = head(text).into_iter().map(|(_, line)| line).collect();
         Self {
             post: post.to_owned(),
+            head_sha256: sha256(head.concat().as_bytes()),
+            head: head.into_iter().map(in_short).collect(),
             body_sha256: sha256(body.as_bytes()),
             body_lines: body.lines().count(),
             body_starts,
             runs: runs(body),
             operations,
         }
+    }
+
+    /// The line of the head of a text that is the first to differ, from 1; the line after the head where one is missing.
+    /// `None` when the heads are the same.
+    pub fn head_difference(&self, text: &str) -> Option<usize> {
+        let lines = head(text);
+        let whole: String = lines.iter().map(|(_, line)| *line).collect();
+        if sha256(whole.as_bytes()) == self.head_sha256 {
+            return None;
+        }
+        let known = self.head.iter().map(Some).chain(std::iter::repeat(None));
+        let differs = lines.iter().zip(known).find(|((_, line), known)| *known != Some(&in_short(line)));
+        Some(differs.map_or(lines.last().map_or(1, |(number, _)| number + 1), |((number, _), _)| *number))
     }
 
     /// The first lines of a text that differ from the text that was hashed here (first and last, from 1), and the
@@ -219,7 +265,7 @@ impl CertificateFile {
     /// # Errors
     /// Text that is not of this form, with the reason.
     pub fn read(text: &str) -> Result<Self, String> {
-        let value: Value = serde_json::from_str(text).map_err(|e| format!("it is not JSON: {e}"))?;
+        let Strict(value) = serde_json::from_str(text).map_err(|e| format!("it is not JSON: {e}"))?;
         if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
             return Err(format!("it does not begin with the format {FORMAT}"));
         }
@@ -230,38 +276,120 @@ impl CertificateFile {
                 None => "it does not say the version of its form".to_owned(),
             });
         }
-        serde_json::from_value(value).map_err(|e| format!("its form is broken: {e}"))
+        let file: Self = serde_json::from_value(value).map_err(|e| format!("its form is broken: {e}"))?;
+        let contracts = contracts(&file.measured).ok_or("its form is broken: its contracts have no figures")?;
+        match contracts.iter().find(|c| !c.3) {
+            Some(broken) => Err(format!("its contract `{}` does not hold", broken.0)),
+            None => Ok(file),
+        }
+    }
+}
+
+/// A contract as a certificate says it: name with its scope, bound, found value, whether it holds.
+pub type Judged = (String, f64, f64, bool);
+
+/// Contracts of what was measured; `None` when one of them has no figures.
+pub fn contracts(measured: &Value) -> Option<Vec<Judged>> {
+    let figures = |c: &Value| {
+        let scope = c.get("scope").and_then(Value::as_str).unwrap_or_default();
+        Some((
+            format!("{} {scope}", c.get("kind")?.as_str()?).trim_end().to_owned(),
+            c.get("bound")?.as_f64()?,
+            c.get("found")?.as_f64()?,
+            c.get("holds")?.as_bool()?,
+        ))
+    };
+    measured.get("contracts")?.as_array()?.iter().map(figures).collect()
+}
+
+/// JSON in which no key stands twice and every number is finite: of two values of one key readers take one or the other.
+struct Strict(Value);
+
+impl<'de> Deserialize<'de> for Strict {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(StrictVisitor).map(Self)
+    }
+}
+
+struct StrictVisitor;
+
+impl<'de> Visitor<'de> for StrictVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value of JSON")
     }
 
-    /// Contracts as the file says them: name with its scope, bound, found value, whether it holds.
-    pub fn contracts(&self) -> Vec<(String, f64, f64, bool)> {
-        let all = self.measured.get("contracts").and_then(Value::as_array);
-        all.into_iter()
-            .flatten()
-            .filter_map(|c| {
-                let scope = c.get("scope").and_then(Value::as_str).unwrap_or_default();
-                Some((
-                    format!("{} {scope}", c.get("kind")?.as_str()?).trim_end().to_owned(),
-                    c.get("bound")?.as_f64()?,
-                    c.get("found")?.as_f64()?,
-                    c.get("holds")?.as_bool()?,
-                ))
-            })
-            .collect()
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(Value::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(Value::from(value))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(Value::from(value))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Value, E> {
+        Number::from_f64(value).map(Value::Number).ok_or_else(|| E::custom("a number is not finite"))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(Value::from(value))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut all = Vec::new();
+        while let Some(Strict(item)) = items.next_element()? {
+            all.push(item);
+        }
+        Ok(Value::Array(all))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let mut all = Map::new();
+        while let Some((key, Strict(value))) = entries.next_entry::<String, Strict>()? {
+            if all.contains_key(&key) {
+                return Err(A::Error::custom(format!("the key `{key}` stands twice")));
+            }
+            all.insert(key, value);
+        }
+        Ok(Value::Object(all))
     }
 }
 
 /// Word in the head of an NC text before the hash of its inputs, of its body, and of its certificate.
 pub const HEAD: [&str; 3] = ["inputs sha256 ", "body sha256 ", "certificate sha256 "];
 
+/// Digits of a hash.
+const HASH: usize = 64;
+
+/// What stands for a hash that is not known yet.
+pub const BLANK: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
 /// A hash that the head of a text names, by its word in [`HEAD`].
 pub fn named<'a>(text: &'a str, word: &str) -> Option<&'a str> {
     let (starts, _) = body(text);
     text.lines().take(starts.saturating_sub(1)).find_map(|line| {
-        let after = &line[line.find(word)? + word.len()..];
+        let after = after(line, word)?;
         let end = after.find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(after.len());
-        (end == 64).then_some(&after[..end])
+        (end == HASH).then_some(&after[..end])
     })
+}
+
+/// Puts a hash in the place of its blank in a line of the head, if it is that line. Says whether it was.
+pub fn fill(line: &mut String, word: &str, hash: &str) -> bool {
+    let due = after(line, word).is_some_and(|after| after.starts_with(BLANK));
+    if due {
+        *line = line.replacen(BLANK, hash, 1);
+    }
+    due
 }
 
 #[cfg(test)]
@@ -304,10 +432,45 @@ mod tests {
         let cut = format!("; head\n{}", lines[..200].concat());
         assert_eq!(nc.first_difference(&cut), Some((201, 201, Some("two"))));
         assert_eq!(nc.first_difference(&format!("{text}M2\n")), Some((202, 252, Some("two"))));
+        // The head: any line but that of the certificate, one more, one less.
+        let head = |lines: &[&str]| format!("{}G17\n", lines.concat());
+        let [a, c, b] = ["; a\n", "; certificate sha256 12\n", "; b\n"];
+        let known = NcText::new("any", &head(&[a, c, b]), Vec::new());
+        assert_eq!(known.head_difference(&head(&[a, "; certificate sha256 34\n", b])), None);
+        assert_eq!(known.head_difference(&head(&[a, c, "; d\n"])), Some(3));
+        assert_eq!(known.head_difference(&head(&[a, c, b, c])), Some(4));
+        assert_eq!(known.head_difference(&head(&[c, b])), Some(2));
+        assert_eq!(known.head_difference(&head(&[a, c])), Some(2));
+        assert_eq!(known.head_difference(&head(&[])), Some(1));
         // Hashes of the runs that were forged to fit an edited text, or a hash of the body that fits none.
         let forged = NcText { runs: NcText::new("any", &changed, Vec::new()).runs, ..nc.clone() };
         assert_eq!(forged.first_difference(&changed), Some((2, 251, None)));
         let forged = NcText { body_sha256: "0".repeat(64), ..nc };
         assert_eq!(forged.first_difference(&text), Some((2, 251, None)));
+    }
+
+    #[test]
+    fn json_is_read_strictly() {
+        let read = |text: &str| serde_json::from_str::<Strict>(text).map(|s| s.0).map_err(|e| e.to_string());
+        let text = r#"{"a": [1, -2, 2.5, null, true, "\u0041"], "b": {"a": {}}}"#;
+        assert_eq!(read(text).unwrap(), serde_json::from_str::<Value>(text).unwrap());
+        for twice in [r#"{"a": 1, "a": 1}"#, r#"[{"b": {"a": 1, "c": 2, "\u0061": 3}}]"#] {
+            assert!(read(twice).unwrap_err().contains("the key `a` stands twice"), "{twice}");
+        }
+        for bad in ["1e999", "NaN", "[Infinity]", "{} {}"] {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+        // Nesting without an end is no end of the program.
+        assert!(read(&"[".repeat(100_000)).is_err());
+    }
+
+    #[test]
+    fn hashes_are_named_by_lines_that_begin_with_their_word() {
+        let hash = sha256(b"x");
+        let forged = format!("; allowed: body sha256 {hash}\n; body sha256 {BLANK}\nG17\n");
+        assert_eq!(named(&forged, HEAD[1]), Some(BLANK));
+        let mut line = format!("(body sha256 {BLANK})");
+        assert!(!fill(&mut line, HEAD[0], &hash) && fill(&mut line, HEAD[1], &hash));
+        assert_eq!(line, format!("(body sha256 {hash})"));
     }
 }

@@ -17,6 +17,15 @@ pub(super) fn read(
     sink: &mut Sink,
 ) -> Option<(Vec<[f64; 3]>, Vec<Span>)> {
     let text = &sources.get(source)?.text;
+    if let Some(fault) = no_table(text) {
+        sink.push(
+            Diag::error(codes::CURVE_FILE, format!("the curve file `{}` is no table of points", file.text))
+                .label(file.span, "read here")
+                .note(fault)
+                .help("a line is `curve,number,x,y,z`; comments begin with #"),
+        );
+        return None;
+    }
     let mut points = Vec::new();
     let mut spans = Vec::new();
     let mut names: BTreeSet<&str> = BTreeSet::new();
@@ -63,6 +72,37 @@ pub(super) fn read(
         return None;
     }
     good.then_some((points, spans))
+}
+
+/// Whether a line has the form that is due: a plain name, a number that counts, three coordinates.
+fn is_point(line: &str) -> bool {
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let [name, number, coordinates @ ..] = fields.as_slice() else { return false };
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | ' ');
+    !name.is_empty()
+        && name.chars().all(plain)
+        && number.parse::<usize>().is_ok()
+        && coordinates.len() == 3
+        && coordinates.iter().all(|c| c.parse::<f64>().is_ok())
+}
+
+/// Why a text is no table of points, without a word of it: it may be a file that was never meant to be shown. A table may
+/// have faulty lines, which are shown, but most are as they have to be.
+fn no_table(text: &str) -> Option<String> {
+    if let Some(at) = text.lines().position(|line| line.chars().any(|c| c.is_control() && c != '\t')) {
+        return Some(format!("line {} has a control character", at + 1));
+    }
+    let lines = text.lines().zip(1..).map(|(line, number)| (line.trim(), number));
+    let (mut good, mut bad, mut first) = (0_usize, 0_usize, 0);
+    for (line, number) in lines.filter(|(line, _)| !(line.is_empty() || line.starts_with('#'))) {
+        if is_point(line) {
+            good += 1;
+        } else {
+            bad += 1;
+            first = if first == 0 { number } else { first };
+        }
+    }
+    (bad > good).then(|| format!("{bad} of its {} lines have another form, the first of them line {first}", good + bad))
 }
 
 fn fault(span: Span, file: &Text, what: String) -> Diag {

@@ -1,40 +1,45 @@
 //! What the job needs from outside: the driver reads files, the job only asks for them.
 
+use crate::source::SourceFile;
+
 /// Answers requests for files. The driver reads the disk; tests answer from memory.
 pub trait Files {
     /// Text of a machine file.
     ///
     /// # Errors
     /// [`Missing`] when there is none or it cannot be read.
-    fn machine(&mut self, name: &str) -> Result<Found, Missing>;
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing>;
 
     /// Text of a tool library.
     ///
     /// # Errors
     /// [`Missing`] when there is none or it cannot be read.
-    fn tools(&mut self, name: &str) -> Result<Found, Missing>;
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing>;
 
-    /// Text of a curve file beside the job.
+    /// Text of a curve file.
     ///
     /// # Errors
     /// [`Missing`] when there is none or it cannot be read.
-    fn curves(&mut self, path: &str) -> Result<Found, Missing>;
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing>;
 }
 
-/// A file that was found.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
-    /// Name to show.
-    pub name: String,
-    /// Its text.
-    pub text: String,
-    /// Where it lies, seen from the working folder, when the name does not say that.
-    pub path: Option<String>,
+/// Why there is no text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Fault {
+    /// No such file.
+    #[default]
+    Absent,
+    /// The file is there and cannot be read.
+    Unreadable,
+    /// The file lies where a job may not read.
+    Outside,
 }
 
 /// Why a file is not there.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Missing {
+    /// What kind of fault.
+    pub fault: Fault,
     /// Reason in words: where it was looked for, or why it cannot be read.
     pub reason: String,
     /// Names that exist.

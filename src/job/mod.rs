@@ -15,6 +15,6 @@ pub mod quantity;
 mod resolve;
 mod tools;
 
-pub use files::{Files, Found, Missing};
+pub use files::{Fault, Files, Missing};
 pub use model::Job;
 pub use resolve::resolve;

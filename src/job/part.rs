@@ -2,6 +2,7 @@
 
 use super::curve_file;
 use super::eval::{mismatch, suggest, unknown_unit};
+use super::files::Fault;
 use super::limits;
 use super::model::{CurveRef, CurveSpec, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
@@ -265,18 +266,21 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> 
     let found = match cx.files.curves(&file.text) {
         Ok(found) => found,
         Err(missing) => {
-            cx.sink.push(
-                Diag::error(file_codes::CANNOT_READ, format!("the curve file `{}` cannot be read", file.text))
-                    .label(file.span, missing.reason)
-                    .help("give its path relative to the job file"),
-            );
+            let (code, help) = match missing.fault {
+                Fault::Outside => {
+                    (file_codes::OUTSIDE, "put it below the job's folder, or name its folder by `--curves`")
+                }
+                _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
+            };
+            let diag = Diag::error(code, format!("the curve file `{}` cannot be read", file.text));
+            cx.sink.push(diag.label(file.span, missing.reason).help(help));
             return None;
         }
     };
     let known = cx.sources.files().iter().position(|f| f.name == found.name && f.text == found.text);
     let source = match known {
         Some(at) => crate::source::SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
-        None => cx.sources.add_at(found.name, found.text, found.path),
+        None => cx.sources.add_file(found),
     };
     curve_file::read(source, cx.sources, file, curve, cx.sink)
 }

@@ -1,7 +1,7 @@
 //! From the syntax tree to the [`Job`].
 
 use super::eval::{Scope, suggest};
-use super::files::{Files, Missing};
+use super::files::{Fault, Files, Missing};
 use super::library::{self, ToolLibrary};
 use super::model::{
     ClampingSpec, ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, StockSpec,
@@ -149,7 +149,7 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
     let (what, _) = single(file, "machine", "use machine \"5mc850-c\"", pick, cx)?;
     match cx.files.machine(&what.text) {
         Ok(found) => {
-            let source = cx.sources.add_at(found.name, found.text, found.path);
+            let source = cx.sources.add_file(found);
             library::machine(&what.text, source, cx.sources, what.span, cx.sink)
         }
         Err(missing) => {
@@ -160,6 +160,11 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
 }
 
 fn not_in_library(kind: &str, what: &Text, missing: &Missing) -> Diag {
+    if missing.fault == Fault::Unreadable {
+        return Diag::error(file_codes::CANNOT_READ, format!("the {kind} file `{}` cannot be read", what.text))
+            .label(what.span, missing.reason.clone())
+            .help("correct the file in the library, or name another one");
+    }
     let diag = Diag::error(file_codes::NOT_IN_LIBRARY, format!("there is no {kind} file `{}`", what.text));
     let known: Vec<_> = missing.known.iter().map(String::as_str).collect();
     let inner = Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span };
@@ -175,7 +180,7 @@ fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
         }
         match cx.files.tools(&what.text) {
             Ok(found) => {
-                let source = cx.sources.add_at(found.name, found.text, found.path);
+                let source = cx.sources.add_file(found);
                 library::tools(source, cx.sources, what.span, &mut library, cx.sink);
             }
             Err(missing) => cx.sink.push(not_in_library("tool", what, &missing)),

@@ -86,8 +86,9 @@ finished part only; this looks at what the operations so far have left.\n\n\
 Way out: a longer reach, a slimmer holder, or an operation before that opens the way.";
     STOCK_CELL = "IMP0733", "the stock cannot be simulated with these cells",
         "The simulation of the stock sends rays through it, one for each cell of its three faces. Cells must be above \
-zero, and not so fine that the rays outgrow memory.\n\nExample: `--stock-cell 0.001` on a part of 120 mm.\n\n\
-Way out: a larger `--stock-cell`.";
+zero, and not so fine that the rays outgrow memory. Nor may they be larger than the usual ones (1 mm, more for parts over \
+200 mm): between larger cells a collision of the shank would not be seen.\n\nExample: `--stock-cell 0.001` or \
+`--stock-cell 30` on a part of 120 mm.\n\nWay out: a `--stock-cell` between both; the help line names the bound.";
     LINK_CUTS = "IMP0735", "a link cuts",
         "A move at more than the process feed of its operation is a link: it is there to go through air. Here one removes \
 more than a cell of stock, for which its feed was never chosen. It is an error where the link removes more a minute than any \

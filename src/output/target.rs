@@ -1,0 +1,231 @@
+//! What a path means: the file behind symbolic links, and whether two paths are one file.
+
+use std::ffi::OsString;
+use std::fs::Metadata;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Most symbolic links in a row, as on Linux.
+const MOST_LINKS: usize = 40;
+
+/// A file or folder that exists, however it is spelt.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Node {
+    /// Device and number on it.
+    #[cfg(unix)]
+    Number(u64, u64),
+    /// Path with symbolic links resolved.
+    #[cfg(not(unix))]
+    Path(PathBuf),
+}
+
+impl Node {
+    #[cfg(unix)]
+    fn new(_path: &Path, metadata: &Metadata) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt as _;
+        Some(Self::Number(metadata.dev(), metadata.ino()))
+    }
+
+    #[cfg(not(unix))]
+    fn new(path: &Path, _metadata: &Metadata) -> Option<Self> {
+        path.canonicalize().ok().map(Self::Path)
+    }
+
+    fn of(path: &Path) -> Option<Self> {
+        Self::new(path, &std::fs::metadata(path).ok()?)
+    }
+}
+
+/// A file, existing or not.
+#[derive(Clone, Debug)]
+pub(super) struct Identity {
+    existing: Option<Node>,
+    folder: Option<Node>,
+    name: OsString,
+    /// Names in its folder differ by more than case.
+    case_matters: bool,
+}
+
+impl Identity {
+    /// Whether both are one file, or would be.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        if self.existing.is_some() && self.existing == other.existing {
+            return true;
+        }
+        let lower = |name: &OsString| name.to_string_lossy().to_lowercase();
+        self.folder.is_some()
+            && self.folder == other.folder
+            && (self.name == other.name || (!self.case_matters && lower(&self.name) == lower(&other.name)))
+    }
+}
+
+/// What stands at the place of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Nothing yet.
+    New,
+    /// A file, which is replaced.
+    Regular,
+    /// A character device: written to, by several outputs if need be.
+    Device,
+    /// A FIFO: written to.
+    Fifo,
+}
+
+/// The place of an output.
+#[derive(Clone, Debug)]
+pub(super) struct Target {
+    /// Path with the symbolic link at its end resolved: where the text goes.
+    pub(super) file: PathBuf,
+    pub(super) kind: Kind,
+    pub(super) identity: Identity,
+}
+
+/// The folder of a path.
+pub(super) fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// A path whose last component is no symbolic link.
+fn followed(path: &Path) -> Result<PathBuf, String> {
+    let mut at = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(to) = std::fs::read_link(&at) else { return Ok(at) };
+        // Such a link is an open file of a process, `/dev/stdout` and `/dev/fd/3` among them. Its owner goes on with the
+        // file that is open, not with one that takes its place.
+        if folder(&at).canonicalize().is_ok_and(|f| f.starts_with("/proc")) {
+            return Err("it is a file that is open already".to_owned());
+        }
+        at = folder(&at).join(to);
+    }
+    Err("its symbolic links lead in a circle".to_owned())
+}
+
+/// Whether names in a folder differ by case alone: whether a file with small letters there answers to large ones.
+pub(super) fn case_matters(file: &Path) -> bool {
+    let Some(name) = file.file_name().and_then(|n| n.to_str()) else { return true };
+    let other = file.with_file_name(name.to_uppercase());
+    other == file || Node::of(&other).is_none_or(|node| Some(node) != Node::of(file))
+}
+
+impl Target {
+    /// Looks at a path without touching what is there.
+    ///
+    /// # Errors
+    /// The reason why nothing can be written there.
+    pub(super) fn of(path: &Path) -> Result<Self, String> {
+        if path.as_os_str().is_empty() {
+            return Err("the path is empty".to_owned());
+        }
+        let (file, kind) = match std::fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => return Err("it is a folder".to_owned()),
+            Ok(metadata) if metadata.is_file() => (followed(path)?, Kind::Regular),
+            Ok(metadata) => (path.to_path_buf(), special(&metadata)?),
+            Err(e) if e.kind() == ErrorKind::NotFound => (followed(path)?, Kind::New),
+            Err(e) => return Err(reason(&e)),
+        };
+        let ends_open =
+            path.as_os_str().as_encoded_bytes().last().is_some_and(|b| std::path::is_separator(char::from(*b)));
+        let Some(name) = file.file_name().filter(|_| !ends_open).map(OsString::from) else {
+            return Err("it names a folder".to_owned());
+        };
+        let identity = Identity { existing: Node::of(path), folder: Node::of(folder(&file)), name, case_matters: true };
+        if identity.folder.is_none() {
+            return Err("there is no such folder".to_owned());
+        }
+        if kind == Kind::Regular {
+            writable(&file)?;
+        }
+        Ok(Self { file, kind, identity })
+    }
+}
+
+/// A file that is read, or a folder; `None` when it does not exist.
+pub(super) fn identity(path: &Path) -> Option<Identity> {
+    let path = path.canonicalize().ok()?;
+    let name = path.file_name().map(OsString::from).unwrap_or_default();
+    Some(Identity { existing: Node::of(&path), folder: Node::of(folder(&path)), name, case_matters: true })
+}
+
+/// Whether a file may be replaced: its rights speak, also to those who may do everything.
+fn writable(file: &Path) -> Result<(), String> {
+    let metadata = std::fs::metadata(file).map_err(|e| reason(&e))?;
+    if metadata.permissions().readonly() {
+        return Err("it is read-only".to_owned());
+    }
+    // Opened without being emptied, a file stays as it is.
+    std::fs::OpenOptions::new().write(true).open(file).map(drop).map_err(|e| match e.kind() {
+        ErrorKind::PermissionDenied => "you may not write to it".to_owned(),
+        _ => reason(&e),
+    })
+}
+
+/// Why a path cannot be written, in words.
+pub(super) fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such folder".to_owned(),
+        ErrorKind::PermissionDenied => "the folder may not be written to".to_owned(),
+        ErrorKind::StorageFull => "the disk is full".to_owned(),
+        ErrorKind::FileTooLarge => "it is larger than a file may be".to_owned(),
+        ErrorKind::QuotaExceeded => "your share of the disk is used up".to_owned(),
+        ErrorKind::ReadOnlyFilesystem => "the disk is read-only".to_owned(),
+        kind => kind.to_string(),
+    }
+}
+
+#[cfg(unix)]
+fn special(metadata: &Metadata) -> Result<Kind, String> {
+    use std::os::unix::fs::FileTypeExt as _;
+    let kind = metadata.file_type();
+    if kind.is_char_device() {
+        Ok(Kind::Device)
+    } else if kind.is_fifo() {
+        Ok(Kind::Fifo)
+    } else if kind.is_block_device() {
+        Err("it is a disk".to_owned())
+    } else {
+        Err("it is a socket".to_owned())
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_metadata: &Metadata) -> Result<Kind, String> {
+    Err("it is no regular file".to_owned())
+}
+
+/// The files that standard output and standard error go to, with their names. Devices other than a terminal are left out:
+/// what two write to `/dev/null` does not mix.
+#[cfg(unix)]
+pub(super) fn standard() -> Vec<(&'static str, Identity)> {
+    use std::io::IsTerminal as _;
+    use std::os::fd::AsFd as _;
+    use std::os::unix::fs::FileTypeExt as _;
+    let (out, err) = (std::io::stdout(), std::io::stderr());
+    let mut found = Vec::new();
+    for (name, fd, terminal) in
+        [("standard output", out.as_fd(), out.is_terminal()), ("standard error", err.as_fd(), err.is_terminal())]
+    {
+        let metadata = fd.try_clone_to_owned().and_then(|fd| std::fs::File::from(fd).metadata());
+        let Ok(metadata) = metadata else { continue };
+        if terminal || !metadata.file_type().is_char_device() {
+            let existing = Node::new(Path::new(""), &metadata);
+            found.push((name, Identity { existing, folder: None, name: OsString::new(), case_matters: true }));
+        }
+    }
+    found
+}
+
+#[cfg(not(unix))]
+pub(super) fn standard() -> Vec<(&'static str, Identity)> {
+    Vec::new()
+}
+
+impl Identity {
+    /// With what was found about names in its folder.
+    pub(super) fn with_case(self, case_matters: bool) -> Self {
+        Self { case_matters, ..self }
+    }
+}
