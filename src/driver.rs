@@ -383,14 +383,17 @@ fn written(
     (nc, file)
 }
 
-/// Where the operations stand in the text.
+/// Where the operations stand in the text: their moves with the transformation on.
 fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Lines> {
     let mut found: Vec<Lines> = Vec::new();
     for (i, line) in nc.lines.iter().enumerate() {
         let Some((operation, index)) = line.source else { continue };
         let Some(operation) = motion.operations.get(operation as usize) else { continue };
+        if index == 0 || index as usize + 1 == operation.moves.len() {
+            continue;
+        }
         match found.last_mut() {
-            Some(lines) if index > 0 => lines.last = i + 1,
+            Some(lines) if index > 1 => lines.last = i + 1,
             _ => {
                 let name = program.operations[operation.operation].name.clone();
                 found.push(Lines { name, first: i + 1, last: i + 1 });

@@ -237,7 +237,8 @@ fn meant(linuxcnc: &LinuxCnc) -> Result<Vec<Meant>, String> {
 /// Compares every move under the kinematics with our reader's, and its joints with our machine's where the module has the
 /// machine. Gives their number.
 fn compare(linuxcnc: &LinuxCnc, machine: &Machine, text: &str, kinematics: bool) -> Result<usize, String> {
-    let read = post::find("linuxcnc").unwrap().read(text, machine).map_err(|faults| format!("{faults:?}"))?;
+    let sections = post::find("linuxcnc").unwrap().read(text, machine).map_err(|faults| format!("{faults:?}"))?;
+    let read: Vec<NcMove> = sections.into_iter().flat_map(|s| s.moves).collect();
     let all = meant(linuxcnc)?;
     let meant: Vec<&Meant> = all.iter().filter(|m| m.transformed).collect();
     if meant.len() != read.len() {
@@ -262,7 +263,7 @@ fn alike(meant: &Meant, read: &NcMove) -> Result<(), String> {
         // A way at rapid may be written at a feed that the joints keep.
         && (!meant.rapid || read.rapid)
         && tip < 1e-9
-        && meant.tool.to_string() == *read.tool
+        && meant.tool.to_string() == read.tool.to_string()
         && (meant.length - TOOL_LENGTH).abs() < 1e-9
         && read.feed.is_none_or(|f| (f - meant.feed).abs() < 1e-6);
     if same {

@@ -12,7 +12,7 @@ use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, Missing};
 use impellerc::lower;
-use impellerc::post::{self, motion_of::motion_of};
+use impellerc::post::{self, MOST_FAULTS, Post, motion_of::motion_of};
 use impellerc::source::{Origin, SourceFile, SourceId, SourceMap, Span};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -330,7 +330,8 @@ static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     let plan = impellerc::passes::pipeline::run(&program, &mut sink).unwrap();
     let (motion, _) = impellerc::verify::verify(&program, plan.motion, &mut sink).unwrap();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
-    let whole = post::POSTS.iter().map(|p| p.emit(&support::program_for(p.name(), &program), &motion, &[]).text());
+    let of = |p: &dyn Post| p.emit(&support::program_for(p.name(), &program), &motion, &[]).text();
+    let whole = post::POSTS.iter().map(|p| of(*p));
     let texts = whole.map(|text| {
         let lines: Vec<&str> = text.lines().collect();
         let ends = lines.len() - 12;
@@ -350,10 +351,11 @@ proptest! {
         let text = changed(&texts[which], &changes);
         let lines = text.lines().count().max(1);
         let file = SourceId(7);
-        match post::POSTS[which].read(&text, &program.machine) {
-            Ok(moves) => {
+        let machine = support::program_for(post::POSTS[which].name(), program).machine;
+        match post::POSTS[which].read(&text, &machine) {
+            Ok(sections) => {
                 let mut sink = Sink::default();
-                let motion = motion_of(program, &moves, &|line| Span::new(file, line..line), &mut sink);
+                let motion = motion_of(program, &sections, &|line| Span::new(file, line..line), &mut sink);
                 prop_assert!(motion.is_some() || sink.has_errors(), "{:?}", sink.diags());
                 for diag in sink.diags().iter().filter(|d| d.severity == Severity::Error) {
                     let mut own = diag.labels.iter().filter(|l| l.span.source == file);
@@ -364,7 +366,7 @@ proptest! {
                 }
             }
             Err(faults) => {
-                prop_assert!(!faults.is_empty() && faults.len() <= 20);
+                prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
                 prop_assert!(faults.iter().all(|f| (1..=lines).contains(&f.line) && !f.reason.is_empty()));
             }
         }
@@ -380,9 +382,8 @@ fn the_originals_are_read() {
     }
     let (program, texts) = &*NC;
     for (post, text) in post::POSTS.iter().zip(texts) {
-        let program = &support::program_for(post.name(), program);
-        let moves = post.read(text, &program.machine).unwrap();
-        assert!(motion_of(program, &moves, &|_| Span::default(), &mut Sink::default()).is_some(), "{}", post.name());
+        let sections = post.read(text, &support::program_for(post.name(), program).machine).unwrap();
+        assert!(motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).is_some(), "{}", post.name());
     }
     let (text, nc) = &*CERTIFICATE;
     assert_eq!(CertificateFile::read(text).unwrap().nc.first_difference(nc), None);

@@ -64,11 +64,27 @@ fn a_changed_text_is_noticed() {
     for post in post::POSTS {
         let (program, motion) = program(*post);
         let nc = written(*post);
-        let moves: Vec<usize> =
-            nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some()).map(|(i, _)| i).collect();
+        let poses = nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some() && l.text.contains(" Z"));
+        let mut moves: Vec<usize> = poses.map(|(i, _)| i).collect();
+        let up = moves.pop().unwrap();
         let judge = |lines: Vec<String>| post::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
         let lines = || nc.lines.iter().map(|l| l.text.clone()).collect::<Vec<_>>();
         assert!(judge(lines()).is_ok());
+        // The stations at retract height.
+        for at in [up, moves[0]] {
+            let mut dropped = lines();
+            dropped.remove(at);
+            assert!(judge(dropped).is_err());
+        }
+        let placed = nc.lines.iter().position(|l| l.source == Some((0, 0))).unwrap();
+        for (at, from, to) in [(placed, " Y", " Y1"), (placed, " X", " X1"), (placed - 1, "C", "C1"), (up, " Z", " Z1")]
+        {
+            let mut moved = lines();
+            let plus = moved[at].replacen(from, to, 1);
+            assert_ne!(moved[at], plus);
+            moved[at] = plus;
+            assert!(judge(moved).is_err(), "{}: {to} in {}", post.name(), lines()[at]);
+        }
         for at in moves.iter().step_by(97) {
             let mut dropped = lines();
             dropped.remove(*at);

@@ -94,12 +94,9 @@ fn measure(
     let Ok(mut outputs) = outputs else { return Err(Aborted) };
     let shown = check.nc.display().to_string();
     let text = sources.get(source).map_or("", |f| f.text.as_str());
-    // Without a name on the command line the text itself says its dialect; a text without any is read as the job's, so
-    // that the reader says what it lacks.
-    let post = match check.run.post.as_ref().map_or_else(|| post::recognise(text), |_| None) {
-        Some(post) => post,
-        None => find_post(program, sink)?,
-    };
+    // The dialect is the one on the command line, or the job's, unless the text clearly has the words of another.
+    let post = find_post(program, sink)?;
+    let post = if check.run.post.is_some() { post } else { post::clearly_other(text, post).unwrap_or(post) };
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
     let mut stock = Vec::new();
@@ -345,7 +342,12 @@ fn read_motion(
 ) -> Result<NcMotion, Aborted> {
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
-    let moves = post.read(text, &program.machine).map_err(|faults| {
+    let before = sink.diags().len();
+    post.check_machine(&program.machine, sink);
+    if sink.diags().len() > before {
+        return Err(Aborted);
+    }
+    let sections = post.read(text, &program.machine).map_err(|faults| {
         let meant = post::recognise(text);
         let help = match meant {
             Some(meant) if meant.name() == post.name() => {
@@ -360,14 +362,14 @@ fn read_motion(
         let told = if meant.is_some() { faults.len() } else { 1 };
         for fault in faults.into_iter().take(told) {
             sink.push(
-                Diag::error(codes::NC_BLOCK, format!("line {} is not understood: {}", fault.line, fault.reason))
+                Diag::error(codes::NC_BLOCK, format!("line {}: {}", fault.line, fault.reason))
                     .label(span(fault.line), "this block")
                     .help(help.clone()),
             );
         }
         Aborted
     })?;
-    motion_of(program, &moves, &span, sink).ok_or(Aborted)
+    motion_of(program, &sections, &span, sink).ok_or(Aborted)
 }
 
 /// A finding with the NC block that makes it in front, and the job line of its operation behind.

@@ -52,7 +52,8 @@ pub struct Inputs {
 pub struct Lines {
     /// Operation.
     pub name: String,
-    /// Line of the first and of the last move, from 1. Move `index` of the operation stands in line `first + index`.
+    /// Line of the first and of the last move with the transformation on, from 1. Move `index` of the operation stands in
+    /// line `first + index - 1`; move 0 is the way to the first target, in front of it, the last move the retract behind.
     pub first: usize,
     /// As above.
     pub last: usize,

@@ -1,11 +1,15 @@
 //! LinuxCNC with the xyzac-trt kinematics.
 //!
-//! M428 switches tool centre point kinematics on, M429 off (remaps of the trt simulations). The words A and C have the
-//! opposite of the ISO sense. Feed is G94: under these kinematics X Y Z are the tip in the part frame, so that F is the
-//! feed of the tip, as in the motion; all blocks at feed move the tip. Every block carries all five words.
+//! M428 switches tool centre point kinematics on, M429 off (remaps of the trt simulations). Feed is G94: under these
+//! kinematics X Y Z are the tip in the part frame, so that F is the feed of the tip, as in the motion; all blocks at feed
+//! move the tip. Every block with the kinematics on carries all five words.
+//!
+//! The head takes back what a program that was aborted can have left: M429 alone first, since any change of tool length with
+//! the kinematics on makes the axes jump; then tool length, offsets and rotation. Axes move with the kinematics off in the
+//! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there A and C, then X and Y.
 
 use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, feed, fixed};
-use super::{NcLine, NcMove, NcProgram, Post, ReadError, read_linuxcnc};
+use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_linuxcnc};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine};
@@ -29,7 +33,23 @@ impl Post for LinuxCnc {
         "LinuxCNC with xyzac-trt kinematics: M428, rotary words, G94"
     }
 
+    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        for (name, axis) in [("A", &machine.tilt), ("C", &machine.turn)] {
+            if axis.word_sign > 0.0 {
+                sink.push(
+                    Diag::error(
+                        post::SENSE,
+                        format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC has the opposite", machine.name),
+                    )
+                    .note("under xyzac-trt kinematics a positive word turns the work right-handed")
+                    .help("a machine file that says `sense = \"opposite\"` for A and C, as it is at the machine, or another post"),
+                );
+            }
+        }
+    }
+
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        self.check_machine(&program.machine, sink);
         words::check(program, motion, sink);
         for operation in &motion.operations {
             let tool = &program.tools[program.operations[operation.operation].tool];
@@ -47,12 +67,12 @@ impl Post for LinuxCnc {
         emit(program, motion.get(), header)
     }
 
-    fn read(&self, text: &str, _machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
-        read_linuxcnc::read(text)
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        read_linuxcnc::read(text, machine)
     }
 
     fn recognises(&self, code: &str) -> bool {
-        const OWN: [&str; 6] = ["M428", "M429", "G43", "G53", "G64", "G21"];
+        const OWN: [&str; 6] = ["M428", "M429", "G43", "G49", "G92.1", "G21"];
         let mut words = code.split_whitespace();
         let first = words.next().unwrap_or_default().to_ascii_uppercase();
         // On the other control rotary words have an equals sign.
@@ -68,32 +88,42 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
     for line in header {
         nc.line(format!("({})", words::comment(line)));
     }
+    for line in ["M429", "G21 G17 G90 G40 G49 G80 G94 G97 G8 G54", "G92.1", "G10 L2 P1 R0"] {
+        nc.line(line);
+    }
     // Q0: the naive cam detector would merge five-axis blocks.
-    let chord = fixed(program.tolerances.chord.get(), 4);
-    nc.line(format!("G21 G17 G90 G40 G49 G80 G94 G54 G64 P{chord} Q0"));
+    nc.line(format!("G64 P{} Q0", fixed(program.tolerances.chord.get(), 4)));
+    let retract = format!("G53 G0 Z{}", fixed(program.machine.retract, LENGTH_DECIMALS));
     for (o, operation) in motion.operations.iter().enumerate() {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
+        let machine = &program.machine;
+        let Some((first, rest)) = operation.moves.split_first() else { continue };
+        let Some((last, between)) = rest.split_last() else { continue };
+        let source = |i: usize| Some((u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX)));
         nc.line(format!("({})", words::comment(&declared.name)));
-        nc.line("M429");
-        nc.line("G53 G0 Z0");
+        nc.line(retract.clone());
         nc.line(format!("T{} M6", tool.number));
-        nc.line(format!("G43 H{}", tool.number));
         nc.line(format!("S{} M3", fixed(declared.speed.get(), 0)));
+        nc.line(format!("G53 G0 {}", rotary(machine, &first.joints)));
+        let [x, y] = [first.joints.xyz.x, first.joints.xyz.y].map(|x| fixed(x, LENGTH_DECIMALS));
+        nc.lines.push(NcLine { text: format!("G53 G0 X{x} Y{y}"), source: source(0) });
+        nc.line(format!("G43 H{}", tool.number));
         nc.line("M8");
-        if let Some(first) = operation.moves.first() {
-            nc.line(format!("G0 {}", rotary(&first.joints)));
-        }
         nc.line("M428");
         let mut last_feed = String::new();
-        for (i, m) in operation.moves.iter().enumerate() {
-            let source = Some((u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX)));
-            let text = block(program, m, &mut last_feed);
+        for (i, m) in between.iter().enumerate() {
+            let text = block(machine, m, &mut last_feed);
             debug_assert!(text.len() <= LONGEST_LINE);
-            nc.lines.push(NcLine { text, source });
+            nc.lines.push(NcLine { text, source: source(i + 1) });
         }
         nc.line("M429");
-        nc.line("G53 G0 Z0");
+        nc.line("G49");
+        let height = last.joints.xyz.z + tool.length();
+        nc.lines.push(NcLine {
+            text: format!("G53 G0 Z{}", fixed(height, LENGTH_DECIMALS)),
+            source: source(between.len() + 1),
+        });
         nc.line("M9");
         nc.line("M5");
     }
@@ -101,10 +131,10 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
     nc
 }
 
-fn block(program: &Program, m: &JointMove, last_feed: &mut String) -> String {
-    let p = program.machine.forward(&m.joints).tip;
+fn block(machine: &Machine, m: &JointMove, last_feed: &mut String) -> String {
+    let p = machine.forward(&m.joints).tip;
     let w = |x: f64| fixed(x, LENGTH_DECIMALS);
-    let words = format!("X{} Y{} Z{} {}", w(p.x), w(p.y), w(p.z), rotary(&m.joints));
+    let words = format!("X{} Y{} Z{} {}", w(p.x), w(p.y), w(p.z), rotary(machine, &m.joints));
     if m.kind == MoveKind::Rapid {
         return format!("G0 {words}");
     }
@@ -117,8 +147,8 @@ fn block(program: &Program, m: &JointMove, last_feed: &mut String) -> String {
     text
 }
 
-/// Rotary words: the opposite of the ISO sense.
-fn rotary(joints: &Joints) -> String {
-    let w = |x: f64| fixed(-x.to_degrees(), ANGLE_DECIMALS);
-    format!("A{} C{}", w(joints.a), w(joints.c))
+/// Rotary words in the sense of the machine.
+fn rotary(machine: &Machine, joints: &Joints) -> String {
+    let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
+    format!("A{} C{}", w(joints.a, machine.tilt.word_sign), w(joints.c, machine.turn.word_sign))
 }

@@ -1,11 +1,12 @@
-//! From the moves that a reader found to the motion of the machine.
+//! From the sections that a reader found to the motion of the machine.
 //!
 //! The other way round than in compilation: the operations of the job are found again in the order of the text, each by
 //! its tool and its spindle speed; the rotary axes stand where the control would turn them; times follow from feeds and
-//! axis speeds. Nothing is mended: what the job does not allow is a fault with its line.
+//! axis speeds. Where the axes stand when the transformation is switched on is the first station of an operation, the
+//! retract after it the last. Nothing is mended: what the job does not allow is a fault with its line.
 
 use super::read_back::says_tool;
-use super::{Direction, NcMove};
+use super::{Direction, NcMove, NcSection};
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
 use crate::kin::{Joints, Machine, inverse};
@@ -30,7 +31,7 @@ impl NcMotion {
 }
 
 /// Most faults of one text that are told.
-const MOST_FAULTS: usize = 20;
+const MOST_FAULTS: usize = super::MOST_FAULTS;
 
 /// Feed and spindle speed above the job's that is rounding, as a share.
 const ROUNDING: f64 = 1e-6;
@@ -45,38 +46,35 @@ const STILL: (f64, f64) = (1e-6, 1e-4);
 /// angle (radians, over the speed of the axis, with room for C near the pole).
 const QUANTUM: (f64, f64) = (2e-4, 1e-6);
 
-/// Makes the motion of the moves. Faults go to the sink under the spans of their lines; `span` gives the span of a
+/// Makes the motion of the sections. Faults go to the sink under the spans of their lines; `span` gives the span of a
 /// line. `None` when there are faults with which no motion can be measured.
 pub fn motion_of(
     program: &Program,
-    moves: &[NcMove],
+    sections: &[NcSection],
     span: &dyn Fn(usize) -> Span,
     sink: &mut Sink,
 ) -> Option<NcMotion> {
-    let sections = sections(moves);
     let mut reader = Interpreter { program, span, sink, sound: true, told: 0 };
     let mut result = NcMotion::default();
-    let mut before = (0.0, 0.0);
     let operations: Vec<(OperationId, &Operation)> = program.operations.iter().collect();
     for (k, section) in sections.iter().enumerate() {
-        let first = section.first()?;
         let Some((id, operation)) = operations.get(k) else {
             reader.fatal(
                 post::NC_OPERATIONS,
-                first.line,
+                section.moves.first().map_or(section.start.line, |m| m.line),
                 format!("the text has {} operations; the job has {}", sections.len(), operations.len()),
                 "take out what the job does not ask for, or add the operation to the job",
             );
             break;
         };
-        if reader.belongs(section, *id, operation, k) {
-            let (moves, lines) = reader.section(section, *id, operation, &mut before);
+        if reader.belongs(&section.moves, *id, operation, k) {
+            let (moves, lines) = reader.section(section, *id, operation);
             result.motion.operations.push(moves);
             result.lines.push(lines);
         }
     }
     if sections.len() < operations.len() {
-        let line = moves.last().map_or(1, |m| m.line);
+        let line = sections.last().map_or(1, |s| s.retract.map_or(s.start.line, |r| r.0));
         let missing: Vec<String> = operations[sections.len()..].iter().map(|(_, o)| format!("`{}`", o.name)).collect();
         reader.fatal(
             post::NC_OPERATIONS,
@@ -86,19 +84,6 @@ pub fn motion_of(
         );
     }
     reader.sound.then_some(result)
-}
-
-/// Cuts the moves where the transformation was switched on.
-fn sections(moves: &[NcMove]) -> Vec<&[NcMove]> {
-    let mut sections = Vec::new();
-    let mut from = 0;
-    for i in 1..=moves.len() {
-        if i == moves.len() || moves[i].start.is_some() {
-            sections.push(&moves[from..i]);
-            from = i;
-        }
-    }
-    sections
 }
 
 struct Interpreter<'a> {
@@ -172,23 +157,32 @@ impl Interpreter<'_> {
 
     fn section(
         &mut self,
-        section: &[NcMove],
+        section: &NcSection,
         id: OperationId,
         operation: &Operation,
-        before: &mut (f64, f64),
     ) -> (MotionOperation, Vec<usize>) {
         let machine = &self.program.machine;
-        let mut made = MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.len()) };
+        let length = self.program.tools[operation.tool].length();
+        let start = &section.start;
+        let mut made =
+            MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.moves.len() + 2) };
+        let mut lines = Vec::with_capacity(section.moves.len() + 2);
+        let station = |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0 };
+        let xyz = start.xyz - Vector3::z() * length;
+        made.moves.push(station(Joints { xyz, a: start.a, c: start.c }));
+        lines.push(start.line);
+        let mut before = (start.a, start.c);
         let mut last: Option<&NcMove> = None;
-        for m in section {
-            if let Some(start) = m.start {
-                *before = start;
-            }
+        for m in &section.moves {
             let (a, c) = match m.direction {
                 Direction::Rotary(a, c) => (a, c),
-                Direction::Axis(axis) => nearest(&axis, *before),
+                Direction::Axis(axis) => nearest(&axis, before),
             };
-            self.check_turn(m, *before, (a, c));
+            // A block that moves nothing.
+            if last.is_some_and(|l| l.tip == m.tip && (a, c) == before) {
+                continue;
+            }
+            self.check_turn(m, last.is_none(), before, (a, c));
             if last.is_none_or(|l| m.rapid && !l.rapid) {
                 made.labels.push(format!("blocks from line {}", m.line));
             }
@@ -199,10 +193,11 @@ impl Interpreter<'_> {
             let joints = machine.joints(&m.tip, a, c);
             let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
             let mut next = JointMove { kind, joints, feed: m.feed, time: 0.0, pass };
-            if let (Some(l), Some(from)) = (last, made.moves.last()) {
-                next.time = time(machine, &[l.tip, m.tip], &from.joints, &next);
+            if let Some(from) = made.moves.last() {
+                let tip = last.map_or_else(|| machine.forward(&from.joints).tip, |l| l.tip);
+                next.time = time(machine, &[tip, m.tip], &from.joints, &next);
                 let turn = (a - from.joints.a).abs().max((c - from.joints.c).abs());
-                if m.feed.is_some() && (m.tip - l.tip).norm() < STILL.1 && turn > STILL.0 {
+                if m.feed.is_some() && (m.tip - tip).norm() < STILL.1 && turn > STILL.0 {
                     let text = "a block at feed turns the tool without moving its tip".to_owned();
                     let diag = self.fault(
                         post::STANDSTILL,
@@ -214,15 +209,25 @@ impl Interpreter<'_> {
                 }
             }
             made.moves.push(next);
-            *before = (a, c);
+            lines.push(m.line);
+            before = (a, c);
             last = Some(m);
         }
-        (made, section.iter().map(|m| m.line).collect())
+        if let (Some((line, z)), Some(from)) = (section.retract, made.moves.last().copied()) {
+            let mut joints = from.joints;
+            joints.xyz.z = z - length;
+            let mut up = JointMove { pass: from.pass, ..station(joints) };
+            let tips = [&from.joints, &joints].map(|j| machine.forward(j).tip);
+            up.time = time(machine, &tips, &from.joints, &up);
+            made.moves.push(up);
+            lines.push(line);
+        }
+        (made, lines)
     }
 
     /// Rotary positions that nobody can be sure of, and turns while the tool comes down.
-    fn check_turn(&mut self, m: &NcMove, before: (f64, f64), to: (f64, f64)) {
-        if m.start.is_some() && (to.0 - before.0).abs().max((to.1 - before.1).abs()) > PARKED {
+    fn check_turn(&mut self, m: &NcMove, first: bool, before: (f64, f64), to: (f64, f64)) {
+        if first && (to.0 - before.0).abs().max((to.1 - before.1).abs()) > PARKED {
             let text = "the table turns while the tool comes down to the first position".to_owned();
             let help = "turn A and C to the positions of the first move before the transformation is switched on";
             let diag = self.fault(post::NC_POSITIONING, m.line, text, help);

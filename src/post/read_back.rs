@@ -1,9 +1,9 @@
 //! V5: the text, interpreted, against the motion.
 
 use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
-use super::{Direction, NcMove, Post};
+use super::{Direction, NcMove, NcSection, NcTool, Post};
 use crate::diag::{Diag, codes::post};
-use crate::ir::{JointMove, Motion, MoveKind, Program, Tool};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use crate::kin::transform::axis_at;
 use crate::verify::Verified;
 
@@ -29,33 +29,82 @@ fn half_step(decimals: usize) -> f64 {
 /// # Errors
 /// A line that is not understood, or that says something else than the motion.
 pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
-    let moves = post.read(text, &program.machine).map_err(|faults| {
+    let sections = post.read(text, &program.machine).map_err(|faults| {
         let first = faults.first().map_or(String::new(), |e| format!("line {} of the NC text: {}", e.line, e.reason));
         Diag::error(post::NOT_UNDERSTOOD, first).help("report the job file: this is a fault of the compiler")
     })?;
-    let mut found = moves.iter();
-    let mut result = ReadBack { moves: moves.len(), tip: 0.0, axis: 0.0 };
+    let mut result = ReadBack { moves: 0, tip: 0.0, axis: 0.0 };
+    let mut found = sections.iter();
     for operation in &motion.get().operations {
+        let Some(section) = found.next() else {
+            return Err(differs(0, "the text ends before the motion".to_owned()));
+        };
+        let (line, height) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
+        stations(program, operation, section, height)
+            .map_err(|(at_end, why)| differs(if at_end { line } else { section.start.line }, why))?;
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
-        for (i, meant) in operation.moves.iter().enumerate() {
-            let Some(read) = found.next() else {
-                return Err(differs(0, "the text ends before the motion".to_owned()));
+        let meant = operation.moves.get(1..operation.moves.len().saturating_sub(1)).unwrap_or_default();
+        for (i, meant) in meant.iter().enumerate() {
+            let Some(read) = section.moves.get(i) else {
+                return Err(differs(line, "the operation ends before the motion".to_owned()));
             };
-            compare(program, meant, read, i == 0, &mut result).map_err(|why| differs(read.line, why))?;
+            compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
             if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
                 return Err(differs(read.line, format!("tool {} at {} rpm", read.tool, read.speed)));
             }
         }
+        if let Some(more) = section.moves.get(meant.len()) {
+            return Err(differs(more.line, "a move that the motion does not have".to_owned()));
+        }
+        result.moves += section.moves.len() + 2;
     }
     match found.next() {
-        Some(more) => Err(differs(more.line, "a move that the motion does not have".to_owned())),
+        Some(more) => Err(differs(more.start.line, "an operation that the motion does not have".to_owned())),
         None => Ok(result),
     }
 }
 
+/// The stations at retract height against the first and the last move. A fault says whether it is the last one.
+fn stations(
+    program: &Program,
+    operation: &MotionOperation,
+    section: &NcSection,
+    height: f64,
+) -> Result<(), (bool, String)> {
+    let length = program.tools[program.operations[operation.operation].tool].length();
+    let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
+        return Err((false, "an operation without moves".to_owned()));
+    };
+    let mut meant = first.joints.xyz;
+    meant.z += length;
+    let off = (section.start.xyz - meant).amax();
+    if off > half_step(LENGTH_DECIMALS) {
+        return Err((false, format!("the axes stand {off:.6} mm beside the first station")));
+    }
+    let turned = (section.start.a - first.joints.a).abs().max((section.start.c - first.joints.c).abs()).to_degrees();
+    if turned > half_step(ANGLE_DECIMALS) {
+        return Err((false, format!("a rotary axis stands {turned:.7} deg beside the first station")));
+    }
+    let off = (height - last.joints.xyz.z - length).abs();
+    if off > half_step(LENGTH_DECIMALS) {
+        return Err((true, format!("the retract is off by {off:.6} mm")));
+    }
+    // Above the last target, where the text says nothing of X, Y, A and C.
+    let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
+    let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
+    let turned = (last.joints.a - over.joints.a).abs().max((last.joints.c - over.joints.c).abs());
+    if beside > half_step(LENGTH_DECIMALS) || turned > 0.0 {
+        return Err((true, "the last station does not stand over the last target".to_owned()));
+    }
+    Ok(())
+}
+
 pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
-    *read.tool == *tool.name || *read.tool == *tool.number.to_string()
+    match &read.tool {
+        NcTool::Name(name) => **name == *tool.name,
+        NcTool::Number(number) => *number == tool.number,
+    }
 }
 
 fn differs(line: usize, why: String) -> Diag {
@@ -64,13 +113,7 @@ fn differs(line: usize, why: String) -> Diag {
         .help("report the job file: this is a fault of the compiler")
 }
 
-fn compare(
-    program: &Program,
-    meant: &JointMove,
-    read: &NcMove,
-    first: bool,
-    result: &mut ReadBack,
-) -> Result<(), String> {
+fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {
     let pose = program.machine.forward(&meant.joints);
     if read.rapid != (meant.kind == MoveKind::Rapid) {
         return Err("rapid and feed are confused".to_owned());
@@ -101,10 +144,6 @@ fn compare(
         return Err(format!("the tool axis is off by {off:.3e} rad"));
     }
     result.axis = result.axis.max(off);
-    if first {
-        let (a, c) = read.start.ok_or("no rotary position before the transformation is switched on")?;
-        angles(a, c)?;
-    }
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
         (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(FEED_DECIMALS) && r <= m + 1e-8 => Ok(()),

@@ -1,169 +1,503 @@
 //! Reader of the LinuxCNC dialect: words of lines. Shares nothing with the writer.
 //!
-//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks mean nothing.
+//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks and case mean nothing. What
+//! is accepted and in which order the words of a block act is that of the interpreter (manual, "Order of Execution").
 
-use super::read_state::{self, Block, Fault, State, number, once};
-use super::{NcMove, ReadError};
+use super::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use super::modal::{Group, Modal, Needed};
+use super::{NcSection, NcTool, ReadError};
+use crate::kin::Machine;
 
-/// Longest line of the interpreter, without its end.
+/// Longest line of the interpreter, without its line feed; a carriage return counts.
 const LONGEST_LINE: usize = 252;
 
 /// Widest tolerance of G64, mm.
 const WIDEST: f64 = 10.0;
 
+/// A rotation of the work offset that is none, as a message names it.
+const NO_ROTATION: &str = "G10 L2 P1 R0";
+
+/// The control.
+const LINUXCNC: Control = Control {
+    modal: &[
+        Modal {
+            group: Group::Plane,
+            what: "the plane",
+            right: &["G17"],
+            wrong: &["G18", "G19", "G17.1", "G18.1", "G19.1"],
+            needed: Needed::Transformed,
+        },
+        Modal { group: Group::Units, what: "lengths in mm", right: &["G21"], wrong: &["G20"], needed: Needed::Always },
+        Modal {
+            group: Group::Distance,
+            what: "absolute coordinates",
+            right: &["G90"],
+            wrong: &["G91"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::Diameter,
+            what: "X as a coordinate, not as a diameter",
+            right: &["G8"],
+            wrong: &["G7"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::FeedMode,
+            what: "feed a minute",
+            right: &["G94", "G93"],
+            wrong: &["G95"],
+            needed: Needed::AtFeed,
+        },
+        Modal {
+            group: Group::SpindleMode,
+            what: "spindle speed in rpm",
+            right: &["G97"],
+            wrong: &["G96"],
+            needed: Needed::AtFeed,
+        },
+        Modal {
+            group: Group::Compensation,
+            what: "no cutter radius compensation",
+            right: &["G40"],
+            wrong: &["G41", "G42", "G41.1", "G42.1"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::WorkOffset,
+            what: "the work offset",
+            right: &["G54"],
+            wrong: &["G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"],
+            needed: Needed::InWorkFrame,
+        },
+        Modal {
+            group: Group::Shift,
+            what: "no offset of G92 or G52 left over",
+            right: &["G92.1", "G92.2"],
+            wrong: &["G92.3"],
+            needed: Needed::InWorkFrame,
+        },
+        Modal {
+            group: Group::Rotation,
+            what: "no rotation of the work offset",
+            right: &[NO_ROTATION],
+            wrong: &[],
+            needed: Needed::InWorkFrame,
+        },
+        Modal {
+            group: Group::Spindle,
+            what: "the spindle on, clockwise",
+            right: &["M3"],
+            wrong: &["M4", "M5"],
+            needed: Needed::AtFeed,
+        },
+        Modal {
+            group: Group::Coolant,
+            what: "coolant on",
+            right: &["M8", "M7"],
+            wrong: &["M9"],
+            needed: Needed::AtFeed,
+        },
+    ],
+    order: &[
+        Act::Set(Group::FeedMode),
+        Act::Feed,
+        Act::Speed,
+        Act::Select,
+        Act::Change,
+        Act::Set(Group::SpindleMode),
+        Act::Set(Group::Spindle),
+        Act::Set(Group::Coolant),
+        Act::Transform,
+        Act::Wait,
+        Act::Set(Group::Plane),
+        Act::Set(Group::Units),
+        Act::Set(Group::Diameter),
+        Act::Set(Group::Compensation),
+        Act::Length,
+        Act::Set(Group::WorkOffset),
+        Act::Smooth,
+        Act::Set(Group::Distance),
+        Act::Set(Group::Shift),
+        Act::Set(Group::Rotation),
+        Act::Move,
+        Act::End,
+    ],
+    transformation: ["M428", "M429"],
+    machine_frame: "G53 G0",
+    behind: "",
+    length: "G43",
+    smoothing: "G64 P",
+    end: "M2",
+    machine_frame_drops_length: true,
+    switching_drops_frames: false,
+    change_drops_length: false,
+    end_switches_off: true,
+};
+
+/// What begins a comment that the control or its screen executes.
+const EXECUTED: [&str; 12] = [
+    "debug,",
+    "print,",
+    "log,",
+    "logopen",
+    "logappend",
+    "logclose",
+    "probeopen",
+    "probeclose",
+    "abort",
+    "axis,",
+    "py",
+    "preview,",
+];
+
+/// Where the text stands with `%`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Tape {
+    /// Before any block.
+    Start,
+    /// After the first one.
+    Open,
+    /// Blocks without it.
+    None,
+}
+
 /// Reads a program.
-pub(super) fn read(text: &str) -> Result<Vec<NcMove>, Vec<ReadError>> {
-    read_state::read(text, "M2", |line, state| {
+pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let mut tape = Tape::Start;
+    control::read(text, &LINUXCNC, machine, |line, _, faults| {
         if line.len() > LONGEST_LINE {
-            return Err(Fault::Words(format!("longer than {LONGEST_LINE} characters")));
+            faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
+            return None;
         }
-        let code = without_comments(line).map_err(Fault::Words)?;
+        let code = match without_comments(line) {
+            Ok(code) => code,
+            Err(reason) => {
+                faults.push(reason);
+                return None;
+            }
+        };
         if code.is_empty() {
-            return Ok(None);
+            return None;
         }
-        block(&code, state)
+        if code == "%" {
+            let end = Block { end: Some("%"), ..Block::default() };
+            return match std::mem::replace(&mut tape, Tape::Open) {
+                Tape::Start => None,
+                Tape::Open => Some(end),
+                Tape::None => {
+                    faults.push("`%` after blocks: it stands in the first line and in the last, or nowhere".to_owned());
+                    Some(end)
+                }
+            };
+        }
+        if tape == Tape::Start {
+            tape = Tape::None;
+        }
+        block(&code, machine, faults)
     })
 }
 
-/// A line without comments and blanks.
+/// A line without comments and blanks, in upper case.
 fn without_comments(line: &str) -> Result<String, String> {
     let mut code = String::with_capacity(line.len());
-    let mut inside = false;
-    for c in line.chars() {
+    let mut inside: Option<usize> = None;
+    let line = line.strip_suffix('\r').unwrap_or(line);
+    for (i, c) in line.char_indices() {
         match (inside, c) {
-            (false, ';') => break,
-            (false, '(') => inside = true,
-            (true, ')') => inside = false,
-            (true, '(') => return Err("a comment inside a comment".to_owned()),
-            (false, ')') => return Err("a comment ends that did not begin".to_owned()),
-            (false, c) if c.is_whitespace() => {}
-            (false, c) => code.push(c),
-            (true, _) => {}
+            (None, ';') => {
+                harmless(&line[i + 1..])?;
+                break;
+            }
+            (None, '(') => inside = Some(i + 1),
+            (Some(from), ')') => {
+                harmless(&line[from..i])?;
+                inside = None;
+            }
+            (Some(_), '(') => return Err("a comment inside a comment".to_owned()),
+            (None, ')') => return Err("a comment ends that did not begin".to_owned()),
+            (None, ' ' | '\t') => {}
+            (None, c) => code.push(c.to_ascii_uppercase()),
+            (Some(_), _) => {}
         }
     }
-    if inside { Err("a comment does not end".to_owned()) } else { Ok(code) }
+    if inside.is_some() { Err("a comment does not end".to_owned()) } else { Ok(code) }
+}
+
+/// Refuses comments that are orders.
+fn harmless(comment: &str) -> Result<(), String> {
+    let start: String =
+        comment.chars().filter(|c| !c.is_whitespace()).take(12).collect::<String>().to_ascii_lowercase();
+    let order = EXECUTED.iter().find(|order| match **order {
+        // The name of the language, then its code.
+        "py" => ["py,", "pyrun,", "pyreload"].iter().any(|p| start.starts_with(p)),
+        order => start.starts_with(order),
+    });
+    match order {
+        Some(order) => Err(format!(
+            "`({})` is no comment: the control executes what follows `{}`",
+            shown(comment.trim(), 30),
+            order.trim_end_matches(',')
+        )),
+        None => Ok(()),
+    }
 }
 
 /// First word of a text without blanks: its letter, its number as written, and the rest.
 fn first_word(code: &str) -> Result<(char, &str, &str), String> {
     let letter = code.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
-        return Err(format!("`{}` where a word begins", read_state::shown(&letter.to_string(), 1)));
+        let why = match letter {
+            '/' => ": whether a deleted block runs depends on a switch at the control",
+            '#' | '[' | '<' => ": parameters and expressions are not read",
+            _ => "",
+        };
+        return Err(format!("`{}` where a word begins is not understood{why}", shown(code, 1)));
     }
-    let tail = &code[letter.len_utf8()..];
+    let tail = &code[1..];
     let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
     let (number, rest) = tail.split_at(end);
-    Ok((letter.to_ascii_uppercase(), number, rest))
+    Ok((letter, number, rest))
 }
 
 /// Words that belong to a code of the same line.
 #[derive(Default)]
 struct Parameters {
-    length_of: Option<u32>,
+    h: Option<u32>,
     p: Option<f64>,
     q: Option<f64>,
-    blends: bool,
-    takes_length: bool,
+    l: Option<u32>,
+    r: Option<f64>,
+    path: Option<&'static str>,
+    length: Option<bool>,
+    data: bool,
+    motions: usize,
 }
 
-fn block(code: &str, state: &State) -> Result<Option<Block>, Fault> {
+fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<Block> {
     let mut block = Block::default();
     let mut parameters = Parameters::default();
     let mut rest = code;
     let mut first = true;
     let mut empty = true;
     while !rest.is_empty() {
-        let (letter, text, next) = first_word(rest).map_err(Fault::Words)?;
+        let (letter, text, next) = match first_word(rest) {
+            Ok(word) => word,
+            Err(reason) => {
+                faults.push(reason);
+                break;
+            }
+        };
         rest = next;
-        if !(first && letter == 'N' && count(text).is_ok()) {
+        if !(first && letter == 'N' && number(text).is_ok_and(|n| n >= 0.0)) {
             empty = false;
-            word(letter, text, &mut block, &mut parameters).map_err(Fault::Words)?;
+            if let Err(reason) = word(letter, text, machine, &mut block, &mut parameters) {
+                faults.push(reason);
+            }
         }
         first = false;
     }
-    if empty {
-        return Ok(None);
+    if let Err(reason) = together(&mut block, &parameters) {
+        faults.push(reason);
     }
-    let words = |reason: &str| Fault::Words(reason.to_owned());
-    let good = |tolerance: f64| (0.0..=WIDEST).contains(&tolerance);
-    match (parameters.blends, parameters.p) {
-        // Corners are blended within P, and before that moves in line are joined within Q, which is P unless said.
-        (true, Some(p)) if good(p) && parameters.q.is_none_or(good) => {
-            block.smoothing = Some(Some(p + parameters.q.unwrap_or(p)));
+    (!empty).then_some(block)
+}
+
+/// What codes and parameters of one block say together.
+fn together(block: &mut Block, parameters: &Parameters) -> Result<(), String> {
+    let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST;
+    let Parameters { p, q, .. } = *parameters;
+    let mut used = [false; 2];
+    match parameters.path {
+        Some("G64") => {
+            let Some(p) = p else {
+                block.smoothing = Some(Smoothing::Left("G64 without P"));
+                return q.map_or(Ok(()), |_| Err("G64 Q without P: how far corners are cut is not known".to_owned()));
+            };
+            used = [true, true];
+            if p == 0.0 {
+                block.smoothing = Some(Smoothing::Left("G64 P0"));
+            } else if !good(p) {
+                return Err(format!("the tolerance P of G64 is out of range: more than 0 and at most {WIDEST}"));
+            } else if q.is_some_and(|q| q != 0.0 && !good(q)) {
+                return Err(format!("the tolerance Q of G64 is out of range: at most {WIDEST}"));
+            } else {
+                // Corners are blended within P, and before that moves in line are joined within Q, which is P unless said.
+                block.smoothing = Some(Smoothing::Within(p + q.unwrap_or(p)));
+            }
         }
-        (true, Some(p)) if good(p) => return Err(words("the tolerance Q of G64 is out of range")),
-        (true, Some(_)) => return Err(words("the tolerance P of G64 is out of range")),
-        (true, None) => return Err(words("G64 without P: how far the path is left is not known")),
-        (false, None) if parameters.q.is_none() => {}
-        (false, _) => return Err(words("P or Q without G64")),
+        Some(_) => block.smoothing = Some(Smoothing::Within(0.0)),
+        None => {}
     }
-    if parameters.takes_length != parameters.length_of.is_some() {
-        return Err(words("G43 and H belong together"));
+    if parameters.data {
+        used[0] = true;
+        if parameters.l != Some(2) || p != Some(1.0) || parameters.r.is_none() {
+            return Err(format!("of G10 only {NO_ROTATION} is understood: offsets are set at the machine"));
+        }
+        if parameters.r != Some(0.0) {
+            return Err("G10 turns the work offset: with R0 it does not".to_owned());
+        }
+        if block.tip != [None; 3] || block.rotary != [None; 2] {
+            return Err("G10 with axis words changes the work offset: offsets are set at the machine".to_owned());
+        }
+        block.modal[Group::Rotation as usize] = Some(NO_ROTATION);
     }
-    let wanted = parameters.length_of.map(|h| h.to_string());
-    let changed = block.tool.as_deref().filter(|_| block.change);
-    if wanted.is_some() && wanted.as_deref() != changed.or(state.tool()) {
-        return Err(Fault::State("the length of another tool".to_owned()));
+    if block.wait == Some("G4") {
+        used[0] = true;
+        match p {
+            None => return Err("G4 without P: how long the program waits is not known".to_owned()),
+            Some(p) if p < 0.0 => return Err("G4 waits for less than no time".to_owned()),
+            Some(_) => {}
+        }
     }
-    Ok(Some(block))
+    if (p.is_some() && !used[0]) || (q.is_some() && !used[1]) {
+        return Err("P or Q without G64".to_owned());
+    }
+    if (parameters.l.is_some() || parameters.r.is_some()) && !parameters.data {
+        return Err("L or R without G10".to_owned());
+    }
+    block.length = match (parameters.length, parameters.h) {
+        (None, None) => None,
+        (Some(true), None) => Some(LengthWord::OfSpindle),
+        (Some(true), Some(0)) => return Err("G43 H0 takes no length: write the number of the tool".to_owned()),
+        (Some(true), Some(h)) => Some(LengthWord::Of(h)),
+        (Some(false), None) => Some(LengthWord::Off),
+        (_, Some(_)) => return Err("H without G43".to_owned()),
+    };
+    if parameters.motions > 1 {
+        return Err("two words of motion in one block".to_owned());
+    }
+    Ok(())
 }
 
+/// A whole number as the interpreter takes it: leading zeros and a point are allowed.
 fn count(text: &str) -> Result<u32, String> {
-    text.parse().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit())).ok_or_else(|| match text {
-        "" => "a number is missing".to_owned(),
-        _ => format!("`{text}` is not a count"),
-    })
+    let value = number(text)?;
+    if value.fract() == 0.0 && (0.0..=1e9).contains(&value) {
+        Ok(value as u32)
+    } else {
+        Err(format!("`{}` is not a count", shown(text, 20)))
+    }
 }
 
-fn word(letter: char, text: &str, block: &mut Block, parameters: &mut Parameters) -> Result<(), String> {
-    let value = || number(text).map_err(|reason| format!("`{letter}{text}`: {reason}"));
-    let number_of = || count(text).map_err(|reason| format!("`{letter}{text}`: {reason}"));
+fn word(
+    letter: char,
+    text: &str,
+    machine: &Machine,
+    block: &mut Block,
+    parameters: &mut Parameters,
+) -> Result<(), String> {
+    let named = |reason: String| format!("`{letter}{}`: {reason}", shown(text, 20));
+    let value = || number(text).map_err(named);
+    let number_of = || count(text).map_err(named);
     match letter {
         'X' => block.coordinate(0, value()?),
         'Y' => block.coordinate(1, value()?),
         'Z' => block.coordinate(2, value()?),
-        // The rotary words have the opposite of the ISO sense.
-        'A' => block.angle(0, value()?, -1.0),
-        'C' => block.angle(1, value()?, -1.0),
+        'A' => block.angle(0, value()?, machine),
+        'C' => block.angle(1, value()?, machine),
         'F' => block.set_feed(value()?),
         'S' => block.set_speed(value()?),
-        'T' => once(&mut block.tool, "T", number_of()?.to_string().into()),
-        'H' => once(&mut parameters.length_of, "H", number_of()?),
+        'T' => once(&mut block.tool, "T", NcTool::Number(number_of()?)),
+        'H' => once(&mut parameters.h, "H", number_of()?),
         'P' => once(&mut parameters.p, "P", value()?),
         'Q' => once(&mut parameters.q, "Q", value()?),
-        'G' => match text {
-            "0" | "00" => once(&mut block.motion, "G0", true),
-            "1" | "01" => once(&mut block.motion, "G1", false),
-            "53" => flag(&mut block.machine_frame),
-            "21" => flag(&mut block.modes[0]),
-            "90" => flag(&mut block.modes[1]),
-            "94" => flag(&mut block.modes[2]),
-            "54" => once(&mut block.offset, "G54", true),
-            "43" => {
-                parameters.takes_length = true;
-                once(&mut block.length, "G43", true)
-            }
-            "49" => once(&mut block.length, "G49", false),
-            "64" => flag(&mut parameters.blends),
-            "17" | "40" | "80" => Ok(()),
-            _ => Err(format!("`G{text}` is not understood")),
-        },
-        'M' => match text {
-            "428" => once(&mut block.transformation, "M428", true),
-            "429" => once(&mut block.transformation, "M429", false),
-            "2" | "02" => flag(&mut block.end),
-            "3" | "03" => once(&mut block.spindle, "M3", true),
-            "5" | "05" => once(&mut block.spindle, "M5", false),
-            "6" | "06" => flag(&mut block.change),
-            "8" | "08" | "9" | "09" => Ok(()),
-            _ => Err(format!("`M{text}` is not understood")),
-        },
-        _ => Err(format!("`{letter}{text}` is not understood")),
+        'L' => once(&mut parameters.l, "L", number_of()?),
+        'R' => once(&mut parameters.r, "R", value()?),
+        'G' => preparatory(&code_name('G', value()?), block, parameters),
+        'M' => miscellaneous(&code_name('M', value()?), block),
+        'N' => Err(format!("`N{}`: a block number stands at the start of its block", shown(text, 20))),
+        'O' => Err("O words (subroutines, loops) are not read".to_owned()),
+        _ => Err(format!("`{letter}{}` is not understood", shown(text, 20))),
     }
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "stands among words that can be refused")]
-fn flag(flag: &mut bool) -> Result<(), String> {
-    *flag = true;
-    Ok(())
+/// A code with one way to spell it: G01 and G1.0 are G1.
+fn code_name(letter: char, value: f64) -> String {
+    let tenths = (value * 10.0).round();
+    if (tenths - value * 10.0).abs() > 1e-6 || !(0.0..1e5).contains(&tenths) {
+        return format!("{letter}{value}");
+    }
+    let tenths = tenths as u32;
+    if tenths.is_multiple_of(10) {
+        format!("{letter}{}", tenths / 10)
+    } else {
+        format!("{letter}{}.{}", tenths / 10, tenths % 10)
+    }
+}
+
+fn preparatory(code: &str, block: &mut Block, parameters: &mut Parameters) -> Result<(), String> {
+    if let Some(done) = block.modal_word(&LINUXCNC, code) {
+        return done;
+    }
+    let mut path = |word| match parameters.path.replace(word) {
+        Some(before) => Err(format!("`{before}` and `{word}` in one block both set how the path is followed")),
+        None => Ok(()),
+    };
+    match code {
+        "G0" => motion(block, Motion::Rapid),
+        "G1" => motion(block, Motion::Feed),
+        "G80" => motion(block, Motion::Cancelled),
+        "G53" if block.machine_frame => Err("`G53` stands twice in one block".to_owned()),
+        "G53" => {
+            block.machine_frame = true;
+            Ok(())
+        }
+        "G43" => once(&mut parameters.length, "G43 or G49", true),
+        "G49" => once(&mut parameters.length, "G43 or G49", false),
+        "G61" => path("G61"),
+        "G61.1" => path("G61.1"),
+        "G64" => path("G64"),
+        "G10" => {
+            parameters.data = true;
+            Ok(())
+        }
+        "G4" => once(&mut block.wait, "G4", "G4"),
+        // Of arcs, and of the retract of cycles; neither is read.
+        "G91.1" | "G98" | "G99" => Ok(()),
+        "G2" | "G3" | "G5" | "G5.1" | "G5.2" | "G5.3" => {
+            Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
+        }
+        "G28" | "G30" => Err(format!(
+            "`{code}` is not understood: it goes to a place that is set at the control; write \
+                                      `G53 G0 Z...`"
+        )),
+        "G52" | "G92" => Err(format!("`{code}` is not understood: it shifts the work frame")),
+        "G43.1" | "G43.2" => {
+            Err(format!("`{code}` is not understood: it changes the tool length beside the tool table"))
+        }
+        "G73" | "G81" | "G82" | "G83" | "G84" | "G85" | "G86" | "G89" => {
+            Err(format!("`{code}` is not understood: cycles are not read"))
+        }
+        _ => Err(format!("`{code}` is not understood")),
+    }
+}
+
+fn motion(block: &mut Block, motion: Motion) -> Result<(), String> {
+    match block.motion.replace(motion) {
+        Some(_) => Err("two of G0, G1 and G80, or one twice, in one block".to_owned()),
+        None => Ok(()),
+    }
+}
+
+fn miscellaneous(code: &str, block: &mut Block) -> Result<(), String> {
+    if let Some(done) = block.modal_word(&LINUXCNC, code) {
+        return done;
+    }
+    match code {
+        "M428" => once(&mut block.transformation, "M428 or M429", true),
+        "M429" => once(&mut block.transformation, "M428 or M429", false),
+        "M2" => once(&mut block.end, "M2 or M30", "M2"),
+        "M30" => once(&mut block.end, "M2 or M30", "M30"),
+        "M0" => once(&mut block.wait, "M0 or M1", "M0"),
+        "M1" => once(&mut block.wait, "M0 or M1", "M1"),
+        "M6" if block.change => Err("`M6` stands twice in one block".to_owned()),
+        "M6" => {
+            block.change = true;
+            Ok(())
+        }
+        // Overrides of feed and spindle by hand are allowed, as at the start of a program.
+        "M48" => Ok(()),
+        _ => Err(format!("`{code}` is not understood")),
+    }
 }

@@ -1,11 +1,13 @@
 //! Reader of the 840D dialect: words of blocks. Shares nothing with the writer.
 //!
 //! Modal: G0 and G1, X Y Z, F, S, the direction as a whole. A vector is taken with all three components only: on the
-//! control a missing one counts as 0, which nobody means.
+//! control a missing one counts as 0, which nobody means. Case means nothing but in names of tools; words may be glued.
 
-use super::read_state::{self, Block, Fault, State, number, once};
-use super::{NcMove, ReadError};
+use super::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use super::modal::{Group, Modal, Needed};
+use super::{NcSection, NcTool, ReadError};
 use crate::kin::Machine;
+use std::borrow::Cow;
 
 /// Longest block of the control.
 const LONGEST_BLOCK: usize = 512;
@@ -16,106 +18,468 @@ const WIDEST: f64 = 10.0;
 /// Widest tolerance of the direction, degrees: that of the writer.
 const WIDEST_TURN: f64 = 0.1;
 
+/// The control.
+const SINUMERIK: Control = Control {
+    modal: &[
+        Modal {
+            group: Group::Plane,
+            what: "the plane, on which the tool length stands",
+            right: &["G17"],
+            wrong: &["G18", "G19"],
+            needed: Needed::Transformed,
+        },
+        Modal {
+            group: Group::Units,
+            what: "lengths in mm, of feeds too",
+            right: &["G710"],
+            wrong: &["G71", "G70", "G700"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::Distance,
+            what: "absolute coordinates",
+            right: &["G90"],
+            wrong: &["G91"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::FeedMode,
+            what: "feed a minute",
+            right: &["G94", "G93"],
+            wrong: &["G95", "G96", "G97", "G961", "G962", "G971"],
+            needed: Needed::AtFeed,
+        },
+        Modal {
+            group: Group::Compensation,
+            what: "no cutter radius compensation",
+            right: &["G40"],
+            wrong: &["G41", "G42"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: Group::WorkOffset,
+            what: "the work offset, which TRAORI and TRAFOOF drop",
+            right: &["G54"],
+            wrong: &["G500", "G55", "G56", "G57"],
+            needed: Needed::InWorkFrame,
+        },
+        Modal {
+            group: Group::Shift,
+            what: "no programmable frame",
+            right: &["TRANS"],
+            wrong: &[],
+            needed: Needed::InWorkFrame,
+        },
+        Modal {
+            group: Group::VectorFrame,
+            what: "in which frame directions are",
+            right: &["ORIWKS"],
+            wrong: &["ORIMKS"],
+            needed: Needed::Transformed,
+        },
+        Modal {
+            group: Group::Turning,
+            what: "how the tool turns between two directions",
+            right: &["ORIAXES"],
+            wrong: &[
+                "ORIVECT",
+                "ORIPLANE",
+                "ORIPATH",
+                "ORIPATHS",
+                "ORICONCW",
+                "ORICONCCW",
+                "ORICONIO",
+                "ORICONTO",
+                "ORICURVE",
+            ],
+            needed: Needed::Transformed,
+        },
+        Modal {
+            group: Group::Spindle,
+            what: "the spindle on, clockwise",
+            right: &["M3"],
+            wrong: &["M4", "M5"],
+            needed: Needed::AtFeed,
+        },
+        Modal {
+            group: Group::Coolant,
+            what: "coolant on",
+            right: &["M8", "M7"],
+            wrong: &["M9"],
+            needed: Needed::AtFeed,
+        },
+    ],
+    order: &[
+        Act::Set(Group::Plane),
+        Act::Set(Group::Units),
+        Act::Set(Group::Distance),
+        Act::Set(Group::FeedMode),
+        Act::Feed,
+        Act::Speed,
+        Act::Set(Group::Compensation),
+        Act::Select,
+        Act::Change,
+        Act::Set(Group::Spindle),
+        Act::Set(Group::Coolant),
+        Act::Length,
+        Act::Transform,
+        Act::Set(Group::WorkOffset),
+        Act::Set(Group::Shift),
+        Act::Set(Group::VectorFrame),
+        Act::Set(Group::Turning),
+        Act::Smooth,
+        Act::Wait,
+        Act::Move,
+        Act::End,
+    ],
+    transformation: ["TRAORI", "TRAFOOF"],
+    machine_frame: "SUPA G0",
+    behind: " D0",
+    length: "D1",
+    smoothing: "CYCLE832",
+    end: "M30",
+    machine_frame_drops_length: false,
+    switching_drops_frames: true,
+    change_drops_length: true,
+    end_switches_off: false,
+};
+
+/// Words that change neither the path nor what is judged. Those of smoothing keep the tolerance that CYCLE832 gave.
+const HARMLESS: [&str; 17] = [
+    "SOFT",
+    "FFWON",
+    "FFWOF",
+    "STOPRE",
+    "RTLION",
+    "COMPCAD",
+    "COMPOF",
+    "DYNNORM",
+    "DYNPOS",
+    "DYNROUGH",
+    "DYNSEMIFIN",
+    "DYNFINISH",
+    "G9",
+    "G60",
+    "G601",
+    "G642",
+    "G645",
+];
+
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
-    read_state::read(text, "M30", |line, state: &State| {
-        let code = line.split(';').next().unwrap_or_default().trim();
-        if code.is_empty() {
-            return Ok(None);
+pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    control::read(text, &SINUMERIK, machine, |line, number, faults| {
+        let line = line.strip_suffix('\r').unwrap_or(line);
+        if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
+            faults.push(format!("longer than {LONGEST_BLOCK} characters"));
+            return None;
         }
-        if line.len() > LONGEST_BLOCK {
-            return Err(Fault::Words(format!("longer than {LONGEST_BLOCK} characters")));
+        // The head of a transferred file.
+        if number == 1 && line.starts_with("%_N_") {
+            return None;
         }
-        let mut block = Block::default();
-        let mut numbered = false;
-        for (i, word) in code.split_whitespace().enumerate() {
-            if i == 0 && word.strip_prefix('N').is_some_and(is_count) {
-                numbered = true;
-                continue;
-            }
-            self::word(word, machine, &mut block).map_err(Fault::Words)?;
+        let mut reader = Reader { machine, block: Block::default(), words: 0, alone: None, frame: None, edge: None };
+        if let Err(reason) = reader.words(line) {
+            faults.push(reason);
         }
-        // SUPA takes frames away, not the tool: with its length Z0 is another height.
-        if block.machine_frame && block.length.unwrap_or(state.length()) {
-            return Err(Fault::State("SUPA without D0: the tool length still acts".to_owned()));
+        if let Err(reason) = reader.together() {
+            faults.push(reason);
         }
-        if state.turns_unsaid(&block) {
-            return Err(Fault::State("a turn of A or C without ORIAXES: how the axis turns is not known".to_owned()));
-        }
-        let empty = numbered && code.split_whitespace().count() == 1;
-        Ok((!empty).then_some(block))
+        (reader.words > 0).then_some(reader.block)
     })
+}
+
+/// What stands behind the name of a word.
+enum Value<'a> {
+    /// Nothing.
+    None,
+    /// A number, or what stands in its place.
+    Number(&'a str),
+    /// A name in quotes.
+    Quoted(&'a str),
+    /// Between brackets.
+    Arguments(&'a str),
+}
+
+struct Reader<'a> {
+    machine: &'a Machine,
+    block: Block,
+    words: usize,
+    /// A word that stands alone in its block.
+    alone: Option<&'static str>,
+    /// A word that shifts or turns the work frame.
+    frame: Option<&'static str>,
+    edge: Option<u32>,
+}
+
+impl Reader<'_> {
+    /// All words of a block.
+    fn words(&mut self, line: &str) -> Result<(), String> {
+        let mut rest = line;
+        let mut first = true;
+        loop {
+            rest = rest.trim_start_matches([' ', '\t']);
+            if rest.is_empty() || rest.starts_with(';') {
+                return Ok(());
+            }
+            let (name, value, next) = split(rest)?;
+            rest = next;
+            let numbered = first && name == "N" && matches!(value, Value::Number(n) if is_count(n));
+            first = false;
+            if !numbered {
+                self.words += 1;
+                self.word(&name, &value)?;
+            }
+        }
+    }
+
+    fn word(&mut self, name: &str, value: &Value<'_>) -> Result<(), String> {
+        match value {
+            Value::Number(text) => self.valued(name, text),
+            Value::Quoted(text) if name == "T" && !text.is_empty() => {
+                once(&mut self.block.tool, "T", control::name(text))
+            }
+            Value::Quoted(_) => Err(format!("`{name}` with a text in quotes is not understood")),
+            // A text on the screen.
+            Value::Arguments(_) if name == "MSG" => Ok(()),
+            Value::Arguments(arguments) if name == "CYCLE832" => {
+                self.alone = Some("CYCLE832");
+                once(&mut self.block.smoothing, "CYCLE832", smoothing(arguments)?)
+            }
+            Value::Arguments(_) => Err(format!("`{}(...)` is not understood", shown(name, 40))),
+            Value::None => self.keyword(name),
+        }
+    }
+
+    fn keyword(&mut self, name: &str) -> Result<(), String> {
+        if let Some(done) = self.block.modal_word(&SINUMERIK, name).filter(|_| name != "TRANS") {
+            return done;
+        }
+        match name {
+            "TRAORI" => {
+                self.alone = Some("TRAORI");
+                once(&mut self.block.transformation, "TRAORI or TRAFOOF", true)
+            }
+            "TRAFOOF" => {
+                self.alone = Some("TRAFOOF");
+                once(&mut self.block.transformation, "TRAORI or TRAFOOF", false)
+            }
+            "SUPA" if self.block.machine_frame => Err("`SUPA` stands twice in one block".to_owned()),
+            "SUPA" => {
+                self.block.machine_frame = true;
+                Ok(())
+            }
+            "TRANS" => once(&mut self.frame, "TRANS", "TRANS"),
+            "ROT" => once(&mut self.frame, "ROT", "ROT"),
+            "SCALE" => once(&mut self.frame, "SCALE", "SCALE"),
+            "MIRROR" => once(&mut self.frame, "MIRROR", "MIRROR"),
+            "ATRANS" | "AROT" | "ASCALE" | "AMIRROR" => {
+                Err(format!("`{name}` is not understood: it shifts or turns the work frame"))
+            }
+            "BRISK" | "DRIVE" => {
+                Err(format!("`{name}` is not understood: the axes would run without their limit of jerk"))
+            }
+            _ if HARMLESS.contains(&name) => Ok(()),
+            _ => Err(format!("`{}` is not understood", shown(name, 40))),
+        }
+    }
+
+    fn valued(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let named = |reason: String| format!("`{name}{}`: {reason}", shown(text, 40));
+        let value = || number(text).map_err(named);
+        let block = &mut self.block;
+        match name {
+            "X" => block.coordinate(0, value()?),
+            "Y" => block.coordinate(1, value()?),
+            "Z" => block.coordinate(2, value()?),
+            "A3" => block.component(0, value()?),
+            "B3" => block.component(1, value()?),
+            "C3" => block.component(2, value()?),
+            "A" => block.angle(0, value()?, self.machine),
+            "C" => block.angle(1, value()?, self.machine),
+            "F" => block.set_feed(value()?),
+            "S" => block.set_speed(value()?),
+            "T" => once(&mut block.tool, "T", NcTool::Number(count(text).map_err(named)?)),
+            "D" => once(&mut self.edge, "D", count(text).map_err(named)?),
+            "G" | "M" => {
+                let code = format!("{name}{}", count(text).map_err(named)?);
+                self.code(&code)
+            }
+            "N" => Err("a block number stands at the start of its block".to_owned()),
+            _ => Err(format!("`{}{}` is not understood", shown(name, 20), shown(text, 20))),
+        }
+    }
+
+    /// A G or M word.
+    fn code(&mut self, code: &str) -> Result<(), String> {
+        let block = &mut self.block;
+        if let Some(done) = block.modal_word(&SINUMERIK, code) {
+            return done;
+        }
+        let motion = |block: &mut Block, motion| match block.motion.replace(motion) {
+            Some(_) => Err("two of G0 and G1, or one twice, in one block".to_owned()),
+            None => Ok(()),
+        };
+        match code {
+            "G0" => motion(block, Motion::Rapid),
+            "G1" => motion(block, Motion::Feed),
+            "M6" if block.change => Err("`M6` stands twice in one block".to_owned()),
+            "M6" => {
+                block.change = true;
+                Ok(())
+            }
+            "M30" => once(&mut block.end, "M30 or M2", "M30"),
+            "M2" => once(&mut block.end, "M30 or M2", "M2"),
+            "M0" => once(&mut block.wait, "M0 or M1", "M0"),
+            "M1" => once(&mut block.wait, "M0 or M1", "M1"),
+            "G4" => once(&mut block.wait, "G4", "G4"),
+            "G64" => once(&mut block.smoothing, "G64", Smoothing::Left("G64")),
+            "G641" => once(&mut block.smoothing, "G641", Smoothing::Left("G641")),
+            "G53" | "G153" => {
+                Err(format!("`{code}` is not understood: it leaves offsets of the handwheel and others in; write SUPA"))
+            }
+            "G2" | "G3" | "G33" | "G5" => {
+                Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
+            }
+            "G74" | "G75" => Err(format!(
+                "`{code}` is not understood: it goes to a place that is set at the control; write SUPA G0 Z"
+            )),
+            _ if HARMLESS.contains(&code) => Ok(()),
+            _ => Err(format!("`{code}` is not understood")),
+        }
+    }
+
+    /// What words say together.
+    fn together(&mut self) -> Result<(), String> {
+        let block = &mut self.block;
+        if block.wait == Some("G4") {
+            // F and S of a dwell are its time.
+            let time = (block.feed.take(), block.speed.take());
+            if time == (None, None) {
+                return Err("G4 without F or S: how long the program waits is not known".to_owned());
+            }
+            if block.has_axis_words() {
+                return Err("G4 stands alone in its block".to_owned());
+            }
+        }
+        match self.edge {
+            None => {}
+            Some(0) => block.length = Some(LengthWord::Off),
+            Some(1) => block.length = Some(LengthWord::OfSpindle),
+            Some(edge) => {
+                return Err(format!("D{edge} takes the length of another cutting edge: the job's tool is D1"));
+            }
+        }
+        if let Some(frame) = self.frame {
+            if self.words > 1 {
+                return Err(format!("{frame} with other words shifts or turns the work frame: alone it takes it back"));
+            }
+            block.modal[Group::Shift as usize] = Some("TRANS");
+        }
+        match self.alone {
+            Some(word) if self.words > 1 => Err(format!("{word} stands alone in its block")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// First word of a text: its name in upper case, what stands behind it, and the rest.
+fn split(text: &str) -> Result<(Cow<'_, str>, Value<'_>, &str), String> {
+    let letter = text.chars().next().unwrap_or(' ');
+    if !letter.is_ascii_alphabetic() {
+        let why = match letter {
+            '/' => ": whether a block behind it runs depends on a switch at the control",
+            '(' => ": brackets hold no comment here",
+            '%' => ": it stands in the first line of a transferred file only",
+            _ => "",
+        };
+        return Err(format!("`{}` where a word begins is not understood{why}", shown(text, 1)));
+    }
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let second = text[1..].chars().next().unwrap_or(' ');
+    if second.is_ascii_alphabetic() || second == '_' {
+        let end = text.find(|c| !is_name(c)).unwrap_or(text.len());
+        let (name, rest) = text.split_at(end);
+        let name = upper(name);
+        if let Some(inside) = rest.strip_prefix('(') {
+            let (arguments, rest) = arguments(inside)?;
+            return Ok((name, Value::Arguments(arguments), rest));
+        }
+        if rest.trim_start_matches([' ', '\t']).starts_with('=') {
+            return Err(format!("`{}=` is not understood", shown(&name, 40)));
+        }
+        return Ok((name, Value::None, rest));
+    }
+    let digits = text[1..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |n| n + 1);
+    if let Some(behind) = after_equals(&text[digits..]).filter(|_| digits > 1) {
+        let (value, rest) = value(behind)?;
+        return Ok((upper(&text[..digits]), value, rest));
+    }
+    // The control takes the digit behind these letters for a part of the name.
+    if matches!(letter.to_ascii_uppercase(), 'A'..='C') && second == '3' {
+        let word = text.split([' ', '\t']).next().unwrap_or_default();
+        return Err(format!("`{}`: `=` is missing behind the address", shown(word, 20)));
+    }
+    let behind = &text[1..];
+    let (value, rest) = value(after_equals(behind).unwrap_or(behind))?;
+    Ok((upper(&text[..1]), value, rest))
+}
+
+/// What stands behind an equals sign.
+fn after_equals(text: &str) -> Option<&str> {
+    text.trim_start_matches([' ', '\t']).strip_prefix('=').map(|t| t.trim_start_matches([' ', '\t']))
+}
+
+/// The value at the start of a text, and the rest.
+fn value(text: &str) -> Result<(Value<'_>, &str), String> {
+    if let Some(inside) = text.strip_prefix('"') {
+        let end = inside.find('"').ok_or("a text in quotes does not end")?;
+        return Ok((Value::Quoted(&inside[..end]), &inside[end + 1..]));
+    }
+    let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
+    let (number, rest) = text.split_at(end);
+    let wrong = if end == 0 { text.split([' ', '\t', ';']).next().unwrap_or_default() } else { "" };
+    if wrong.is_empty() {
+        return Ok((Value::Number(number), rest));
+    }
+    Err(format!("`{}` is not a number: parameters and expressions are not read", shown(wrong, 20)))
+}
+
+/// What stands between brackets, and the rest.
+fn arguments(inside: &str) -> Result<(&str, &str), String> {
+    let mut quoted = false;
+    for (i, c) in inside.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            ')' if !quoted => return Ok((&inside[..i], &inside[i + 1..])),
+            _ => {}
+        }
+    }
+    Err("a bracket is not closed".to_owned())
+}
+
+fn upper(name: &str) -> Cow<'_, str> {
+    if name.bytes().any(|b| b.is_ascii_lowercase()) { name.to_ascii_uppercase().into() } else { name.into() }
 }
 
 fn is_count(text: &str) -> bool {
     (1..=9).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit())
 }
 
-fn word(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String> {
-    match word {
-        "TRAORI" => return once(&mut block.transformation, "TRAORI", true),
-        "TRAFOOF" => return once(&mut block.transformation, "TRAFOOF", false),
-        "SUPA" => block.machine_frame = true,
-        "G0" => return once(&mut block.motion, "G0", true),
-        "G1" => return once(&mut block.motion, "G1", false),
-        "G710" => block.modes[0] = true,
-        "G90" => block.modes[1] = true,
-        "G94" => block.modes[2] = true,
-        "G500" => return once(&mut block.offset, "G500", false),
-        "G54" => return once(&mut block.offset, "G54", true),
-        "D0" => return once(&mut block.length, "D0", false),
-        "D1" => return once(&mut block.length, "D1", true),
-        "M3" => return once(&mut block.spindle, "M3", true),
-        "M5" => return once(&mut block.spindle, "M5", false),
-        "M6" => block.change = true,
-        "ORIAXES" => block.axes_linear = true,
-        "ORIWKS" => block.part_vectors = true,
-        "G17" | "G40" | "M8" | "M9" => {}
-        "M30" => block.end = true,
-        _ => return valued(word, machine, block),
+/// A whole number.
+fn count(text: &str) -> Result<u32, String> {
+    match text {
+        "" => Err("a number is missing".to_owned()),
+        text if is_count(text) => text.parse().map_err(|_| "not a count".to_owned()),
+        _ => Err("not a count".to_owned()),
     }
-    Ok(())
-}
-
-fn valued(word: &str, machine: &Machine, block: &mut Block) -> Result<(), String> {
-    if let Some(arguments) = word.strip_prefix("CYCLE832(").and_then(|w| w.strip_suffix(')')) {
-        return once(&mut block.smoothing, "CYCLE832", smoothing(arguments)?);
-    }
-    if let Some(name) = word.strip_prefix("T=\"").and_then(|w| w.strip_suffix('"')) {
-        return once(&mut block.tool, "T", name.into());
-    }
-    let (address, value) = match word.split_once('=') {
-        Some(pair) => pair,
-        // The control takes a digit behind these letters for a part of the name.
-        None if ["A3", "B3", "C3"].iter().any(|v| word.starts_with(v)) => {
-            return Err(format!("`{}`: `=` is missing behind the address", shown(word)));
-        }
-        None => word.split_at(word.char_indices().nth(1).map_or(word.len(), |c| c.0)),
-    };
-    let value = || number(value).map_err(|reason| format!("`{}`: {reason}", shown(word)));
-    match address {
-        "F" => block.set_feed(value()?),
-        "S" => block.set_speed(value()?),
-        "X" => block.coordinate(0, value()?),
-        "Y" => block.coordinate(1, value()?),
-        "Z" => block.coordinate(2, value()?),
-        "A3" => block.component(0, value()?),
-        "B3" => block.component(1, value()?),
-        "C3" => block.component(2, value()?),
-        "A" => block.angle(0, value()?, machine.tilt.word_sign),
-        "C" => block.angle(1, value()?, machine.turn.word_sign),
-        _ => Err(format!("`{}` is not understood", shown(word))),
-    }
-}
-
-/// A word as a message shows it.
-fn shown(word: &str) -> String {
-    read_state::shown(word, 40)
 }
 
 /// Tolerance of CYCLE832(tolerance, mode, orientation tolerance); off, the control goes back to settings of its own.
-fn smoothing(arguments: &str) -> Result<Option<f64>, String> {
-    let parts: Vec<&str> = arguments.split(',').collect();
+fn smoothing(arguments: &str) -> Result<Smoothing, String> {
+    if arguments.trim().is_empty() {
+        return Ok(Smoothing::Left("CYCLE832()"));
+    }
+    let parts: Vec<&str> = arguments.split(',').map(|part| part.trim_matches([' ', '\t'])).collect();
     let &[tolerance, mode, turn] = parts.as_slice() else {
         return Err("CYCLE832 needs a tolerance, a mode and a tolerance of the direction".to_owned());
     };
@@ -123,12 +487,15 @@ fn smoothing(arguments: &str) -> Result<Option<f64>, String> {
     if !(0.0..=WIDEST).contains(&tolerance) || !(0.0..=WIDEST).contains(&turn) {
         return Err(format!("a tolerance of CYCLE832 beyond 0..{WIDEST}"));
     }
-    match mode {
-        "_OFF" => Ok(None),
-        "_ORI_FINISH" | "_ORI_ROUGH" if turn > WIDEST_TURN => {
+    match &*upper(mode) {
+        "_OFF" => Ok(Smoothing::Left("CYCLE832 with _OFF")),
+        "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if turn > WIDEST_TURN => {
             Err(format!("CYCLE832 lets the tool lean by {turn} deg; at most {WIDEST_TURN} deg is accepted"))
         }
-        "_ORI_FINISH" | "_ORI_ROUGH" => Ok(Some(tolerance)),
-        _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode))),
+        "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if tolerance == 0.0 || turn == 0.0 => {
+            Err("a tolerance of 0 in CYCLE832 is not none: the control takes its own".to_owned())
+        }
+        "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" => Ok(Smoothing::Within(tolerance)),
+        _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode, 40))),
     }
 }

@@ -6,9 +6,13 @@
 //! the rapid in front of every pass, which carries the rotary positions themselves (A= C=), and by [`check`]: within a
 //! pass A keeps its sign and C turns less than 90 deg a block, so that the nearest position is the right one. C is a
 //! limited axis here: no DC().
+//!
+//! The head takes back what a program that was aborted can have left. Axes move with the transformation off in the machine
+//! frame (SUPA) without tool length (D0): Z alone to the retract height, there A and C, then X and Y. TRAORI and TRAFOOF drop
+//! frames, so that the work offset is said again behind them.
 
 use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
-use super::{NcLine, NcMove, NcProgram, Post, ReadError, read_siemens_840d};
+use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_siemens_840d};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Joints, Machine};
@@ -28,6 +32,9 @@ impl Post for Siemens840d {
     fn about(&self) -> &'static str {
         "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832"
     }
+
+    // The sense of each rotary axis is machine data of the control.
+    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         words::check(program, motion, sink);
@@ -61,13 +68,17 @@ impl Post for Siemens840d {
         emit(program, motion.get(), header)
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcMove>, Vec<ReadError>> {
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
         read_siemens_840d::read(text, machine)
     }
 
     fn recognises(&self, code: &str) -> bool {
-        const OWN: [&str; 8] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS", "M30"];
-        code.split_whitespace().any(|w| OWN.contains(&w) || w == "CYCLE832" || w.starts_with("A3="))
+        const OWN: [&str; 8] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS", "D1"];
+        code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
+            OWN.contains(&&*w)
+                || w.starts_with("CYCLE832")
+                || ["A3=", "A=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
+        })
     }
 }
 
@@ -82,13 +93,18 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
         number += 10;
         nc.lines.push(NcLine { text: format!("N{number} {text}"), source });
     };
-    block(&mut nc, "G17 G710 G90 G94 G40 G500".to_owned(), None);
+    for text in ["G17 G710 G90 G94 G40", "TRAFOOF", "TRANS", "G500", "CYCLE832(0,_OFF,1)"] {
+        block(&mut nc, text.to_owned(), None);
+    }
     for (o, operation) in motion.operations.iter().enumerate() {
-        begin(program, operation, &mut |text| block(&mut nc, text, None));
+        let tool = &program.tools[program.operations[operation.operation].tool];
+        let Some((first, rest)) = operation.moves.split_first() else { continue };
+        let Some((last, between)) = rest.split_last() else { continue };
+        let source = |i: usize| Some((u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX)));
+        begin(program, operation, first, &mut |text, placed| block(&mut nc, text, source(0).filter(|_| placed)));
         let mut last_feed = String::new();
         let mut last_kind = None;
-        for (i, m) in operation.moves.iter().enumerate() {
-            let source = (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
+        for (i, m) in between.iter().enumerate() {
             let text = match m.kind {
                 MoveKind::Rapid => format!("G0 {} {}", tip(program, m), rotary(&program.machine, &m.joints)),
                 MoveKind::Link | MoveKind::Cut => {
@@ -101,33 +117,36 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
                 }
             };
             last_kind = Some(m.kind);
-            block(&mut nc, text, Some(source));
+            block(&mut nc, text, source(i + 1));
         }
-        for text in ["TRAFOOF", "CYCLE832(0,_OFF,1)", "SUPA G0 Z0 D0 M9", "M5"] {
-            block(&mut nc, text.to_owned(), None);
-        }
+        block(&mut nc, "TRAFOOF".to_owned(), None);
+        block(&mut nc, "CYCLE832(0,_OFF,1)".to_owned(), None);
+        let height = fixed(last.joints.xyz.z + tool.length(), LENGTH_DECIMALS);
+        block(&mut nc, format!("SUPA G0 Z{height} D0 M9"), source(between.len() + 1));
+        block(&mut nc, "M5".to_owned(), None);
     }
     block(&mut nc, "M30".to_owned(), None);
     nc
 }
 
-/// Tool, spindle, work offset, smoothing, rotary start position, transformation.
-fn begin(program: &Program, operation: &MotionOperation, block: &mut dyn FnMut(String)) {
+/// Retract, tool, spindle, the way to the first target, work offset, smoothing, transformation. The block that ends at the
+/// first station is marked.
+fn begin(program: &Program, operation: &MotionOperation, first: &JointMove, block: &mut dyn FnMut(String, bool)) {
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let finishes = declared.kind.finishes();
     let chord = if finishes { program.tolerances.chord } else { program.tolerances.chord_rough };
-    block("SUPA G0 Z0 D0".to_owned());
-    block(format!("T=\"{}\" M6 ; {}", tool.name, declared.name));
-    block(format!("D1 S{} M3", fixed(declared.speed.get(), 0)));
-    block("G54".to_owned());
+    block(format!("SUPA G0 Z{} D0", fixed(program.machine.retract, LENGTH_DECIMALS)), false);
+    block(format!("T=\"{}\" M6 ; {}", tool.name, declared.name), false);
+    block(format!("S{} M3", fixed(declared.speed.get(), 0)), false);
+    block(format!("SUPA G0 {} D0", rotary(&program.machine, &first.joints)), false);
+    let [x, y] = [first.joints.xyz.x, first.joints.xyz.y].map(|x| fixed(x, LENGTH_DECIMALS));
+    block(format!("SUPA G0 X{x} Y{y} D0"), true);
+    block("G54 D1".to_owned(), false);
     let mode = if finishes { "_ORI_FINISH" } else { "_ORI_ROUGH" };
-    block(format!("CYCLE832({},{mode},0.1)", fixed(chord.get(), 4)));
-    if let Some(first) = operation.moves.first() {
-        block(format!("G0 {}", rotary(&program.machine, &first.joints)));
-    }
-    block("TRAORI".to_owned());
-    block("G54 ORIWKS ORIAXES M8".to_owned());
+    block(format!("CYCLE832({},{mode},0.1)", fixed(chord.get(), 4)), false);
+    block("TRAORI".to_owned(), false);
+    block("G54 ORIWKS ORIAXES M8".to_owned(), false);
 }
 
 fn tip(program: &Program, m: &JointMove) -> String {

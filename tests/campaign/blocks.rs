@@ -62,11 +62,11 @@ pub fn set(line: &mut String, address: &str, value: f64, decimals: usize) {
 }
 
 pub fn is_move(line: &str) -> bool {
-    line.contains(" X")
+    line.contains(" X") && line.contains(" Z")
 }
 
 pub fn is_rapid(line: &str) -> bool {
-    line.contains("G0 X")
+    line.contains("G0 X") && is_move(line)
 }
 
 /// All stations of a text.

@@ -23,17 +23,28 @@ it does not know. Nothing was written.\n\nWay out: report the job file.";
 word. Here they differ. Nothing was written.\n\nWay out: report the job file.";
     UNKNOWN_POST = "IMP0807", "an unknown post",
         "The job or `--post` names a dialect that is not built.\n\nWay out: one of the posts that the message lists.";
+    SENSE = "IMP0808", "rotary words of a sense that the post cannot have",
+        "The machine file says for each rotary axis whether a positive word turns the tool right-handed relative to the part \
+(`iso`) or the other way round (`opposite`). The kinematics xyzac-trt of LinuxCNC 2.9 turn the work right-handed for a \
+positive word, which is `opposite`, and no setting changes that. With a machine file that says `iso` the table would turn \
+the wrong way: the tool would cut another part, or the table.\n\n\
+Way out: a machine file of a machine that LinuxCNC runs (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), chosen in the job or \
+with `--machine`; or the post of the control that the machine has.";
     NC_FILE = "IMP0820", "NC file that cannot be read",
         "`impellerc verify` takes NC text: plain UTF-8 of at most 256 MB. Anything else is refused before it is looked at, \
 so that memory stays bounded.\n\nWay out: give the text that the control would run, split by operations if it is larger.";
-    NC_BLOCK = "IMP0821", "a block of NC text that is not understood",
-        "The text is read strictly, as the control would run it: an unknown word, a number that is none, a value beyond all \
-measure, a word given twice, a position that nobody said, a move with the transformation off, or a text that ends early. \
-Such a block is never skipped, since what it does at the machine is not known. So is a move at feed before CYCLE832 or \
-G64 P says how far the control may leave the path, a direction vector without ORIWKS and ORIAXES, and SUPA with a tool \
-length: there the control takes settings of its own.\n\n\
-Example: `G1 XNAN Y0.0000` or a move between TRAFOOF and TRAORI.\n\n\
-Way out: correct the block, or name the dialect of the text with `--post`.";
+    NC_BLOCK = "IMP0821", "a block of NC text that is refused",
+        "The text is read strictly, as the control would run it. A word that is not understood is never skipped, since what it \
+does at the machine is not known: so are values beyond travel, words given twice, comments that the control executes, and \
+signs of another alphabet.\n\n\
+At the start nothing is known: units, plane, distance and feed mode, radius compensation, offsets, tool and its length, \
+transformation, smoothing, spindle, coolant and the positions of all axes may be left over from another program. A move on \
+any of them that the text did not set, or set otherwise, is refused; the message says what to write. With the \
+transformation off the tool first goes straight up to the retract height of the machine file; only there X, Y, A and C \
+move. At its end a program leaves the transformation, spindle and coolant off and the tool at that height.\n\n\
+Example: `G53 G0 Z0` where the machine file says `[retract] z = \"650 mm\"`, `G43 H1` with tool 2 in the spindle, or a move \
+between TRAFOOF and TRAORI.\n\n\
+Way out: write what the message says, or name the dialect of the text with `--post`.";
     NC_OPERATIONS = "IMP0822", "NC text that does not follow the job",
         "The operations of the text are those between switching the transformation on and off. They must be the \
 operations of the job, in its order, each with its tool and spindle speed: otherwise the text would be measured with the \
