@@ -1,4 +1,4 @@
-//! The front end on texts in memory: what every target of the language and its files runs.
+//! What the targets run: the front end on texts in memory, and the readers of NC text.
 
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
@@ -6,8 +6,10 @@ use impellerc::diag::{Sink, codes, render};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, Missing};
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::post::{self, motion_of::motion_of};
+use impellerc::source::{SourceFile, SourceMap, Span};
 use impellerc::{lower, syntax};
+use std::sync::OnceLock;
 
 /// Texts of one compilation. A file that is not given is the shipped one, or that of the small job.
 #[derive(Clone, Copy, Debug)]
@@ -75,4 +77,22 @@ fn program(texts: Texts<'_>, sources: &mut SourceMap, sink: &mut Sink) -> Option
     let job = job::resolve(&tree, &mut files, sources, sink).ok()?;
     let _ = job::print::print(&job);
     lower::lower(&job, sink).ok()
+}
+
+/// Reads NC text of a dialect, and the motion that the small job would see in it. Faults are told with a line of the text.
+pub fn nc(post: &str, text: &str) {
+    static PROGRAM: OnceLock<Option<Program>> = OnceLock::new();
+    let Some(program) = PROGRAM.get_or_init(|| front(SMALL)) else { panic!("the small job is faulty") };
+    let Some(post) = post::find(post) else { panic!("no post {post}") };
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let source = sources.add("part.nc", text);
+    let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
+    match post.read(text, &program.machine) {
+        Err(faults) => assert!(!faults.is_empty(), "refused without a reason"),
+        Ok(moves) => {
+            let motion = motion_of(program, &moves, &span, &mut sink);
+            assert!(motion.is_some() || sink.has_errors(), "no motion and no error");
+        }
+    }
+    let _ = render::human(&sink, &sources, false);
 }

@@ -85,7 +85,7 @@ struct RunArguments {
     stock: Option<PathBuf>,
 
     /// Memory that planning may take, such as 4GB; usually 2GB
-    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<f64>,
 
     /// Print the time of each stage; not beside `sarif` and `junit`, which are one document

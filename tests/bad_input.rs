@@ -231,3 +231,54 @@ fn explain_prints_pages_and_refuses_unknown_codes() {
     assert!(String::from_utf8_lossy(&page.stdout).contains("Way out:"));
     assert_eq!(explain("IMP9999").status.code(), Some(2));
 }
+
+/// Far more names, items, points and terms than any job has: refused or told at once, not after minutes.
+#[test]
+fn texts_that_only_a_program_writes() {
+    let lines = |count: usize, line: &dyn Fn(usize) -> String| (0..count).map(line).collect::<Vec<_>>().join("\n");
+    let run = |text: String, code: &str| Run::new().file("job.imp", text).fails_with(code);
+    run(lines(20_000, &|i| format!("let a{i} = {i}")), "IMP0110");
+    run(lines(20_000, &|_| "operation groove { tool t1 }".to_owned()), "IMP0110");
+    run(lines(100_000, &|i| format!("tool t{i} = ball {{ diameter 6 mm }}")), "IMP0110");
+    run(format!("tool t = ball {{ {} }}", lines(100_000, &|i| format!("d{i} 1 mm"))), "IMP0110");
+    run(lines(900, &|_| "operation groove { tool t1 }".to_owned()), "IMP0205");
+    run(
+        lines(900, &|i| format!("let a{i} = {}", lines(100, &|j| format!("z{i}q{j} +")).replace('\n', " ") + " 1")),
+        "IMP0203",
+    );
+    let points = |count: usize| lines(count, &|i| format!("({}, -38.5, 0)", 15.0 + 1e-4 * i as f64));
+    let first = "( 15.0578, -38.5221,   0.0000)";
+    job(first, &points(2500)).fails_with("IMP0303");
+    job(first, &points(1_000_000)).fails_with("IMP0110");
+}
+
+#[test]
+fn quantities_that_no_machine_has() {
+    for (from, to) in [
+        ("feed 250 mm/min", "feed 1e-300 mm/min"),
+        ("feed 250 mm/min", "feed 1e-300 mm/tooth"),
+        ("speed 8000 rpm", "speed 1e-300 rpm"),
+        ("diameter 6 mm", "diameter 10 um"),
+        ("fillet 3 mm", "fillet 1e-300 mm"),
+        ("strips auto", "strips 100"),
+    ] {
+        let code = if from.starts_with("speed") { "IMP0213" } else { "IMP0209" };
+        job(from, to).fails_with(code);
+    }
+}
+
+#[test]
+fn plans_that_would_run_away() {
+    for (from, to) in
+        [("scallop 12 um", "scallop 0.1 um"), ("residual 0.4 mm", "residual 1 um"), ("depth 1.5 mm", "depth 10 um")]
+    {
+        job(from, to).fails_with("IMP0420");
+    }
+}
+
+#[test]
+fn library_files_that_only_a_program_writes() {
+    for text in ["a.".repeat(500_000) + "a = 1", format!("a = {}", "[".repeat(500_000))] {
+        job("\"carbide\"", "\"mine\"").file("_lib/tools/mine.toml", text).fails_with("IMP0217");
+    }
+}

@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default)]
 pub(super) struct Scope {
     names: BTreeMap<String, Binding>,
+    /// How many unknown names were met.
+    unknown: usize,
     /// True when items are missing from the tree, so that an unknown name may have been declared there.
     pub(super) damaged: bool,
 }
@@ -26,7 +28,7 @@ struct Binding {
 impl Scope {
     /// No names yet.
     pub(super) fn new(damaged: bool) -> Self {
-        Self { names: BTreeMap::new(), damaged }
+        Self { names: BTreeMap::new(), unknown: 0, damaged }
     }
 
     /// Binds a name.
@@ -71,7 +73,14 @@ impl Scope {
             );
             return None;
         }
-        sink.push(unknown(&text, path.span, "name", self.names.keys().map(String::as_str)));
+        self.unknown += 1;
+        sink.push(if self.unknown > MOST_COMPARED {
+            Diag::error(codes::UNKNOWN_NAME, format!("no name is called `{text}`"))
+                .label(path.span, "not declared")
+                .help("declare it with `let` before it is used, or correct it")
+        } else {
+            unknown(&text, path.span, "name", self.names.keys().map(String::as_str))
+        });
         None
     }
 
@@ -213,6 +222,9 @@ pub(super) fn unknown_unit(unit: &Name) -> Diag {
         None => diag.label(unit.span, "not known").help(format!("units are {}", units.join(", "))),
     }
 }
+
+/// Most unknown names of a job for which a near one is looked for.
+const MOST_COMPARED: usize = 1000;
 
 /// Most names that an unknown one is compared with: a job or a library with more is none that a person wrote, and a text
 /// may have many unknown names.
