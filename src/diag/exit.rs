@@ -30,6 +30,7 @@ const NO_FINDINGS: &[Code] = &[
     post::NOT_UNDERSTOOD,
     post::TEXT_DIFFERS,
     post::UNKNOWN_POST,
+    post::SENSE,
     post::NC_FILE,
     post::NC_BLOCK,
     post::CERTIFICATE_FORM,
