@@ -20,6 +20,7 @@ use crate::passes::pipeline;
 use crate::post::{self, NcProgram, Post};
 use crate::source::{Origin, SourceFile, SourceMap};
 use crate::syntax::ast::{File, ItemKind};
+use crate::units::trim;
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, job, lower};
@@ -433,11 +434,12 @@ fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<
     }
     for (_, tool) in program.tools.iter() {
         lines.push(format!(
-            "tool {} number {}: {} radius {} mm",
+            "tool {} number {}: {} radius {} mm, length {} mm from the tip to the gauge line",
             tool.name,
             tool.number,
             tool.solid.cutter.keyword(),
-            tool.solid.radius()
+            tool.solid.radius(),
+            trim(tool.length(), 4)
         ));
     }
     lines

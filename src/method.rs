@@ -1,5 +1,15 @@
 //! Methods that a job chooses by name: the words that job and stage values share.
 
+/// How the control of a machine plans the speed along the blocks of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Planning {
+    /// With look-ahead over blocks, within speed, acceleration and jerk of every joint, corners within its tolerance.
+    #[default]
+    Joints,
+    /// As LinuxCNC 2.9 does: blocks in the frame of the program, each from rest to rest, blended with the next one.
+    LinuxCnc,
+}
+
 /// How lines over a floor are spaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {

@@ -137,6 +137,6 @@ fn the_command_line_takes_sizes() {
         assert!(text.contains("such as 4GB"), "{text}");
     }
     let (code, text) = run("1.5 GB");
-    assert_eq!(code, Some(1));
+    assert_eq!(code, Some(2));
     assert!(text.contains("IMP0420") && text.contains("it may take 1.5 GB"), "{text}");
 }

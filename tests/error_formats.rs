@@ -211,19 +211,27 @@ fn faulty_jobs_in_all_formats() {
 }
 
 const PROGRAM: &str = "\
-N10 G17 G710 G90 G94 G40 G500
-N20 SUPA G0 Z0 D0
-N30 T=\"t1\" M6
-N40 D1 S4500 M3
-N50 G54
-N60 G0 A=30 C=20
-N70 TRAORI
-N80 G54 ORIWKS ORIAXES
-N90 G0 X50 Y-40 Z10 A=30 C=20
-N100 G1 X<3 Y-17 Z4 F150
-N110 G33 X5
-N120 TRAFOOF
-N130 M30
+N10 G17 G710 G90 G94 G40
+N20 TRAFOOF
+N30 TRANS
+N40 G500
+N50 SUPA G0 Z650 D0
+N60 T=\"t1\" M6
+N70 S4500 M3
+N80 SUPA G0 A=30 C=20 D0
+N90 SUPA G0 X40 Y-10 D0
+N100 G54 D1
+N110 CYCLE832(0.2,_ORI_ROUGH,0.1)
+N120 TRAORI
+N130 G54 ORIWKS ORIAXES M8
+N140 G0 X50 Y-40 Z10 A=30 C=20
+N150 G1 X<3 Y-17 Z4 A=30 C=20 F150
+N160 G33 X5
+N170 G0 X50 Y-40 Z10 A=30 C=20
+N180 TRAFOOF
+N190 SUPA G0 Z650 D0 M9
+N200 M5
+N210 M30
 ";
 
 #[test]
@@ -239,12 +247,12 @@ fn faulty_nc_text_in_both_formats() {
     let found: Vec<(String, u64)> = all.iter().filter(|r| r["ruleId"] == "IMP0821").map(location).collect();
     let uri =
         format!("file://{}", shown.replace(' ', "%20").replace('&', "%26").replace('<', "%3C").replace('>', "%3E"));
-    assert_eq!(found, [(uri.clone(), line_of(PROGRAM, "N100")), (uri, line_of(PROGRAM, "N110"))]);
+    assert_eq!(found, [(uri.clone(), line_of(PROGRAM, "N150")), (uri, line_of(PROGRAM, "N160"))]);
     let (ok, junit) = report(&arguments, "junit");
     assert!(!ok);
     let failed: Vec<Case> = cases(&junit).into_iter().filter(|c| c.failure.is_some()).collect();
     let places: Vec<_> = failed.iter().map(|c| c.place.clone().unwrap()).collect();
-    assert_eq!(places, [(shown.to_owned(), 10), (shown.to_owned(), 11)]);
+    assert_eq!(places, [(shown.to_owned(), 15), (shown.to_owned(), 16)]);
     assert!(failed[0].failure.as_ref().unwrap().contains("`X<3`"), "{:?}", failed[0].failure);
 }
 
@@ -259,8 +267,9 @@ fn a_run_that_holds_and_one_that_fails() {
     assert!(held.iter().any(|c| c.name == "no errors"));
     let folder = tempfile::tempdir().unwrap();
     let job = folder.path().join("reduced.imp");
-    let contracts = "require clearance >= 0.5 mm\nrequire gouge <= 1 um";
-    let text = std::fs::read_to_string(JOB).unwrap().replacen("require clearance >= 0.5 mm", contracts, 1);
+    // Less than the faces are cut into, more than the edges are.
+    let text =
+        std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 120 um", "require gouge <= 80 um", 1);
     std::fs::write(&job, &text).unwrap();
     std::fs::copy(Path::new(JOB).with_file_name("vane_curves.csv"), folder.path().join("vane_curves.csv")).unwrap();
     let (ok, sarif) = report(&[job.to_str().unwrap()], "sarif");
@@ -278,7 +287,7 @@ fn a_run_that_holds_and_one_that_fails() {
     let (_, junit) = report(&[job.to_str().unwrap()], "junit");
     let judged = cases(&junit);
     let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
-    assert_eq!(names, ["clearance >= 0.500 mm", "gouge <= 1.00 um"]);
+    assert_eq!(names, ["clearance >= 0.500 mm", "gouge <= 80.00 um"]);
     assert!(held.iter().any(|c| c.name == names[0]));
     assert!(judged[0].failure.is_none() && judged[0].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
     assert!(judged[1].failure.as_ref().unwrap().contains("deep into"), "{junit}");

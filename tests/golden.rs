@@ -6,7 +6,8 @@
 use impellerc::driver::{self, Emit, Options, Outcome, Stages};
 use impellerc::ir::print::{self, Detail};
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::{Machine, Planning, RotaryAxis};
+use impellerc::kin::{Machine, RotaryAxis};
+use impellerc::method::Planning;
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::post;
 use impellerc::verify::{Certificate, Verified, verify};

@@ -8,7 +8,9 @@ mod support;
 use impellerc::collide::{Cloud, Cutter, ToolSolid};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MoveKind, OperationKind, Program, design};
+use impellerc::ir::{
+    Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program, design,
+};
 use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
@@ -35,11 +37,16 @@ fn planned(program: &Program) -> Motion {
     pipeline::run(program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion
 }
 
+/// The moves without that to the station at retract height behind the last pass.
+fn on_the_way(operation: &MotionOperation) -> &[JointMove] {
+    operation.moves.split_last().unwrap().1
+}
+
 /// Passes that are reached without a rapid.
 fn joined(motion: &Motion) -> usize {
     let operation = &motion.operations[0];
     let by_rapid: std::collections::BTreeSet<u32> =
-        operation.moves.iter().filter(|m| m.kind == MoveKind::Rapid).map(|m| m.pass).collect();
+        on_the_way(operation).iter().filter(|m| m.kind == MoveKind::Rapid).map(|m| m.pass).collect();
     operation.labels.len() - by_rapid.len()
 }
 

@@ -27,7 +27,12 @@ impl Body {
                 let tip = match cutter {
                     Cutter::Flat { radius } => rounded(radius, 0.0),
                     Cutter::Bull { radius, corner } => rounded(radius - corner, corner),
-                    Cutter::Ball { radius } | Cutter::Lollipop { radius } => rounded(0.0, radius),
+                    Cutter::Ball { radius } => rounded(0.0, radius),
+                    // The plane at the end of the flutes may cut the ball off below the place that reaches farthest.
+                    Cutter::Lollipop { radius } => {
+                        let height = radius - radius * along / libm::hypot(along, across);
+                        if height <= top { rounded(0.0, radius) } else { f64::INFINITY }
+                    }
                     Cutter::TaperedBall { ball, .. } => rounded(0.0, ball),
                     Cutter::Barrel { radius, tip, .. } => {
                         let height = cutter.barrel_height().filter(|h| *h < top);

@@ -267,8 +267,11 @@ impl Belonging<'_> {
     }
 }
 
-/// Difference of a figure that the digits of the words explain, absolute and as a share.
+/// Difference of a figure that the digits of the words explain: absolute, and as a share of the figure.
 const DIGITS: (f64, f64) = (1e-3, 1e-3);
+
+/// Share of a contract's bound that the absolute difference may be at most.
+const OF_BOUND: f64 = 0.1;
 
 /// Contracts of a certificate against those measured on the text.
 fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
@@ -295,7 +298,7 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
             kind_said == kind
                 && bound_said == bound
                 && holds_said == holds
-                && (value_said - value).abs() <= DIGITS.0 + DIGITS.1 * value.abs()
+                && (value_said - value).abs() <= DIGITS.0.min(OF_BOUND * bound) + DIGITS.1 * value.abs()
         });
         if !same {
             let said = says.get(k).map_or("no such contract".to_owned(), |s| format!("{} of {} for {}", s.0, s.2, s.1));

@@ -5,7 +5,7 @@ use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineSpec, RotarySpec,
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
-use crate::kin::Planning;
+use crate::method::Planning;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
 use serde::Deserialize;

@@ -2,7 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::kin::Planning;
+use crate::method::Planning;
 use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};

@@ -2,8 +2,8 @@
 
 use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
-use crate::kin::Planning;
 use crate::method::FlankMethod;
+use crate::method::Planning;
 use crate::units::trim;
 use std::fmt::Write;
 

@@ -1,5 +1,6 @@
 //! A machine as numbers: axes, their limits, where the part sits.
 
+use crate::method::Planning;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::TAU;
 
@@ -33,16 +34,6 @@ pub struct RotaryAxis {
     pub jerk: f64,
     /// +1 when the machine's word has the ISO sense, -1 when it has the opposite.
     pub word_sign: f64,
-}
-
-/// How the control of a machine plans the speed along the blocks of a program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Planning {
-    /// With look-ahead over blocks, within speed, acceleration and jerk of every joint, corners within its tolerance.
-    #[default]
-    Joints,
-    /// As LinuxCNC 2.9 does: blocks in the frame of the program, each from rest to rest, blended with the next one.
-    LinuxCnc,
 }
 
 /// A table-table machine with axes X Y Z A C. Positions of Z, where a travel or a height is given, are those of the gauge

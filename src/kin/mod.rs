@@ -11,5 +11,5 @@ mod rates;
 pub mod transform;
 
 pub use interpolation::Interpolation;
-pub use machine::{Carried, LinearAxis, Machine, Planning, RotaryAxis};
+pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
 pub use transform::{Joints, Pose, inverse};

@@ -73,7 +73,7 @@ impl Post for Siemens840d {
     }
 
     fn recognises(&self, code: &str) -> bool {
-        const OWN: [&str; 8] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS", "D1"];
+        const OWN: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
         code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
             OWN.contains(&&*w)
                 || w.starts_with("CYCLE832")

@@ -23,7 +23,8 @@ mod linuxcnc;
 
 use super::sweep::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine, Planning};
+use crate::kin::{Joints, Machine};
+use crate::method::Planning;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 

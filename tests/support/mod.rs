@@ -11,8 +11,8 @@ use impellerc::ir::{
     DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
     Stock, Tolerances, Tool, ToolId,
 };
-use impellerc::kin::{LinearAxis, Machine, Planning, RotaryAxis};
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
+use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};

@@ -1,0 +1,421 @@
+//! The state of a control while it reads a program: what each block changes, and what is a fault.
+
+mod moves;
+
+use super::{Act, Block, Control, LengthWord, MOST_FAULTS, Motion, ROUNDING, Smoothing, figure};
+use crate::kin::Machine;
+use crate::post::modal::{GROUPS, Group, Needed, Setting};
+use crate::post::{Direction, NcSection, NcTool, ReadError, Station};
+use nalgebra::Vector3;
+
+/// Tool centre point control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Transformation {
+    Unknown,
+    Off,
+    On,
+}
+
+/// Position of an axis with the transformation off: of the gauge line in the machine frame for X Y Z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    /// Wherever the program before left it.
+    Unknown,
+    /// Where the transformation left it.
+    Left,
+    /// mm or radians.
+    At(f64),
+}
+
+impl Place {
+    fn known(self) -> Option<f64> {
+        if let Self::At(x) = self { Some(x) } else { None }
+    }
+}
+
+/// Whose length acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Length {
+    Unknown,
+    Off,
+    Of(NcTool, usize),
+}
+
+const AXES: [&str; 5] = ["X", "Y", "Z", "A", "C"];
+
+/// State of the control. Nothing is taken for granted at its start.
+struct State<'a> {
+    control: &'a Control,
+    machine: &'a Machine,
+    line: usize,
+    modal: [Setting; GROUPS],
+    transformation: Transformation,
+    axes: [Place; 5],
+    /// Line that last moved an axis with the transformation off.
+    placed: usize,
+    tip: [Option<f64>; 3],
+    direction: Direction,
+    motion: Option<Motion>,
+    feed: Option<f64>,
+    ready: Option<NcTool>,
+    tool: Option<NcTool>,
+    length: Length,
+    speed: Option<f64>,
+    smoothing: Option<Smoothing>,
+    /// The section under way was left without a retract so far.
+    open: bool,
+    ended: bool,
+    sections: Vec<NcSection>,
+    moves: usize,
+    faults: Vec<ReadError>,
+    /// The block has a fault already: what follows from it is not told.
+    quiet: bool,
+    /// What was told once and would be told for every block.
+    told: Vec<&'static str>,
+}
+
+impl<'a> State<'a> {
+    fn new(control: &'a Control, machine: &'a Machine) -> Self {
+        Self {
+            control,
+            machine,
+            line: 0,
+            modal: [Setting::Unknown; GROUPS],
+            transformation: Transformation::Unknown,
+            axes: [Place::Unknown; 5],
+            placed: 0,
+            tip: [None; 3],
+            direction: Direction::Rotary(0.0, 0.0),
+            motion: None,
+            feed: None,
+            ready: None,
+            tool: None,
+            length: Length::Unknown,
+            speed: None,
+            smoothing: None,
+            open: false,
+            ended: false,
+            sections: Vec::new(),
+            moves: 0,
+            faults: Vec::new(),
+            quiet: false,
+            told: Vec::new(),
+        }
+    }
+
+    /// Tells a fault of this block; the first one only.
+    fn fault(&mut self, reason: impl Into<String>) {
+        if !self.quiet && self.faults.len() < MOST_FAULTS {
+            self.faults.push(ReadError { line: self.line, reason: reason.into() });
+        }
+        self.quiet = true;
+    }
+
+    /// Tells a fault that would stand in every block from here on, once.
+    fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
+        if self.told.contains(&about) {
+            return;
+        }
+        if !self.quiet {
+            self.told.push(about);
+        }
+        self.fault(reason);
+    }
+
+    fn retract_words(&self) -> String {
+        let Control { machine_frame, behind, .. } = self.control;
+        format!("`{machine_frame} Z{}{behind}`", figure(self.machine.retract))
+    }
+
+    /// Whether the tool stands at the retract height or above.
+    fn is_retracted(&self) -> bool {
+        self.axes[2].known().is_some_and(|z| z >= self.machine.retract - ROUNDING.0)
+    }
+
+    /// Runs one block. A move runs on a state that may be faulty; then it is no move of the result.
+    fn run(&mut self, block: &Block) {
+        if self.ended {
+            return self.fault_once("ended", "text after the end of the program");
+        }
+        for act in self.control.order {
+            match act {
+                Act::Set(group) => self.set(*group, block),
+                Act::Feed => self.feed = block.feed.or(self.feed),
+                Act::Speed => self.speed = block.speed.or(self.speed),
+                Act::Select => {
+                    if let Some(tool) = &block.tool {
+                        self.ready = Some(tool.clone());
+                    }
+                }
+                Act::Change if block.change => self.change(),
+                Act::Transform => {
+                    if let Some(on) = block.transformation {
+                        self.switch(on, block);
+                    }
+                }
+                Act::Length => {
+                    if let Some(word) = &block.length {
+                        self.set_length(word);
+                    }
+                }
+                Act::Smooth => self.smoothing = block.smoothing.or(self.smoothing),
+                Act::Wait => {
+                    if let Some(word) = block.wait.filter(|_| self.transformation == Transformation::On) {
+                        self.fault(format!(
+                            "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, \
+                             before {}",
+                            self.control.transformation[0]
+                        ));
+                    }
+                }
+                Act::Move => self.moved(block),
+                Act::End => {
+                    if let Some(word) = block.end {
+                        self.end(word);
+                    }
+                }
+                Act::Change => {}
+            }
+        }
+    }
+
+    fn set(&mut self, group: Group, block: &Block) {
+        let Some(word) = block.modal[group as usize] else { return };
+        let before = self.modal[group as usize];
+        // A control forgets the feed with its unit.
+        if group == Group::FeedMode && before != Setting::Unknown && !matches!(before, Setting::Said(w, _) if w == word)
+        {
+            self.feed = None;
+        }
+        self.modal[group as usize] = Setting::Said(word, self.line);
+    }
+
+    fn change(&mut self) {
+        if !self.is_retracted() || self.transformation == Transformation::On {
+            self.fault(format!(
+                "a tool change before the tool is at the retract height: write {} before this block",
+                self.retract_words()
+            ));
+        }
+        if self.ready.is_none() {
+            self.fault("M6 before any T: which tool comes into the spindle is not known");
+        }
+        self.tool = self.ready.clone().or(Some(NcTool::Number(0)));
+        if self.control.change_drops_length {
+            self.length = Length::Unknown;
+        }
+        // A change stops the spindle.
+        self.modal[Group::Spindle as usize] = Setting::Unknown;
+    }
+
+    fn set_length(&mut self, word: &LengthWord) {
+        let [on, off] = self.control.transformation;
+        match self.transformation {
+            Transformation::On => {
+                self.fault(format!(
+                    "the tool length changes with the transformation on: the axes jump; write {off} before"
+                ));
+            }
+            Transformation::Unknown => {
+                self.fault(format!(
+                    "the tool length changes while the transformation may still be on from another program: the axes \
+                     would jump; write {off} alone in a block before"
+                ));
+                // As the block meant it.
+                self.transformation = Transformation::Off;
+            }
+            Transformation::Off => {}
+        }
+        self.length = match word {
+            LengthWord::Off => Length::Off,
+            LengthWord::OfSpindle => match self.tool.clone() {
+                Some(tool) => Length::Of(tool, self.line),
+                None => {
+                    self.fault(format!(
+                        "the tool length before a tool change: which tool is in the spindle is not known \
+                                        before {on}"
+                    ));
+                    Length::Unknown
+                }
+            },
+            LengthWord::Of(number) => Length::Of(NcTool::Number(*number), self.line),
+        };
+    }
+
+    /// Transformation on or off.
+    fn switch(&mut self, on: bool, block: &Block) {
+        let [word, off] = self.control.transformation;
+        if block.has_axis_words() {
+            self.fault("the transformation is switched in a move: write the word alone in its block");
+        }
+        if self.control.switching_drops_frames {
+            // The programmable frame is taken back, and so is the work offset.
+            self.modal[Group::WorkOffset as usize] = Setting::Unknown;
+            if let Some(shift) = self.control.modal.iter().find(|m| m.group == Group::Shift) {
+                self.modal[Group::Shift as usize] = Setting::Said(shift.right[0], self.line);
+            }
+        }
+        if !on {
+            if self.transformation == Transformation::On {
+                self.axes = [Place::Left; 5];
+            }
+            self.transformation = Transformation::Off;
+            return;
+        }
+        match self.transformation {
+            Transformation::On => self.fault(format!("the transformation is switched on twice: write {off} before")),
+            Transformation::Unknown => self.fault(format!(
+                "the transformation may still be on from another program: write {off} alone in a block at the start"
+            )),
+            Transformation::Off if !self.is_retracted() => self.fault(format!(
+                "the transformation is switched on at an unknown height: write {} before, then A and C, then X and Y",
+                self.retract_words()
+            )),
+            Transformation::Off => {}
+        }
+        if let Some(k) = (0..5).find(|k| self.axes[*k].known().is_none()) {
+            let Control { machine_frame, behind, .. } = self.control;
+            let axis = AXES[k];
+            self.fault(format!(
+                "the way to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
+                 block, `{machine_frame} {axis}...{behind}`"
+            ));
+        }
+        let Length::Of(of, _) = &self.length else {
+            self.fault(format!(
+                "{word} without the length of the tool: write `{}` before this block",
+                self.control.length
+            ));
+            return self.begin();
+        };
+        if self.tool.as_ref() != Some(of) {
+            let tool = self.tool.as_ref().map_or("no known tool".to_owned(), |t| format!("tool {t}"));
+            let reason = format!(
+                "{tool} is in the spindle with the length of another tool, {of}: write `{}`",
+                self.control.length
+            );
+            self.fault(reason);
+        }
+        self.begin();
+    }
+
+    /// A section begins where the axes stand.
+    fn begin(&mut self) {
+        let [x, y, z, a, c] = self.axes.map(|p| p.known().unwrap_or(0.0));
+        self.transformation = Transformation::On;
+        self.tip = [None; 3];
+        self.direction = Direction::Rotary(a, c);
+        if self.faults.is_empty() {
+            let start = Station { line: self.placed, xyz: Vector3::new(x, y, z), a, c };
+            self.sections.push(NcSection { start, moves: Vec::new(), retract: None });
+        }
+        self.open = true;
+    }
+
+    /// Judges the modal groups that a move needs.
+    fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
+        for modal in self.control.modal {
+            let needed = match modal.needed {
+                Needed::Always => true,
+                Needed::InWorkFrame => work_frame,
+                Needed::Transformed => transformed,
+                Needed::AtFeed => feed,
+            };
+            let setting = self.modal[modal.group as usize];
+            if !needed || setting == Setting::Reported {
+                continue;
+            }
+            let due = modal.right[0];
+            let reason = match setting {
+                Setting::Said(word, _) if modal.right.contains(&word) => continue,
+                Setting::Said(word, line) => {
+                    format!("a move with {word}, which line {line} sets: {}; write {due} before this block", modal.what)
+                }
+                _ => format!("no block before this move says {}: write {due}", modal.what),
+            };
+            let first = !self.quiet;
+            self.fault(reason);
+            if first {
+                self.modal[modal.group as usize] = Setting::Reported;
+            }
+        }
+    }
+
+    /// What the program leaves behind.
+    fn end(&mut self, word: &str) {
+        let [_, off] = self.control.transformation;
+        match self.transformation {
+            Transformation::On => self.fault(format!(
+                "the program ends with the transformation on: write {off}, then {}",
+                self.retract_words()
+            )),
+            Transformation::Unknown => {
+                self.fault(format!(
+                    "the program ends, and no block says whether the transformation is on: write {off}"
+                ));
+            }
+            Transformation::Off if self.open => self.fault(format!(
+                "the program ends with the tool in the part: write {} after {off}",
+                self.retract_words()
+            )),
+            Transformation::Off => {}
+        }
+        if !(self.control.end_switches_off && word.starts_with('M')) {
+            for (group, due, what) in [(Group::Spindle, "M5", "the spindle"), (Group::Coolant, "M9", "the coolant")] {
+                if let Setting::Said(word, line) = self.modal[group as usize]
+                    && word != due
+                {
+                    self.fault(format!(
+                        "the program ends with {what} on, by {word} in line {line}: write {due} before"
+                    ));
+                }
+            }
+        }
+        self.ended = true;
+    }
+}
+
+/// Runs a text line by line through a dialect's `block`, which makes a [`Block`] of a line, or none of an empty one. What
+/// it does not understand goes to the list that it is given.
+///
+/// # Errors
+/// The faults, in order, at most [`MOST_FAULTS`].
+pub(in crate::post) fn read(
+    text: &str,
+    control: &Control,
+    machine: &Machine,
+    mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<Block>,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let mut state = State::new(control, machine);
+    let mut reasons = Vec::new();
+    for (i, line) in text.strip_suffix('\n').unwrap_or(text).split('\n').enumerate() {
+        state.line = i + 1;
+        state.quiet = false;
+        let found = match control_character(line.strip_suffix('\r').unwrap_or(line)) {
+            Some(reason) => {
+                reasons.push(reason);
+                None
+            }
+            None => block(line, i + 1, &mut reasons),
+        };
+        if let Some(first) = reasons.drain(..).next() {
+            state.fault(first);
+        }
+        if let Some(block) = found {
+            state.run(&block);
+        }
+        if state.faults.len() >= MOST_FAULTS {
+            return Err(state.faults);
+        }
+    }
+    if !state.ended {
+        state.quiet = false;
+        state.fault(format!("the text ends here, without {}", control.end));
+    }
+    if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+}
+
+fn control_character(line: &str) -> Option<String> {
+    let found = line.chars().find(|c| c.is_control() && *c != '\t')?;
+    Some(format!("the control character U+{:04X}", u32::from(found)))
+}

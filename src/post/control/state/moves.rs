@@ -1,0 +1,253 @@
+//! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
+
+use super::{AXES, Length, Place, State, Transformation};
+use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, Smoothing, figure};
+use crate::post::modal::{Group, Setting};
+use crate::post::{Direction, NcMove, NcTool};
+use nalgebra::{Point3, Vector3};
+
+impl State<'_> {
+    pub(super) fn moved(&mut self, block: &Block) {
+        if self.transformation != Transformation::On {
+            self.motion = block.motion.or(self.motion);
+        }
+        if !block.has_axis_words() {
+            if block.machine_frame {
+                self.fault("the machine frame is asked for without an axis word");
+            }
+            self.motion = block.motion.or(self.motion);
+            return;
+        }
+        match self.transformation {
+            Transformation::On => self.tip_move(block),
+            Transformation::Off => self.axis_move(block),
+            Transformation::Unknown => {
+                let off = self.control.transformation[1];
+                self.fault(format!(
+                    "a move while the transformation may still be on from another program: write {off} alone in a block \
+                     before"
+                ));
+                self.transformation = Transformation::Off;
+                self.axis_move(block);
+            }
+        }
+    }
+
+    /// A move with the transformation off: only at rapid, in the machine frame, and sideways only at the retract height.
+    fn axis_move(&mut self, block: &Block) {
+        let Control { machine_frame, behind, .. } = self.control;
+        if block.vector != [None; 3] {
+            self.fault("a direction vector with the transformation off");
+        }
+        match self.motion {
+            Some(Motion::Rapid) => {}
+            Some(Motion::Feed) => {
+                self.fault("a move at feed with the transformation off: here only rapids are understood, write G0");
+            }
+            _ => self.fault("a move before any G0: whether it is a rapid is not known"),
+        }
+        let linear = block.tip.iter().any(Option::is_some);
+        if linear && !block.machine_frame {
+            self.fault(format!(
+                "X, Y or Z in the work frame with the transformation off: where the axes go depends on offsets; write \
+                 `{machine_frame} ...{behind}`"
+            ));
+        }
+        if linear && !self.control.machine_frame_drops_length && self.length != Length::Off {
+            let length = match &self.length {
+                Length::Of(..) => "the tool length still acts",
+                _ => "whether a tool length acts is not known",
+            };
+            self.fault(format!("{machine_frame} without{behind}: {length}; write{behind} in this block"));
+            self.length = Length::Off;
+        }
+        self.judge_modes(false, !block.machine_frame, false);
+        let words = [block.tip[0], block.tip[1], block.tip[2], block.rotary[0], block.rotary[1]];
+        let sideways = (0..5).find(|k| *k != 2 && words[*k].is_some());
+        if let (Some(k), true) = (sideways, words[2].is_some()) {
+            self.fault(format!(
+                "{} and Z move together with the transformation off: the way is not known to be clear; write {} in a block \
+                 before",
+                AXES[k],
+                self.retract_words()
+            ));
+        } else if let (Some(k), false) = (sideways, self.is_retracted()) {
+            self.fault(format!(
+                "{} moves with the transformation off at an unknown height: write {} before this block",
+                AXES[k],
+                self.retract_words()
+            ));
+        }
+        self.within_travel(&words);
+        let retract = self.machine.retract;
+        if let Some(z) = words[2] {
+            if z < retract - ROUNDING.0 {
+                self.fault(format!(
+                    "with the transformation off the tool goes to Z{} of the machine; the machine file says that tools are \
+                     changed and axes move at Z{}: write {}",
+                    figure(z),
+                    figure(retract),
+                    self.retract_words()
+                ));
+            }
+            self.retracted(z.max(retract));
+        }
+        for (place, word) in self.axes.iter_mut().zip(words) {
+            if let Some(x) = word {
+                *place = Place::At(x);
+            }
+        }
+        // As the block meant it.
+        self.axes[2] = self.axes[2].known().map_or(Place::At(retract), |z| Place::At(z.max(retract)));
+        self.placed = self.line;
+    }
+
+    fn within_travel(&mut self, words: &[Option<f64>; 5]) {
+        for k in 0..3 {
+            let axis = &self.machine.linear[k];
+            let Some(x) = words[k] else { continue };
+            if x < axis.min - ROUNDING.0 || x > axis.max + ROUNDING.0 {
+                self.fault(format!(
+                    "{} goes to {} in the machine frame; its travel is {} to {}",
+                    AXES[k],
+                    figure(x),
+                    figure(axis.min),
+                    figure(axis.max)
+                ));
+            }
+        }
+    }
+
+    /// The tool goes up after a section.
+    fn retracted(&mut self, z: f64) {
+        if !std::mem::take(&mut self.open) {
+            return;
+        }
+        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
+            if section.moves.is_empty() {
+                self.sections.pop();
+            } else {
+                section.retract = Some((self.line, z));
+            }
+        }
+    }
+
+    /// A move of the tip.
+    fn tip_move(&mut self, block: &Block) {
+        let off = self.control.transformation[1];
+        if block.machine_frame {
+            self.fault(format!(
+                "a move in the machine frame with the transformation on: write {off} before this block"
+            ));
+            // As the block meant it.
+            self.switch(false, &Block::default());
+            self.motion = block.motion.or(self.motion);
+            return self.axis_move(block);
+        }
+        let direction = self.direction(block);
+        self.motion = block.motion.or(self.motion);
+        let before = self.tip;
+        for (k, word) in block.tip.iter().enumerate() {
+            self.tip[k] = word.or(self.tip[k]);
+        }
+        if let Some(k) = (0..3).find(|k| self.tip[*k].is_none()) {
+            self.fault(format!(
+                "the first move after {} needs X Y Z, since their values change there: {} is missing",
+                self.control.transformation[0], AXES[k]
+            ));
+        }
+        let [x, y, z] = self.tip.map(|x| x.unwrap_or(0.0));
+        self.tip = [Some(x), Some(y), Some(z)];
+        let tip = Point3::new(x, y, z);
+        let rapid = match self.motion {
+            Some(Motion::Feed) => false,
+            Some(Motion::Rapid) => true,
+            Some(Motion::Cancelled) | None => {
+                self.fault("a move before any G0 or G1: write the word in this block");
+                true
+            }
+        };
+        self.judge_modes(true, true, !rapid);
+        let feed = if rapid { None } else { self.feed_of(block, before, &tip) };
+        if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
+            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block says its speed");
+        }
+        let smoothing = match self.smoothing {
+            Some(Smoothing::Within(smoothing)) => smoothing,
+            _ if rapid => 0.0,
+            left => {
+                let word = self.control.smoothing;
+                let why = match left {
+                    Some(Smoothing::Left(word)) => format!("with {word} the control leaves the path as it likes"),
+                    _ => "how far the control may leave the path is not known".to_owned(),
+                };
+                self.fault_once(
+                    "smoothing",
+                    format!("a move at feed, and {why}: write {word} with a tolerance before"),
+                );
+                0.0
+            }
+        };
+        if self.moves >= MOST_MOVES {
+            self.fault_once("moves", format!("more than {MOST_MOVES} moves; split the program by operations"));
+        }
+        self.direction = direction;
+        self.axes = [Place::Left; 5];
+        let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
+        let (line, speed) = (self.line, self.speed.unwrap_or(0.0));
+        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
+            section.moves.push(NcMove { line, rapid, tip, direction, feed, tool, speed, smoothing });
+            self.moves += 1;
+        }
+    }
+
+    /// Feed of a block in mm/min; in inverse time from its length.
+    fn feed_of(&mut self, block: &Block, before: [Option<f64>; 3], tip: &Point3<f64>) -> Option<f64> {
+        let inverse = matches!(self.modal[Group::FeedMode as usize], Setting::Said("G93", _));
+        let Some(word) = (if inverse { block.feed } else { self.feed }) else {
+            if inverse {
+                self.fault("a move at feed in inverse time (G93) needs F in its own block");
+            } else {
+                self.fault("a move at feed without a feed: write F in this block");
+                self.feed = Some(1.0);
+            }
+            return Some(1.0);
+        };
+        if !inverse {
+            return Some(word);
+        }
+        let [Some(x), Some(y), Some(z)] = before else { return Some(word) };
+        let feed = (tip - Point3::new(x, y, z)).norm() * word;
+        // LinuxCNC takes no less: such a block would run in another time than it says.
+        if feed < 0.1 {
+            self.fault("in inverse time (G93) the tip moves at less than 0.1 mm/min: the control takes another time than F says");
+        }
+        Some(feed)
+    }
+
+    fn direction(&mut self, block: &Block) -> Direction {
+        let before = self.direction;
+        match (block.vector, block.rotary) {
+            ([None, None, None], [None, None]) => before,
+            ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(1e-6) {
+                Some(axis) => Direction::Axis(axis),
+                None => {
+                    self.fault("a direction vector of length 0");
+                    before
+                }
+            },
+            ([None, None, None], [a, c]) => match (a, c, before) {
+                (Some(a), Some(c), _) => Direction::Rotary(a, c),
+                (a, c, Direction::Rotary(a0, c0)) => Direction::Rotary(a.unwrap_or(a0), c.unwrap_or(c0)),
+                _ => {
+                    self.fault("only one of A and C after a direction vector: write both");
+                    before
+                }
+            },
+            _ => {
+                self.fault("an incomplete direction: A3= B3= C3= must stand together, and not beside A= C=");
+                before
+            }
+        }
+    }
+}
