@@ -4,7 +4,7 @@ use super::{Joints, Machine};
 use nalgebra::{Rotation3, Vector3};
 
 /// Turn of A and C together over which the speed of a joint is taken between two exact values, radians: the proof adds
-/// less than a ten-thousandth of the speed.
+/// less than a thousandth of the speeds that those of tip, A and C add up from.
 const CELL_TURN: f64 = 0.015;
 
 /// Most cells of a block. Blocks that turn farther are bounded as well, but less closely.
