@@ -35,7 +35,10 @@ fn program(machine: Machine) -> Program {
 
 fn motion(program: &Program, kind: MoveKind, stops: &[Stop]) -> Motion {
     let joint = |s: &Stop| program.machine.joints(&Point3::from(s.0), s.1, s.2);
-    let moves = stops.iter().map(|s| JointMove { kind, joints: joint(s), feed: None, time: s.3, pass: 0 }).collect();
+    let moves = stops
+        .iter()
+        .map(|s| JointMove { kind, joints: joint(s), feed: None, time: s.3, pass: 0, stop: false })
+        .collect();
     let operation = program.operations.ids().next().unwrap();
     Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves }] }
 }

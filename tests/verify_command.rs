@@ -101,7 +101,8 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     // rapid hits the stock, and the link after it goes with the shank among the vanes.
     let start = line_of(&original, "(flank)");
     let is = |i: usize, word: &str| lines[i].starts_with(word);
-    let index = (start..lines.len()).find(|i| is(i - 1, "G0 X") && is(*i, "G0 X") && is(i + 1, "G1 X")).unwrap();
+    let index =
+        (start..lines.len()).find(|i| is(i - 1, "G1 X") && is(*i, "G61.1 G1 X") && is(i + 2, "G94 G1 X")).unwrap();
     let mut changed: Vec<String> = lines.iter().map(|l| (*l).to_owned()).collect();
     changed[index] = "G0 X0 Y0 Z-30".to_owned();
     let nc = edited(&(changed.join("\n") + "\n"));
@@ -144,7 +145,7 @@ fn refused(dialect: &str, text: &str, code: &str, line: usize) -> Value {
 fn text_that_does_not_follow_the_job_is_refused_with_its_line() {
     for dialect in DIALECTS {
         let original = text(dialect);
-        let first_move = text_line(&original, |l| l.contains("G0 X") && l.contains(" Z"));
+        let first_move = text_line(&original, |l| l.contains(" X") && l.contains(" Z"));
         // Another spindle speed, a tool that the job does not have, a feed that no operation has.
         refused(dialect, &original.replacen("S4500", "S4600", 1), "IMP0822", first_move);
         let tool = if dialect == "linuxcnc" { ("T1 M6", "T9 M6") } else { ("T=\"t1\"", "T=\"t9\"") };
@@ -153,12 +154,16 @@ fn text_that_does_not_follow_the_job_is_refused_with_its_line() {
         assert!(unknown["message"].as_str().unwrap().contains("no tool"), "{unknown}");
         refused(dialect, &original.replacen("F1000.000", "F5000.000", 1), "IMP0823", line_of(&original, "F1000.000"));
         let (head, moves) = original.split_at(original.match_indices('\n').nth(first_move - 2).unwrap().0);
-        let feed = format!("{head}{}", moves.replacen("G0 X", "G1 F100 X", 1));
+        let at_feed = if dialect == "linuxcnc" { ("G93 ", "") } else { ("G0 X", "G1 F100 X") };
+        let feed = format!("{head}{}", moves.replacen(at_feed.0, at_feed.1, 1));
         refused(dialect, &feed, "IMP0824", first_move);
         // Two operations less: what is missing is told after the last block.
         // The other dialect names the operation in the block of its tool, behind the retract.
-        let from =
-            if dialect == "linuxcnc" { line_of(&original, "(flank)") - 1 } else { line_of(&original, "; flank") - 2 };
+        let from = if dialect == "linuxcnc" {
+            line_of(&original, "(flank)") - 1
+        } else {
+            line_of(&original, "M6 ; flank") - 2
+        };
         let end = if dialect == "linuxcnc" { "M2" } else { "M30" };
         let short = original.lines().take(from).map(|l| format!("{l}\n")).collect::<String>() + end + "\n";
         let last = short.lines().count() - short.lines().rev().position(|l| l.contains(" Z")).unwrap();
@@ -357,8 +362,9 @@ fn certificates_have_the_form_of_their_schema() {
             let at = |key: &str| operation[key].as_u64().unwrap() as usize;
             let moves = value["measured"]["operations"][k]["moves"].as_u64().unwrap() as usize;
             // Two moves are the way to the first target and the retract.
-            assert_eq!(at("last") - at("first") + 3, moves);
-            assert!(lines[at("first") - 1].contains("G0 X") && lines[at("last") - 1].contains(" X"));
+            let between = lines[at("first") - 1..at("last")].iter().filter(|l| l.contains(" X")).count();
+            assert_eq!(between + 2, moves);
+            assert!(lines[at("first") - 1].contains(" X") && lines[at("last") - 1].contains(" X"));
             assert!(!lines[at("first") - 2].contains(" X") && !lines[at("last")].contains(" X"));
         }
     }
@@ -387,7 +393,7 @@ fn text_and_certificate_belong_together_or_not() {
             found.unwrap_or_else(|| panic!("{words}: {err}")).clone()
         };
         // One digit, one line less, other line ends.
-        let at = line_of(&original, if dialect == "linuxcnc" { "(flank)" } else { "; flank" }) + 20;
+        let at = line_of(&original, if dialect == "linuxcnc" { "(flank)" } else { "M6 ; flank" }) + 20;
         let mut lines: Vec<String> = original.lines().map(|l| format!("{l}\n")).collect();
         lines[at] = lines[at].replacen("Y", "Y0", 1);
         let found = refused(&lines.concat(), &certificate(dialect), "another text");

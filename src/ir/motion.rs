@@ -43,4 +43,6 @@ pub struct JointMove {
     pub time: f64,
     /// Index into the labels.
     pub pass: u32,
+    /// The control comes to rest at its end. False also where it does so by itself.
+    pub stop: bool,
 }

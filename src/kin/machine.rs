@@ -71,6 +71,9 @@ pub struct Machine {
     pub assumed: Vec<String>,
 }
 
+/// Share of the limits of speed that plans for LinuxCNC use.
+const BLENDED: f64 = 0.97;
+
 /// A solid of revolution about the C axis that turns with the part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
@@ -86,6 +89,13 @@ impl Machine {
     pub fn speeds(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.speed);
         [x, y, z, self.tilt.speed, self.turn.speed]
+    }
+
+    /// The speeds that a plan uses. LinuxCNC adds up the end of a block and the start of the next one, and the sum may be
+    /// faster than both: there, a share of the limits.
+    pub fn planned_speeds(&self) -> [f64; 5] {
+        let share = if self.planning == Planning::LinuxCnc { BLENDED } else { 1.0 };
+        self.speeds().map(|speed| speed * share)
     }
 
     /// The C axis in the part frame, x and y.

@@ -6,6 +6,7 @@
 
 pub mod feedrate;
 pub mod interpolation;
+pub mod linuxcnc;
 pub mod machine;
 mod rates;
 pub mod transform;

@@ -46,6 +46,15 @@ impl Machine {
     /// Least time of a block that runs evenly and keeps the speed of every axis, s. At this time no axis is over its limit
     /// anywhere in the block.
     pub fn least_time(&self, from: &Joints, to: &Joints) -> f64 {
-        self.largest_rates(from, to).iter().zip(self.speeds()).map(|(rate, speed)| rate / speed).fold(0.0, f64::max)
+        self.time_within(self.speeds(), from, to)
+    }
+
+    /// The same within the speeds that a plan uses ([`Machine::planned_speeds`]), s.
+    pub fn planned_time(&self, from: &Joints, to: &Joints) -> f64 {
+        self.time_within(self.planned_speeds(), from, to)
+    }
+
+    fn time_within(&self, speeds: [f64; 5], from: &Joints, to: &Joints) -> f64 {
+        self.largest_rates(from, to).iter().zip(speeds).map(|(rate, speed)| rate / speed).fold(0.0, f64::max)
     }
 }

@@ -2,9 +2,9 @@
 
 use super::layers::Roughing;
 use super::{
-    Obstacles, assign_feeds, avoid_collision, fit_curves, link_moves, orient_tool, plan_channel, plan_expand,
-    plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics,
-    time_feeds,
+    Obstacles, assign_feeds, avoid_collision, exact_stops, fit_curves, link_moves, orient_tool, plan_channel,
+    plan_expand, plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis,
+    solve_kinematics, time_feeds,
 };
 use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
@@ -75,6 +75,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
     ("assign-feeds", "process feeds", "needs the kinds of all moves"),
     ("solve-kinematics", "joint positions, branch and winding", "first value with a machine"),
     ("time-feeds", "feeds that the axes can follow, and times", "needs the joints of both ends of a move"),
+    ("exact-stops", "stops where the control would leave the path too far", "needs the speeds of all moves"),
 ];
 
 /// Runs all passes.
@@ -106,6 +107,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
     time_feeds::run(program, &mut motion);
+    exact_stops::run(program, &mut motion);
     Ok(Plan { cc, cl, motion })
 }
 

@@ -53,7 +53,7 @@ fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     let over = |m: JointMove| {
         let mut joints = m.joints;
         joints.xyz.z = machine.retract - length;
-        JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: m.pass }
+        JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: m.pass, stop: false }
     };
     moves.insert(0, over(first));
     moves.push(over(last));
@@ -162,7 +162,14 @@ fn append(
 ) {
     let (Some(first), Some((a, c))) = (run.first(), rotary.first().copied()) else { return };
     let push = |m: &ClMove, tip: &Point3<f64>, (a, c): (f64, f64), out: &mut Vec<JointMove>| {
-        out.push(JointMove { kind: m.kind, joints: machine.joints(tip, a, c), feed: m.feed, time: 0.0, pass: m.pass });
+        out.push(JointMove {
+            kind: m.kind,
+            joints: machine.joints(tip, a, c),
+            feed: m.feed,
+            time: 0.0,
+            pass: m.pass,
+            stop: false,
+        });
     };
     if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
         let from = Place { tip: machine.forward(&last).tip, a: last.a, c: last.c };

@@ -3,8 +3,9 @@
 //! Before: joints with process feeds. After: each feed is the largest that the tip reaches in that block when the axes
 //! run through the operation as fast as their speeds, accelerations and jerks allow (see [`crate::kin::feedrate`] for what
 //! a feasible feed is), never above the process feed, and no axis would go faster than it can where the block is run
-//! through at its feed alone: that is proved over the whole block ([`Machine::least_time`]), rapids included. The times of the moves are those of the feeds; what speeding up and slowing down adds is
-//! simulated by the verifier.
+//! through at its feed alone: that is proved over the whole block ([`Machine::planned_time`]), rapids
+//! included. The times of the moves are those of the feeds; what speeding up and slowing down adds is simulated by the
+//! verifier.
 
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
@@ -60,7 +61,7 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
             let here = Station { joints: joints(&j), tip: at.coords.into(), time: 0.0 };
             // The process feed, or the axes where the tip stands.
             let feed = pair[1].feed.map_or(machine.rapid, |f| f / 60.0);
-            let speeds = machine.speeds();
+            let speeds = machine.planned_speeds();
             let turn = (0..AXES).map(|k| (here.joints[k] - last.joints[k]).abs() / speeds[k]).fold(0.0, f64::max);
             let time = ((next - tip).norm() / count / feed).max(turn);
             if time > 0.0 {
@@ -70,7 +71,8 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
         }
         tip = next;
     }
-    let limits = Limits { speed: machine.speeds(), acceleration: machine.accelerations(), jerk: machine.jerks() };
+    let limits =
+        Limits { speed: machine.planned_speeds(), acceleration: machine.accelerations(), jerk: machine.jerks() };
     let profile = feedrate::plan(&stations, &limits, rounding);
     let mut feeds = vec![None; moves.len()];
     for (i, (segment, of)) in profile.segments.iter().zip(of).enumerate().skip(1) {
@@ -88,7 +90,7 @@ fn time_move(machine: &Machine, before: Option<Joints>, m: &mut JointMove, reach
     let Some(before) = before else { return };
     let tips = [before, m.joints].map(|j| machine.forward(&j).tip);
     let length = (tips[1] - tips[0]).norm();
-    let least = machine.least_time(&before, &m.joints);
+    let least = machine.planned_time(&before, &m.joints);
     m.time = match (m.kind, m.feed) {
         (MoveKind::Rapid, _) | (_, None) => least.max(length / machine.rapid),
         (_, Some(feed)) => {

@@ -29,6 +29,10 @@ const FARTHEST: f64 = 1e5;
 /// Largest feed (mm/min), spindle speed (rpm) and share of a block in a minute.
 const FASTEST: f64 = 1e6;
 
+/// Slowest feed of a block in inverse time, mm/min: LinuxCNC takes no less, so that a slower block takes another time than
+/// it says (`Interp::inverse_time_rate2` of version 2.9).
+pub(super) const SLOWEST_INVERSE: f64 = 0.1;
+
 /// Rounding of positions in words: mm, and radians (a step of a rotary word is 1e-5 deg).
 const ROUNDING: (f64, f64) = (1e-4, 1e-7);
 

@@ -4,15 +4,20 @@
 //! kinematics X Y Z are the tip in the part frame, so that F is the feed of the tip, as in the motion; all blocks at feed
 //! move the tip. Every block with the kinematics on carries all five words.
 //!
+//! Under these kinematics G0 keeps the speeds of the tip and not those of the joints. Ways at rapid are written as G1 in
+//! inverse time (G93), in which F says the time of the block that was proved for all joints. Where the motion stops, the
+//! block is one of exact stop (G61.1).
+//!
 //! The head takes back what a program that was aborted can have left: M429 alone first, since any change of tool length with
 //! the kinematics on makes the axes jump; then tool length, offsets and rotation. Axes move with the kinematics off in the
 //! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there A and C, then X and Y.
 
-use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, feed, fixed};
+use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, feed, fixed, inverse_time};
 use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_linuxcnc};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine};
+use crate::method::Planning;
 use crate::verify::Verified;
 
 /// The dialect.
@@ -34,6 +39,13 @@ impl Post for LinuxCnc {
     }
 
     fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        if machine.planning != Planning::LinuxCnc {
+            sink.push(
+                Diag::error(post::CONTROL, format!("the machine {} does not say that LinuxCNC plans its speeds", machine.name))
+                    .note("speeds of joints, times and departures from the path would be those of another control")
+                    .help("a machine file that says `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post"),
+            );
+        }
         for (name, axis) in [("A", &machine.tilt), ("C", &machine.turn)] {
             if axis.word_sign > 0.0 {
                 sink.push(
@@ -92,7 +104,8 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
         nc.line(line);
     }
     // Q0: the naive cam detector would merge five-axis blocks.
-    nc.line(format!("G64 P{} Q0", fixed(program.tolerances.chord.get(), 4)));
+    let smoothing = format!("G64 P{} Q0", fixed(program.tolerances.chord.get(), 4));
+    nc.line(smoothing.clone());
     let retract = format!("G53 G0 Z{}", fixed(program.machine.retract, LENGTH_DECIMALS));
     for (o, operation) in motion.operations.iter().enumerate() {
         let declared = &program.operations[operation.operation];
@@ -111,11 +124,22 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
         nc.line(format!("G43 H{}", tool.number));
         nc.line("M8");
         nc.line("M428");
-        let mut last_feed = String::new();
+        let mut modes = Modes::default();
         for (i, m) in between.iter().enumerate() {
-            let text = block(machine, m, &mut last_feed);
+            // Behind the last block M429 waits until the axes rest.
+            let stop = m.stop && i + 1 < between.len();
+            if modes.stop && !stop {
+                nc.line(smoothing.clone());
+            }
+            let text = block(machine, m, stop, &mut modes);
             debug_assert!(text.len() <= LONGEST_LINE);
             nc.lines.push(NcLine { text, source: source(i + 1) });
+        }
+        if modes.stop {
+            nc.line(smoothing.clone());
+        }
+        if modes.inverse {
+            nc.line("G94");
         }
         nc.line("M429");
         nc.line("G49");
@@ -131,19 +155,38 @@ fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
     nc
 }
 
-fn block(machine: &Machine, m: &JointMove, last_feed: &mut String) -> String {
+/// What is in force from block to block.
+#[derive(Default)]
+struct Modes {
+    /// G93.
+    inverse: bool,
+    /// G61.1.
+    stop: bool,
+    /// F of G94.
+    feed: String,
+}
+
+fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> String {
     let p = machine.forward(&m.joints).tip;
     let w = |x: f64| fixed(x, LENGTH_DECIMALS);
-    let words = format!("X{} Y{} Z{} {}", w(p.x), w(p.y), w(p.z), rotary(machine, &m.joints));
-    if m.kind == MoveKind::Rapid {
-        return format!("G0 {words}");
+    let mut text = String::new();
+    if stop && !modes.stop {
+        text.push_str("G61.1 ");
     }
-    let f = feed(m.feed.unwrap_or(0.0));
-    if f == *last_feed {
-        return format!("G1 {words}");
+    modes.stop = stop;
+    let inverse = m.kind == MoveKind::Rapid;
+    if inverse != modes.inverse {
+        text.push_str(if inverse { "G93 " } else { "G94 " });
+        // The control forgets F with its unit.
+        modes.feed.clear();
     }
-    let text = format!("G1 {words} F{f}");
-    *last_feed = f;
+    modes.inverse = inverse;
+    text.push_str(&format!("G1 X{} Y{} Z{} {}", w(p.x), w(p.y), w(p.z), rotary(machine, &m.joints)));
+    let f = if inverse { inverse_time(m.time) } else { feed(m.feed.unwrap_or(0.0)) };
+    if inverse || f != modes.feed {
+        text.push_str(&format!(" F{f}"));
+        modes.feed = f;
+    }
     text
 }
 

@@ -171,14 +171,16 @@ pub struct NcSection {
 pub struct NcMove {
     /// Line, from 1.
     pub line: usize,
-    /// At rapid.
+    /// By the word of a rapid.
     pub rapid: bool,
     /// Tool tip, part frame, mm.
     pub tip: Point3<f64>,
     /// Direction.
     pub direction: Direction,
-    /// Feed in mm/min; `None` at rapid.
+    /// Feed of the tip in mm/min; `None` at rapid, and in inverse time where the text does not say where the way begins.
     pub feed: Option<f64>,
+    /// Time of the move, s, where the block says it (inverse time).
+    pub time: Option<f64>,
     /// Tool in the spindle, whose length acts.
     pub tool: NcTool,
     /// Spindle speed, rpm.

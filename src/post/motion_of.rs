@@ -9,7 +9,8 @@ use super::read_back::says_tool;
 use super::{Direction, NcMove, NcSection};
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Joints, Machine, inverse};
+use crate::kin::{Joints, Machine, inverse, linuxcnc};
+use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -38,6 +39,9 @@ const ROUNDING: f64 = 1e-6;
 
 /// Turn of the table while the tool comes down to the first move that is rounding of words, radians.
 const PARKED: f64 = 1e-5;
+
+/// Share of the speed of an axis above which a block in inverse time is one at rapid.
+const FULL_SPEED: f64 = 0.9;
 
 /// Rotary moves of less are standstill; tips that move less stand still. Radians and mm.
 const STILL: (f64, f64) = (1e-6, 1e-4);
@@ -167,12 +171,15 @@ impl Interpreter<'_> {
         let mut made =
             MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.moves.len() + 2) };
         let mut lines = Vec::with_capacity(section.moves.len() + 2);
-        let station = |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0 };
+        let station = |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false };
         let xyz = start.xyz - Vector3::z() * length;
         made.moves.push(station(Joints { xyz, a: start.a, c: start.c }));
         lines.push(start.line);
         let mut before = (start.a, start.c);
         let mut last: Option<&NcMove> = None;
+        let mut widest = 0.0;
+        // Where its planner comes to rest is looked at for this control alone.
+        let stops = machine.planning == Planning::LinuxCnc;
         for m in &section.moves {
             let (a, c) = match m.direction {
                 Direction::Rotary(a, c) => (a, c),
@@ -186,29 +193,32 @@ impl Interpreter<'_> {
             if last.is_none_or(|l| m.rapid && !l.rapid) {
                 made.labels.push(format!("blocks from line {}", m.line));
             }
-            if last.is_none_or(|l| l.smoothing < m.smoothing) {
+            if m.smoothing > widest {
                 self.check_smoothing(m, operation);
+                widest = m.smoothing;
             }
-            let kind = self.kind(m, operation, last.is_none());
             let joints = machine.joints(&m.tip, a, c);
+            let start = made.moves.last().map_or(joints, |from| from.joints);
+            let tips = [last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
+            let (kind, feed) = self.kind(m, operation, last.is_none(), &Way { machine, tips, joints: [start, joints] });
             let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
-            let mut next = JointMove { kind, joints, feed: m.feed, time: 0.0, pass };
-            if let Some(from) = made.moves.last() {
-                let tip = last.map_or_else(|| machine.forward(&from.joints).tip, |l| l.tip);
-                next.time = time(machine, &[tip, m.tip], &from.joints, &next);
-                let turn = (a - from.joints.a).abs().max((c - from.joints.c).abs());
-                if m.feed.is_some() && (m.tip - tip).norm() < STILL.1 && turn > STILL.0 {
-                    let text = "a block at feed turns the tool without moving its tip".to_owned();
-                    let diag = self.fault(
-                        post::STANDSTILL,
-                        m.line,
-                        text,
-                        "move the tip with the turn, or turn at rapid outside of the stock",
-                    );
-                    self.tell(diag);
-                }
+            let way = Way { machine, tips, joints: [start, joints] };
+            let time = m.time.unwrap_or_else(|| if m.rapid { way.rapid_time() } else { way.time(feed) });
+            let turn = (a - start.a).abs().max((c - start.c).abs());
+            if kind != MoveKind::Rapid && way.length() < STILL.1 && turn > STILL.0 {
+                let text = "a block at feed turns the tool without moving its tip".to_owned();
+                let diag = self.fault(
+                    post::STANDSTILL,
+                    m.line,
+                    text,
+                    "move the tip with the turn, or turn at rapid outside of the stock",
+                );
+                self.tell(diag);
             }
-            made.moves.push(next);
+            if let (Some(before), Some(l)) = (made.moves.last_mut(), last) {
+                before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);
+            }
+            made.moves.push(JointMove { kind, joints, feed, time, pass, stop: stops });
             lines.push(m.line);
             before = (a, c);
             last = Some(m);
@@ -216,10 +226,9 @@ impl Interpreter<'_> {
         if let (Some((line, z)), Some(from)) = (section.retract, made.moves.last().copied()) {
             let mut joints = from.joints;
             joints.xyz.z = z - length;
-            let mut up = JointMove { pass: from.pass, ..station(joints) };
-            let tips = [&from.joints, &joints].map(|j| machine.forward(j).tip);
-            up.time = time(machine, &tips, &from.joints, &up);
-            made.moves.push(up);
+            // With the transformation off each axis keeps its own speed.
+            let time = machine.least_time(&from.joints, &joints);
+            made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
             lines.push(line);
         }
         (made, lines)
@@ -261,9 +270,15 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Kind by the feed: what is faster than the process feed can only be a link.
-    fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool) -> MoveKind {
-        let Some(feed) = m.feed else { return MoveKind::Rapid };
+    /// Kind and feed. What is faster than the process feed can only be a link; what says its time and takes hardly more
+    /// than the axes need is a way at rapid.
+    fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &Way) -> (MoveKind, Option<f64>) {
+        let feed = match (m.feed, m.time) {
+            (_, Some(time)) if FULL_SPEED * time <= way.least_time() => return (MoveKind::Rapid, None),
+            (_, Some(time)) => way.length() / time * 60.0,
+            (Some(feed), None) => feed,
+            (None, None) => return (MoveKind::Rapid, None),
+        };
         if first {
             self.fatal(
                 post::NC_POSITIONING,
@@ -273,7 +288,7 @@ impl Interpreter<'_> {
             );
         }
         if feed <= operation.feed.get() * (1.0 + ROUNDING) {
-            return MoveKind::Cut;
+            return (MoveKind::Cut, Some(feed));
         }
         if feed > operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING) {
             self.fatal(
@@ -288,7 +303,7 @@ impl Interpreter<'_> {
                 "lower the feed, or raise `feed` or `link-feed` of the operation in the job",
             );
         }
-        MoveKind::Link
+        (MoveKind::Link, Some(feed))
     }
 }
 
@@ -299,15 +314,41 @@ fn nearest(axis: &Vector3<f64>, before: (f64, f64)) -> (f64, f64) {
     if way(&other) < way(&one) { other } else { one }
 }
 
-/// Time of a move, s. At feed it is that of the feed even where an axis cannot follow, so that the check of the axes
-/// finds it; but what the last digits of the words make is not held against the text.
-fn time(machine: &Machine, tips: &[Point3<f64>; 2], from: &Joints, m: &JointMove) -> f64 {
-    let length = (tips[1] - tips[0]).norm();
-    let least = machine.least_time(from, &m.joints);
-    let Some(feed) = m.feed else { return least.max(length / machine.rapid) };
-    let wanted = length / feed * 60.0;
-    let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.tilt.speed.min(machine.turn.speed);
-    if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
+/// The way of one move.
+struct Way<'a> {
+    machine: &'a Machine,
+    tips: [Point3<f64>; 2],
+    joints: [Joints; 2],
+}
+
+impl Way<'_> {
+    fn length(&self) -> f64 {
+        (self.tips[1] - self.tips[0]).norm()
+    }
+
+    /// Least time at rapid within the speeds of the axes, s.
+    fn least_time(&self) -> f64 {
+        self.machine.least_time(&self.joints[0], &self.joints[1]).max(self.length() / self.machine.rapid)
+    }
+
+    /// Time of a rapid by its word, s.
+    fn rapid_time(&self) -> f64 {
+        match self.machine.planning {
+            Planning::Joints => self.least_time(),
+            Planning::LinuxCnc => linuxcnc::traverse_time(self.machine, &self.tips, &self.joints),
+        }
+    }
+
+    /// Time at a feed, s: that of the feed even where an axis cannot follow, so that the check of the axes finds it; but
+    /// what the last digits of the words make is not held against the text.
+    fn time(&self, feed: Option<f64>) -> f64 {
+        let Some(feed) = feed else { return self.least_time() };
+        let (machine, length) = (self.machine, self.length());
+        let least = machine.least_time(&self.joints[0], &self.joints[1]);
+        let wanted = length / feed * 60.0;
+        let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.tilt.speed.min(machine.turn.speed);
+        if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! V5: the text, interpreted, against the motion.
 
-use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
+use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, INVERSE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
 use super::{Direction, NcMove, NcSection, NcTool, Post};
 use crate::diag::{Diag, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
@@ -50,6 +50,10 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, 
                 return Err(differs(line, "the operation ends before the motion".to_owned()));
             };
             compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
+            // Behind the last one the transformation is switched off, at rest.
+            if meant.stop && read.smoothing > 0.0 && i + 3 < operation.moves.len() {
+                return Err(differs(read.line, "the control does not stop where it is meant to".to_owned()));
+            }
             if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
                 return Err(differs(read.line, format!("tool {} at {} rpm", read.tool, read.speed)));
             }
@@ -115,7 +119,8 @@ fn differs(line: usize, why: String) -> Diag {
 
 fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {
     let pose = program.machine.forward(&meant.joints);
-    if read.rapid != (meant.kind == MoveKind::Rapid) {
+    let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
+    if !inverse && read.rapid != (meant.kind == MoveKind::Rapid) {
         return Err("rapid and feed are confused".to_owned());
     }
     let tip = (read.tip - pose.tip).amax();
@@ -144,6 +149,16 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         return Err(format!("the tool axis is off by {off:.3e} rad"));
     }
     result.axis = result.axis.max(off);
+    if let Some(time) = read.time.filter(|_| inverse) {
+        // A step of F, and the shortest time that is written.
+        let longest = meant.time * (1.0 + meant.time / 60.0 * 10f64.powi(-INVERSE_DECIMALS)) + 1e-3;
+        let fits = time >= meant.time * (1.0 - 1e-12) && time <= longest;
+        return if fits {
+            Ok(())
+        } else {
+            Err(format!("a way at rapid takes {time} s where {} s are meant", meant.time))
+        };
+    }
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
         (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(FEED_DECIMALS) && r <= m + 1e-8 => Ok(()),

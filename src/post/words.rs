@@ -12,6 +12,11 @@ pub const VECTOR_DECIMALS: usize = 8;
 /// Decimals of feeds in mm/min.
 pub const FEED_DECIMALS: usize = 3;
 
+/// Decimals of F in inverse time, in moves a minute.
+pub const INVERSE_DECIMALS: i32 = 5;
+/// Largest F in inverse time: moves that take less time are no ways.
+const MOST_INVERSE: f64 = 1e5;
+
 /// A number with fixed decimals, never as a negative zero.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -23,6 +28,13 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 pub fn feed(value: f64) -> String {
     let scale = 1000.0;
     fixed((value * scale + 1e-6).floor() / scale, FEED_DECIMALS)
+}
+
+/// F of a move in inverse time, rounded down: the axes were proved for no shorter time, s.
+pub fn inverse_time(time: f64) -> String {
+    let scale = 10f64.powi(INVERSE_DECIMALS);
+    let per_minute = (60.0 / time).min(MOST_INVERSE);
+    fixed((per_minute * scale).floor() / scale, usize::try_from(INVERSE_DECIMALS).unwrap_or(0))
 }
 
 /// Text that may stand in a comment of any dialect.

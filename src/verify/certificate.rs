@@ -199,6 +199,12 @@ impl Certificate {
             "at the start nothing is taken for known but that Z is not over {:.3}, the retract height",
             self.perimeter.retract
         ));
+        lines.push(
+            "surfaces are those that the programmed motion leaves; from it the control departs by at most:".to_owned(),
+        );
+        for (o, run) in self.operations.iter().zip(&self.machine.runs) {
+            lines.push(format!("{}: {:.2} um, {:.3} deg", o.name, run.contour.value * 1e3, run.orientation.value));
+        }
         lines
     }
 
@@ -378,6 +384,11 @@ impl Certificate {
             let [bound, found] = &c.figures;
             let default = if c.default { "; the default, as the job says nothing of it" } else { "" };
             writeln!(t, "  {:<9} {} {bound}: {found}, {verdict}{default}", c.name(), c.relation)?;
+        }
+        let departures =
+            self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value * 1e3, &o.name));
+        if let Some((most, name)) = departures.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            writeln!(t, "  of the programmed motion; the control departs from it by at most {most:.2} um, in {name}")?;
         }
         if !self.allowed.is_empty() {
             writeln!(t)?;

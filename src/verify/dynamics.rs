@@ -13,17 +13,16 @@
 //! blocks. A jump that both ends of a block have is curvature cut into chords: it counts as q'' of the block.
 //! The program of an operation begins and ends at rest.
 //!
-//! LinuxCNC plans otherwise, see `linuxcnc`: for machines with it, times and deviations are those of its planner.
+//! LinuxCNC plans otherwise, see [`crate::kin::linuxcnc`]: for machines with it, times and deviations are those of its planner.
 //!
 //! Where the axes have limits of jerk, the run is one below that, see `jerk`; the time without them stays as the bound
 //! that it cannot fall below.
 
 mod jerk;
-mod linuxcnc;
 
 use super::sweep::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine};
+use crate::kin::{Joints, Machine, linuxcnc};
 use crate::method::Planning;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -304,47 +303,34 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         }
     }
     if machine.planning == Planning::LinuxCnc {
-        let settings = linuxcnc::Settings {
-            speed: limits.speed,
-            acceleration: limits.acceleration,
-            // What the post writes for the whole program.
-            tolerance: t.chord.get(),
-            period: machine.cycle,
-            height: limits.height,
-        };
-        by_linuxcnc(&settings, machine, &moves.moves, operation, &mut report, &mut errors);
+        // The tolerance that the post writes for the whole program.
+        let settings = linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height };
+        by_linuxcnc(&settings, &moves.moves, operation, &mut report, &mut errors);
     }
     report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
     report.orientation = Departure::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
     report
 }
 
-/// Times and corners as LinuxCNC has them, instead of those of a control that plans by joints.
+/// Times, corners and speeds as LinuxCNC has them, instead of those of a control that plans by joints.
 fn by_linuxcnc(
     settings: &linuxcnc::Settings,
-    machine: &Machine,
     moves: &[JointMove],
     operation: u32,
     report: &mut Run,
     errors: &mut [BlockError],
 ) {
-    let place = |j: &Joints| {
-        let tip = machine.forward(j).tip;
-        [tip.x, tip.y, tip.z, j.a, j.c]
-    };
-    let lines: Vec<linuxcnc::Line> = moves
-        .windows(2)
-        .map(|pair| linuxcnc::Line {
-            from: place(&pair[0].joints),
-            to: place(&pair[1].joints),
-            time: pair[1].time,
-            traverse: pair[1].kind == MoveKind::Rapid,
-        })
-        .collect();
+    let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
     let ran = linuxcnc::run(&lines, settings);
     report.time = [0.0; 3];
     report.corners = Peak::NONE;
     report.slowest = Peak { value: 1.0, at: None };
+    let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
+    // The corner at the end of a move. At rapid nothing is near that would mind.
+    let corner = |index: usize| -> [f64; 2] {
+        let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| !rapid(index) || !rapid(index + 1));
+        ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()])
+    };
     for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
         let at = At { operation, index };
         let kind = match m.kind {
@@ -356,16 +342,14 @@ fn by_linuxcnc(
         if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
             report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
         }
-        // At rapid nothing is near that would mind.
-        if m.kind != MoveKind::Rapid {
-            report.corners.raise(ran.deviation[0], at);
+        report.corners.raise(corner(index as usize)[0], at);
+        for (most, share) in report.speed.iter_mut().zip(ran.speed) {
+            most.raise(share, at);
         }
     }
     for error in errors {
-        let index = error.at.index as usize;
-        let at_feed = moves.get(index).is_some_and(|m| m.kind != MoveKind::Rapid);
-        let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| at_feed);
-        error.corner = ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()]);
+        // Their corner is the one at the start of a block.
+        error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
     }
 }
 

@@ -159,6 +159,12 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     }
     let count = motion.operations.len();
     let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o)).collect();
+    for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
+        let worse = peak.value > 1.0 + SPEED_ROUNDING && faults.iter().all(|f| !(f.speed && f.axis == LETTERS[k]));
+        if let Some(at) = peak.at.filter(|_| worse) {
+            faults.push(AxisFault { axis: LETTERS[k], value: peak.value, bound: 1.0, speed: true, at });
+        }
+    }
     let other_rules = (0..count).into_par_iter().map(|o| other_rules(program, motion, o)).collect();
     let most = |peaks: &dyn Fn(&Run) -> Peak| runs.iter().map(|r| peaks(r).value).fold(0.0, f64::max);
     MachineReport {

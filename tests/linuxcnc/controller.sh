@@ -3,13 +3,13 @@
 #
 #     tests/linuxcnc/controller.sh part.ngc certificate.json [REPORT_FOLDER]
 #
-# The text must be made for the machine linuxcnc-xyzac-trt; it runs as long as the part takes. Needs the package
-# linuxcnc-uspace (apt-get install --no-install-recommends linuxcnc-uspace) and, as root, the user nobody: the controller
-# refuses root. FLUTE is the length of the flutes, at whose end deviations are taken, TOOL_LENGTH the length of all tools
-# in the tool table, mm. ABORT_LINE=N aborts the program in that line and starts it again instead of running it to its
-# end.
+# The text must be made for the machine linuxcnc-xyzac-trt, or for the one of `tall`, which has more travel of Z; it runs as
+# long as the part takes. Needs the package linuxcnc-uspace (apt-get install --no-install-recommends linuxcnc-uspace) and,
+# as root, the user nobody: the controller refuses root. FLUTE is the length of the flutes in mm, at whose end deviations
+# are taken. The tool table has the lengths that the head of the text names. ABORT_LINE=N aborts the program in that line
+# and starts it again instead of running it to its end.
 set -euo pipefail
-: "${FLUTE:?length of the flutes in mm}" "${TOOL_LENGTH:?length of the tools in mm}"
+: "${FLUTE:?length of the flutes in mm}"
 here=$(cd "$(dirname "$0")" && pwd)
 nc=$(realpath "$1") certificate=$(realpath "$2")
 command -v linuxcnc > /dev/null || { echo "linuxcnc is not installed" >&2; exit 3; }
@@ -19,9 +19,9 @@ trap 'rm -rf "$room"' EXIT
 cp -r "$here"/{client.py,controller.ini,sampler.hal,remap} "$room"
 cp "$nc" "$room/program.ngc"
 # Lengths in mm: with an INI in mm the controller reads its table so.
-grep -oE '^T[0-9]+' "$nc" | sort -u | while read -r t; do
-    echo "$t P${t#T} Z$TOOL_LENGTH D2"
-done > "$room/tool.tbl"
+sed -nE 's/^\(tool [^ ]+ number ([0-9]+): .* length ([0-9.]+) mm .*/T\1 P\1 Z\2 D2/p' "$nc" > "$room/tool.tbl"
+top=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["measured"]["machine"]["axes"][2]["travel"][1])' "$certificate")
+sed -i "s/^MAX_LIMIT = 120\$/MAX_LIMIT = $top/" "$room/controller.ini"
 chmod 755 "$room"
 # A busy machine would starve the servo thread, and motion commands would time out.
 as=(env)

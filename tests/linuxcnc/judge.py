@@ -17,6 +17,8 @@ ACCELERATION = [300.0] * 5
 BESIDE, OVER = 20.0, 10.0
 # Difference of a time to the certificate's, as a share.
 TIME = 0.03
+# Lines from the last move with the kinematics on to the way up: M429, G49, G53 G0 Z.
+RETRACT = 3
 # Samples of which the place is looked at.
 EVERY = 3
 
@@ -108,11 +110,11 @@ def main():
         if event["what"] == "error":
             fault(f"line {event['line']}: {event['text']}")
     operations = [
-        {"name": o["name"], "first": o["first"], "last": o["last"], "run": run, "samples": {True: 0, False: 0},
+        {"name": o["name"], "last": o["last"], "run": run, "samples": {True: 0, False: 0},
          "worst": {True: (0.0, 0), False: (0.0, 0)}}
         for o, run in zip(file["nc"]["operations"], file["measured"]["machine"]["runs"])
     ]
-    of_line = {n: o for o in operations for n in range(o["first"] + 1, o["last"] + 1)}
+    of_line = {n: o for o, f in zip(operations, file["nc"]["operations"]) for n in range(f["first"], o["last"] + RETRACT + 1)}
     # Most of speed and acceleration by joint and kind of line, with the line.
     kinds = ("feed", "rapid", "off")
     speeds = {kind: [(0.0, 0)] * 5 for kind in kinds}
@@ -140,9 +142,17 @@ def main():
                     a = abs(joints[k] - 2 * before[1][k] + before2[1][k]) / PERIOD**2
                     if a > accelerations[kind][k][0]:
                         accelerations[kind][k] = (a, line)
+        last_joints = before[1] if before else joints
         before2, before = before, (tag, joints)
         operation = of_line.get(line)
-        if operation is None or not on or line not in moves:
+        if operation is None:
+            continue
+        if not on:
+            # The way up to the retract height, with the kinematics off, ends the operation.
+            if line > operation["last"] and joints != last_joints:
+                operation["samples"][True] += 1
+            continue
+        if line not in moves:
             continue
         rapid = moves[line][2]
         operation["samples"][rapid] += 1

@@ -51,9 +51,9 @@ fn head() -> Vec<Kind> {
         (C, First("G80 ", "G81 "), Refused, "a cycle"),
         (C, First("G80 ", "G0 "), Harmless, "no axis word: nothing moves"),
         (C, First("G80 ", "G0 G80 "), Refused, "two words of one group"),
-        (C, First("G94 ", ""), Refused, "inverse time can be left over"),
-        (C, First("G94 ", "G93 "), Refused, "F would be a share of each block, and is missing in most"),
-        (C, First("G94 ", "G95 "), Refused, "feed a revolution"),
+        (C, First("G94 ", ""), Harmless, "every operation begins with G93 and says G94 with its first feed"),
+        (C, First("G94 ", "G93 "), Harmless, "the same"),
+        (C, First("G94 ", "G95 "), Harmless, "the same"),
         (C, First("G94 ", "G94 G93 "), Refused, "two words of one group"),
         (C, First("G97 ", ""), Refused, "constant cutting speed can be left over"),
         (C, First("G97 ", "G96 "), Refused, "S would be a cutting speed"),
@@ -83,18 +83,18 @@ fn head() -> Vec<Kind> {
         (C, First("G10 L2 P1 R0\n", "G10 L1 P1 Z5\n"), Refused, "changes the tool table"),
         (C, First("G10 L2 P1 R0\n", "G10 L2 P1 X1 R0\n"), Refused, "changes the offset"),
         (C, First("G10 L2 P1 R0\n", "G10 L2 P1 Z1\n"), Refused, "changes the offset"),
-        (C, First("G64 P0.0010 Q0\n", ""), Refused, "the tolerance is left over"),
-        (C, First("G64 P0.0010 Q0\n", "G64\n"), Refused, "blends as far as the speed asks for"),
-        (C, First("G64 P0.0010 Q0\n", "G64 P0\n"), Refused, "0 is no tolerance, not none"),
-        (C, First("G64 P0.0010 Q0\n", "G64 P0.5 Q0\n"), Refused, "more than the job allows"),
-        (C, First("G64 P0.0010 Q0\n", "G64 P0.0010 Q0.5\n"), Refused, "joins blocks by more than the job allows"),
-        (C, First("G64 P0.0010 Q0\n", "G64 P0.0010\n"), Refused, "Q is P then: twice what the job allows"),
-        (C, First("G64 P0.0010 Q0\n", "G64 Q0\n"), Refused, "no tolerance at corners"),
-        (C, First("G64 P0.0010 Q0\n", "G64 P-1 Q0\n"), Refused, "a negative tolerance"),
-        (C, First("G64 P0.0010 Q0\n", "G61\n"), Harmless, "exact path"),
-        (C, First("G64 P0.0010 Q0\n", "G61.1\n"), Harmless, "exact stop"),
-        (C, First("G64 P0.0010 Q0\n", "G61 G64 P0.001 Q0\n"), Refused, "two words of one group"),
-        (C, First("G64 P0.0010 Q0\n", "P0.001\n"), Refused, "P of nothing"),
+        (C, First("G64 P0.0010 Q0\nG94", "G94"), Harmless, "G61.1 stays: each block stops at its end"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64\nG94"), Refused, "blends as far as the speed asks for"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64 P0\nG94"), Refused, "0 is no tolerance, not none"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64 P0.5 Q0\nG94"), Refused, "more than the job allows"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64 P0.0010 Q0.5\nG94"), Refused, "joins blocks by more than the job allows"),
+        (C, All("G64 P0.0010 Q0\n", "G64 P0.0010\n"), Refused, "Q is P then: twice what the job allows"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64 Q0\nG94"), Refused, "no tolerance at corners"),
+        (C, First("G64 P0.0010 Q0\nG94", "G64 P-1 Q0\nG94"), Refused, "a negative tolerance"),
+        (C, First("G64 P0.0010 Q0\nG94", "G61\nG94"), Harmless, "exact path"),
+        (C, First("G64 P0.0010 Q0\nG94", "G61.1\nG94"), Harmless, "exact stop"),
+        (C, First("G64 P0.0010 Q0\nG94", "G61 G64 P0.001 Q0\nG94"), Refused, "two words of one group"),
+        (C, First("G64 P0.0010 Q0\nG94", "P0.001\nG94"), Refused, "P of nothing"),
     ]
 }
 
@@ -282,6 +282,34 @@ fn transformation() -> Vec<Kind> {
     ]
 }
 
+/// Blocks in inverse time as the words of a rapid.
+fn rapids_by_g0(text: &str) -> String {
+    by_inverse_blocks(text, |line| {
+        let words: Vec<&str> = line.split(' ').filter(|w| !["G93", "G1"].contains(w) && !w.starts_with('F')).collect();
+        format!("G0 {}", words.join(" "))
+    })
+}
+
+/// Blocks in inverse time with F times a factor, or without F.
+fn inverse_times(text: &str, factor: f64) -> String {
+    by_inverse_blocks(text, |line| {
+        let (words, f) = line.rsplit_once(" F").unwrap_or_default();
+        if factor.is_nan() { words.to_owned() } else { format!("{words} F{:.5}", f.parse().unwrap_or(0.0) * factor) }
+    })
+}
+
+fn by_inverse_blocks(text: &str, change: impl Fn(&str) -> String) -> String {
+    let mut inverse = false;
+    let mut changed = String::new();
+    for line in text.lines() {
+        inverse = line.contains("G93 ") || inverse && !line.contains("G94");
+        let moves = inverse && line.contains(" X") && line.contains(" F");
+        changed.push_str(&if moves { change(line) } else { line.to_owned() });
+        changed.push('\n');
+    }
+    changed
+}
+
 fn path() -> Vec<Kind> {
     const C: &str = "modal in the path";
     vec![
@@ -291,6 +319,19 @@ fn path() -> Vec<Kind> {
         (C, Cut("\nG1 X", "\nG41 D1\nG1 X"), Refused, "cutter compensation"),
         (C, Cut("\nG1 X", "\nG93\nG1 X"), Refused, "F is missing then"),
         (C, Cut("\nG1 X", "\nG95\nG1 X"), Refused, "feed a revolution"),
+        (
+            C,
+            First("G61.1 G93 G1", "G61.1 G94 G1"),
+            Refused,
+            "its F is one over minutes: the tool would come down at feed",
+        ),
+        (C, First("\nG94 G1", "\nG1"), Refused, "F of the feed would be one over minutes"),
+        (C, First("\nG94 G1", "\nG94\nG1"), Harmless, "in a block of its own"),
+        (C, All("G61.1 ", "G61 "), Harmless, "exact path keeps to the lines as well"),
+        (C, Text("rapids without G93", |t| t.replace("G93 ", "")), Refused, "one over minutes is read as a feed"),
+        (C, Text("rapids by G0", rapids_by_g0), Found, "G0 keeps the speed of the tip and not those of the joints"),
+        (C, Text("rapids in half of their time", |t| inverse_times(t, 2.0)), Found, "axes twice as fast as they can"),
+        (C, Text("rapids without F", |t| inverse_times(t, f64::NAN)), Refused, "inverse time needs F in each block"),
         (C, Cut("\nG1 X", "\nG96\nG1 X"), Refused, "constant cutting speed"),
         (C, Cut("\nG1 X", "\nG7\nG1 X"), Refused, "X is a diameter"),
         (C, Cut("\nG1 X", "\nG55\nG1 X"), Refused, "another offset"),

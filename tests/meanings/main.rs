@@ -25,7 +25,6 @@ use impellerc::verify::stock::Settings;
 use impellerc::verify::{Verified, certify_with, verify};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::LazyLock;
 
 /// What becomes of a changed text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -81,15 +80,16 @@ struct Original {
     motion: Verified<Motion>,
 }
 
-/// The small job, planned and verified once.
-static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
+/// The small job, planned and verified for the machine that has the control of a dialect.
+fn original(dialect: &str) -> Original {
     let mut outcome = Outcome::default();
-    let options = Options { job: PathBuf::from("jobs/small/small.imp"), ..Options::default() };
+    let mut options = Options { job: PathBuf::from("jobs/small/small.imp"), ..Options::default() };
+    options.run.machine = (dialect == "linuxcnc").then(|| "5mc850-c-linuxcnc".to_owned());
     let program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
     let plan = pipeline::run(&program, &mut outcome.sink).unwrap();
     let (motion, _) = verify(&program, plan.motion, &mut outcome.sink).unwrap();
     Original { program, motion }
-});
+}
 
 fn replaced(text: &str, at: Option<usize>, from: &str, to: &str) -> String {
     let at = at.unwrap_or_else(|| panic!("{from:?} is not in the text"));
@@ -169,6 +169,7 @@ fn same(a: &Motion, b: &Motion) -> bool {
                 && a.moves.iter().zip(&b.moves).all(|(a, b)| {
                     let (p, q) = (&a.joints, &b.joints);
                     a.kind == b.kind
+                        && (a.time - b.time).abs() <= 1e-6 * b.time
                         && (p.xyz - q.xyz).amax() < 1e-6
                         && (p.a - q.a).abs().max((p.c - q.c).abs()) < 1e-8
                         && (a.feed.unwrap_or(0.0) - b.feed.unwrap_or(0.0)).abs() < 1e-6
@@ -202,8 +203,8 @@ fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Ve
 }
 
 /// The text of the small job in a dialect, without block numbers.
-fn written(post: &dyn Post, program: &Program) -> String {
-    let text = post.emit(program, &ORIGINAL.motion, &[]).text();
+fn written(post: &dyn Post, original: &Original) -> String {
+    let text = post.emit(&original.program, &original.motion, &[]).text();
     let bare = |line: &str| match line.strip_prefix('N').and_then(|l| l.split_once(' ')) {
         Some((number, rest)) if number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
         _ => line.to_owned(),
@@ -213,11 +214,12 @@ fn written(post: &dyn Post, program: &Program) -> String {
 
 fn campaign(dialect: &str, kinds: Vec<Kind>) {
     let post = post::find(dialect).unwrap();
-    let program = support::program_for(dialect, &ORIGINAL.program);
-    let text = written(post, &program);
+    let original = original(dialect);
+    let text = written(post, &original);
+    let program = original.program;
     let sections = post.read(&text, &program.machine).unwrap();
     let meant = motion_of(&program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
-    let whole = post.emit(&program, &ORIGINAL.motion, &[]).text();
+    let whole = post.emit(&program, &original.motion, &[]).text();
     assert_eq!(judged(post, &program, &whole, &meant).0, Verdict::Harmless, "block numbers");
     let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
     let mut complaints = Vec::new();

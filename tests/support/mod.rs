@@ -121,12 +121,14 @@ pub fn machine() -> Machine {
     }
 }
 
-/// A machine with the senses of rotary words that the transformation of a dialect has: LinuxCNC turns the part with a
-/// positive word as a right-hand screw.
+/// A machine with the control of a dialect: LinuxCNC turns the part with a positive word as a right-hand screw, and plans
+/// speeds in its own way.
 pub fn machine_for(dialect: &str, machine: &Machine) -> Machine {
-    let word_sign = if dialect == "linuxcnc" { -1.0 } else { 1.0 };
+    let linuxcnc = dialect == "linuxcnc";
+    let word_sign = if linuxcnc { -1.0 } else { 1.0 };
+    let planning = if linuxcnc { Planning::LinuxCnc } else { Planning::Joints };
     let with_sense = |axis: RotaryAxis| RotaryAxis { word_sign, ..axis };
-    Machine { tilt: with_sense(machine.tilt), turn: with_sense(machine.turn), ..machine.clone() }
+    Machine { tilt: with_sense(machine.tilt), turn: with_sense(machine.turn), planning, ..machine.clone() }
 }
 
 /// A program for [`machine_for`] a dialect.

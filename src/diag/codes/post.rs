@@ -30,6 +30,13 @@ positive word, which is `opposite`, and no setting changes that. With a machine 
 the wrong way: the tool would cut another part, or the table.\n\n\
 Way out: a machine file of a machine that LinuxCNC runs (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), chosen in the job or \
 with `--machine`; or the post of the control that the machine has.";
+    CONTROL = "IMP0809", "a machine file of another control than the post's",
+        "Speeds are planned for one control. A control with look-ahead keeps the speed of every axis; LinuxCNC 2.9 keeps the \
+speed of the tip, adds up two blocks where one goes over into the next, and leaves the path there by more than its tolerance \
+where rotary axes change their rate. Planning for it writes ways at rapid in inverse time and stops at such corners, \
+and the certificate has its times. It does so for machine files that say `planning = \"linuxcnc-2.9\"`, and a text for \
+LinuxCNC is made for those alone.\n\nWay out: such a machine file (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), chosen in the \
+job or with `--machine`; or the post of the control that the machine has.";
     NC_FILE = "IMP0820", "NC file that cannot be read",
         "`impellerc verify` takes NC text: plain UTF-8 of at most 256 MB. Anything else is refused before it is looked at, \
 so that memory stays bounded.\n\nWay out: give the text that the control would run, split by operations if it is larger.";

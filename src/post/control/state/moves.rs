@@ -1,7 +1,7 @@
 //! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
 
 use super::{AXES, Length, Place, State, Transformation};
-use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, Smoothing, figure};
+use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
 use crate::post::modal::{Group, Setting};
 use crate::post::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
@@ -168,7 +168,7 @@ impl State<'_> {
             }
         };
         self.judge_modes(true, true, !rapid);
-        let feed = if rapid { None } else { self.feed_of(block, before, &tip) };
+        let (feed, time) = if rapid { (None, None) } else { self.feed_of(block, before, &tip, &direction) };
         if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
             self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block says its speed");
         }
@@ -196,13 +196,19 @@ impl State<'_> {
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed) = (self.line, self.speed.unwrap_or(0.0));
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.moves.push(NcMove { line, rapid, tip, direction, feed, tool, speed, smoothing });
+            section.moves.push(NcMove { line, rapid, tip, direction, feed, time, tool, speed, smoothing });
             self.moves += 1;
         }
     }
 
-    /// Feed of a block in mm/min; in inverse time from its length.
-    fn feed_of(&mut self, block: &Block, before: [Option<f64>; 3], tip: &Point3<f64>) -> Option<f64> {
+    /// Feed of a block in mm/min; in inverse time from its length, with the time that it says, s.
+    fn feed_of(
+        &mut self,
+        block: &Block,
+        before: [Option<f64>; 3],
+        tip: &Point3<f64>,
+        direction: &Direction,
+    ) -> (Option<f64>, Option<f64>) {
         let inverse = matches!(self.modal[Group::FeedMode as usize], Setting::Said("G93", _));
         let Some(word) = (if inverse { block.feed } else { self.feed }) else {
             if inverse {
@@ -211,18 +217,28 @@ impl State<'_> {
                 self.fault("a move at feed without a feed: write F in this block");
                 self.feed = Some(1.0);
             }
-            return Some(1.0);
+            return (Some(1.0), None);
         };
         if !inverse {
-            return Some(word);
+            return (Some(word), None);
         }
-        let [Some(x), Some(y), Some(z)] = before else { return Some(word) };
+        let time = Some(60.0 / word);
+        let [Some(x), Some(y), Some(z)] = before else { return (None, time) };
         let feed = (tip - Point3::new(x, y, z)).norm() * word;
-        // LinuxCNC takes no less: such a block would run in another time than it says.
-        if feed < 0.1 {
-            self.fault("in inverse time (G93) the tip moves at less than 0.1 mm/min: the control takes another time than F says");
+        // The control counts degrees where the tip stands.
+        let turn = match (self.direction, *direction) {
+            (Direction::Rotary(a, c), Direction::Rotary(to_a, to_c)) if feed == 0.0 => {
+                libm::hypot(to_a - a, to_c - c).to_degrees() * word
+            }
+            _ => 0.0,
+        };
+        if feed.max(turn) < SLOWEST_INVERSE {
+            self.fault(format!(
+                "in inverse time (G93) the tip moves at less than {SLOWEST_INVERSE} mm/min: the control takes another time \
+                 than F says"
+            ));
         }
-        Some(feed)
+        (Some(feed), time)
     }
 
     fn direction(&mut self, block: &Block) -> Direction {

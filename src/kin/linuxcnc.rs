@@ -2,15 +2,18 @@
 //!
 //! Each line runs by itself in a trapezoid of speed and comes to rest at its end; the next line starts while this one
 //! slows down ("parabolic blend"), and what both do in a period is added. Both are planned in the frame of the program:
-//! limits of X, Y, Z hold for the tip on the part. Where a line is blended, half of its acceleration is used. The
+//! limits of X, Y, Z hold for the tip on the part. A line that blends into the next one uses half of its acceleration. The
 //! tolerance of G64 P bounds the speed at the start of a blend by the angle between the two directions of the tip alone:
 //! how rotary axes change their rate is not looked at, so that tip and flutes leave the lines by more.
 //!
 //! Lines that turn nothing are joined without a stop where their directions agree. Sharper corners between two such
 //! lines, which the control rounds by an arc within the tolerance, are blended here as the others are.
+//!
+//! G0 is no part of it: the control runs it by the limits of the tip, whatever the joints can do.
 
-use crate::kin::transform::axis_at;
-use nalgebra::Vector3;
+use super::transform::axis_at;
+use super::{Joints, Machine};
+use nalgebra::{Point3, Vector3};
 
 /// Program coordinates: X Y Z of the tip on the part in mm, A and C in radians.
 type Place = [f64; 5];
@@ -32,39 +35,39 @@ const TURNS: f64 = 1e-3;
 
 /// A line of the program.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub struct Line {
     /// Where it begins: tip on the part, A and C.
-    pub(super) from: Place,
+    pub from: Place,
     /// Where it ends.
-    pub(super) to: Place,
+    pub to: Place,
     /// Time that its feed asks for, s.
-    pub(super) time: f64,
-    /// True for G0, which does not blend with lines at feed.
-    pub(super) traverse: bool,
+    pub time: f64,
+    /// The control comes to rest at its end (G61.1).
+    pub stop: bool,
 }
 
-/// Limits of the planner.
+/// What the planner is told. Its limits are those of the machine, held for the tip in place of X, Y and Z.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settings {
-    /// Largest speed of X Y Z A C.
-    pub(super) speed: Place,
-    /// Largest acceleration.
-    pub(super) acceleration: Place,
+pub struct Settings<'a> {
+    /// The machine. Its `cycle` is the servo period.
+    pub machine: &'a Machine,
     /// Tolerance of G64 P, mm.
-    pub(super) tolerance: f64,
-    /// Servo period, s.
-    pub(super) period: f64,
+    pub tolerance: f64,
     /// Length of the flutes, mm.
-    pub(super) height: f64,
+    pub height: f64,
 }
 
 /// How a line ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Ran {
+pub struct Ran {
     /// Time in which it moved faster than its neighbours, s.
-    pub(super) time: f64,
-    /// Largest deviation of the tool from this line and those beside it: of tip or flutes, mm, and of the axis, radians.
-    pub(super) deviation: [f64; 2],
+    pub time: f64,
+    /// Largest deviation of the tool from this line and the next one while it goes over into that: of tip or flutes, mm,
+    /// and of the axis, radians. At which period the blend begins depends on what ran before: what a period more would
+    /// add is counted.
+    pub deviation: [f64; 2],
+    /// Largest speed of X, Y, Z, A, C meanwhile, as a share of the limit.
+    pub speed: [f64; 5],
 }
 
 /// How a line ends.
@@ -99,15 +102,15 @@ impl Segment {
         }
         let least =
             |most: &Place| (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(NOTHING, f64::max);
-        let own = length / least(&settings.speed);
-        let asked = if line.traverse || line.time <= 0.0 { own } else { own.min(length / line.time) };
+        let own = length / least(&settings.machine.speeds());
+        let asked = if line.time > 0.0 { own.min(length / line.time) } else { own };
         Some(Self {
             line: *line,
             length,
             direction: std::array::from_fn(|k| if moves { d[k] / way } else { 0.0 }),
             turns: d[3..].iter().any(|x| x.abs() >= TINY),
-            speed: asked.min(length / settings.period),
-            acceleration: length / least(&settings.acceleration),
+            speed: asked.min(length / settings.machine.cycle),
+            acceleration: length / least(&settings.machine.accelerations()),
             end: End::Blend,
         })
     }
@@ -134,6 +137,7 @@ struct Running {
 
 /// Sets how each line ends.
 fn set_ends(segments: &mut [Segment], settings: &Settings) {
+    let most = settings.machine.accelerations();
     for i in 0..segments.len() {
         let Some(next) = segments.get(i + 1) else {
             segments[i].end = End::Stop;
@@ -141,7 +145,7 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
         };
         let this = &segments[i];
         let dot: f64 = this.direction.iter().zip(&next.direction).map(|(a, b)| a * b).sum();
-        let end = if this.line.traverse != next.line.traverse {
+        let end = if this.line.stop {
             End::Stop
         } else if this.turns || next.turns {
             End::Blend
@@ -149,17 +153,18 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
             End::Stop
         } else {
             let both = this.speed.min(next.speed);
-            let sudden = both / settings.period + next.acceleration;
-            let share = (0..3)
-                .map(|k| (next.direction[k] - this.direction[k]).abs() * sudden / settings.acceleration[k])
-                .fold(0.0, f64::max);
+            let sudden = both / settings.machine.cycle + next.acceleration;
+            let share =
+                (0..3).map(|k| (next.direction[k] - this.direction[k]).abs() * sudden / most[k]).fold(0.0, f64::max);
             if share < KINK { End::Tangent(both) } else { End::Blend }
         };
         segments[i].end = end;
     }
     for i in 0..segments.len() {
-        let blends = segments[i].end == End::Blend || i > 0 && segments[i - 1].end == End::Blend;
-        if blends {
+        // That the line before blends is only noted where neither turns: `blend_prev` is set with tangents alone.
+        let before = i.checked_sub(1).map(|b| &segments[b]);
+        let noted = before.is_some_and(|b| b.end == End::Blend && !b.turns && !segments[i].turns);
+        if segments[i].end == End::Blend || noted {
             segments[i].acceleration *= 0.5;
         }
     }
@@ -280,8 +285,31 @@ fn deviation(place: &Place, line: &Line, height: f64) -> [f64; 2] {
     [off(0).max(off(1)), off(2)]
 }
 
+/// The lines between positions, each with the time of the line that leads there and whether the control stops there.
+pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>) -> Vec<Line> {
+    let mut lines = Vec::with_capacity(moves.size_hint().0);
+    let mut last: Option<Place> = None;
+    for (j, time, stop) in moves {
+        let tip = machine.forward(&j).tip;
+        let to = [tip.x, tip.y, tip.z, j.a, j.c];
+        if let Some(from) = last {
+            lines.push(Line { from, to, time, stop });
+        }
+        last = Some(to);
+    }
+    lines
+}
+
+/// Time of a G0 between two positions, s: its planner looks at the speed of the tip along X, Y and Z of the part, and at
+/// those of A and C.
+pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joints; 2]) -> f64 {
+    let way = tips[1] - tips[0];
+    let moved = [way.x, way.y, way.z, joints[1].a - joints[0].a, joints[1].c - joints[0].c];
+    moved.iter().zip(machine.speeds()).map(|(d, speed)| d.abs() / speed).fold(0.0, f64::max)
+}
+
 /// Runs lines one after the other from rest to rest.
-pub(super) fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
+pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     let mut of = Vec::with_capacity(lines.len());
     let mut segments: Vec<Segment> = Vec::with_capacity(lines.len());
     for (i, line) in lines.iter().enumerate() {
@@ -291,86 +319,144 @@ pub(super) fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
         }
     }
     set_ends(&mut segments, settings);
+    let full = settings.machine.cycle;
     let mut ran = vec![Ran::default(); lines.len()];
-    let fresh = Running { period: settings.period, ..Running::default() };
+    let fresh = Running { period: full, ..Running::default() };
     let (mut this, mut ahead) = (fresh, fresh);
     for (i, segment) in segments.iter().enumerate() {
         let next = segments.get(i + 1);
         let from =
             next.map(|n| if segment.end == End::Blend { blend_speed(segment, n, settings.tolerance) } else { 0.0 });
+        let mut corner = from.map(|from| Corner::new(segment, from, settings));
         for _ in 0..MOST_PERIODS {
+            let before = this.way;
             let mut both = false;
             if this.last {
                 this.way = segment.length;
                 this.done = true;
                 if let Some(n) = next {
                     if let End::Tangent(speed) = segment.end {
-                        ahead.period = settings.period - this.period;
+                        ahead.period = full - this.period;
                         ahead.speed = this.speed
                             + (speed - this.speed)
                                 .clamp(-segment.acceleration * this.period, segment.acceleration * this.period);
                     }
-                    step(n, &mut ahead, segments.get(i + 2), settings.period);
+                    step(n, &mut ahead, segments.get(i + 2), full);
                     both = segment.end == End::Blend;
                 }
             } else {
-                this.period = settings.period;
-                step(segment, &mut this, next, settings.period);
+                this.period = full;
+                step(segment, &mut this, next, full);
                 let start = segment.end == End::Blend && this.slowing && from.is_some_and(|v| this.speed < v);
                 this.blends |= start;
                 if let Some(n) = next.filter(|_| this.blends) {
-                    step(n, &mut ahead, None, settings.period);
+                    step(n, &mut ahead, None, full);
                     both = true;
                 }
             }
             let owner =
                 if this.speed > ahead.speed && !this.done { of[i] } else { of.get(i + 1).copied().unwrap_or(of[i]) };
-            ran[owner].time += settings.period;
-            if let Some(n) = next.filter(|_| both) {
-                let (here, there) = (segment.at(this.way), n.at(ahead.way));
-                let place: Place = std::array::from_fn(|k| here[k] + there[k] - n.line.from[k]);
-                let (one, other) = {
-                    let from = |line: &Line| deviation(&place, line, settings.height);
-                    (from(&segment.line), from(&n.line))
-                };
-                let nearer = if one[0] <= other[0] { one } else { other };
-                for k in [i, i + 1] {
-                    let most = &mut ran[of[k]].deviation;
-                    *most = [most[0].max(nearer[0]), most[1].max(nearer[1])];
-                }
+            ran[owner].time += full;
+            if let (true, Some(n), Some(corner)) = (both, next, &mut corner) {
+                corner.passes(segment, n, [before, this.way, ahead.way], settings);
             }
             if this.done {
                 break;
             }
+        }
+        if let Some(corner) = corner {
+            ran[of[i]].deviation = corner.deviation.map(|d| d * corner.late);
+            ran[of[i]].speed = corner.speed;
         }
         (this, ahead) = (ahead, fresh);
     }
     ran
 }
 
+/// One line goes over into the next.
+struct Corner {
+    /// Joints a period ago.
+    joints: Option<Place>,
+    deviation: [f64; 2],
+    speed: [f64; 5],
+    /// By how much the deviation, which grows with the square of the speed, is larger where the blend begins a period
+    /// earlier.
+    late: f64,
+}
+
+impl Corner {
+    fn new(segment: &Segment, from: f64, settings: &Settings) -> Self {
+        let sooner = 1.0 + segment.acceleration * settings.machine.cycle / from.max(NOTHING);
+        Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MOST_LATE) }
+    }
+
+    /// A period in which both move: the way of the first before and after it, and of the second after it.
+    fn passes(&mut self, this: &Segment, next: &Segment, way: [f64; 3], settings: &Settings) {
+        let machine = settings.machine;
+        let (here, there) = (this.at(way[1]), next.at(way[2]));
+        let place: Place = std::array::from_fn(|k| here[k] + there[k] - next.line.from[k]);
+        let [one, other] = [this, next].map(|s| deviation(&place, &s.line, settings.height));
+        let nearer = if one[0] <= other[0] { one } else { other };
+        self.deviation = [self.deviation[0].max(nearer[0]), self.deviation[1].max(nearer[1])];
+        let joints = joints_at(machine, &place);
+        let before = self.joints.unwrap_or_else(|| joints_at(machine, &this.at(way[0])));
+        for (k, most) in machine.speeds().into_iter().enumerate() {
+            self.speed[k] = self.speed[k].max((joints[k] - before[k]).abs() / machine.cycle / most);
+        }
+        self.joints = Some(joints);
+    }
+}
+
+/// Largest factor for what a period may change.
+const MOST_LATE: f64 = 4.0;
+
+fn joints_at(machine: &Machine, place: &Place) -> Place {
+    let j = machine.joints(&Point3::new(place[0], place[1], place[2]), place[3], place[4]);
+    [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kin::{LinearAxis, RotaryAxis};
+    use crate::method::Planning;
 
-    const SETTINGS: Settings = Settings {
-        speed: [20.0, 20.0, 20.0, 0.5, 0.5],
-        acceleration: [300.0, 300.0, 300.0, 5.0, 5.0],
-        tolerance: 0.001,
-        period: 0.001,
-        height: 12.0,
-    };
+    const HEIGHT: f64 = 12.0;
+
+    fn ran(lines: &[Line], height: f64) -> Vec<Ran> {
+        let linear = LinearAxis { min: -1e3, max: 1e3, speed: 20.0, acceleration: 300.0, jerk: f64::INFINITY };
+        let rotary =
+            RotaryAxis { min: -9.0, max: 9.0, speed: 0.5, acceleration: 5.0, jerk: f64::INFINITY, word_sign: 1.0 };
+        let machine = Machine {
+            name: String::new(),
+            linear: [linear; 3],
+            tilt: rotary,
+            turn: rotary,
+            tilt_point: Point3::origin(),
+            turn_point: Point3::origin(),
+            part_origin: Vector3::zeros(),
+            retract: 1e3,
+            spindle: [1.0, 2.0],
+            rapid: 20.0,
+            cycle: 0.001,
+            planning: Planning::LinuxCnc,
+            carried: Vec::new(),
+            assumed: Vec::new(),
+        };
+        run(lines, &Settings { machine: &machine, tolerance: 0.001, height })
+    }
 
     /// Lines at one feed, mm/s.
     fn lines(places: &[Place], feed: f64) -> Vec<Line> {
         let way = |a: &Place, b: &Place| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
-        let line = |p: &[Place]| Line { from: p[0], to: p[1], time: way(&p[0], &p[1]) / feed, traverse: false };
+        let line = |p: &[Place]| Line { from: p[0], to: p[1], time: way(&p[0], &p[1]) / feed, stop: false };
         places.windows(2).map(line).collect()
     }
 
     #[test]
     fn one_line_runs_in_a_trapezoid() {
         for (length, feed) in [(10.0, 4.0), (10.0, 16.0), (0.5, 16.0)] {
-            let found = run(&lines(&[[0.0; 5], [length, 0.0, 0.0, 0.0, 0.0]], feed), &SETTINGS);
+            let found = ran(&lines(&[[0.0; 5], [length, 0.0, 0.0, 0.0, 0.0]], feed), HEIGHT);
             let peak = feed.min((300.0_f64 * length).sqrt());
             let due = length / peak + peak / 300.0;
             assert!((found[0].time - due).abs() < 0.004, "{} {due}", found[0].time);
@@ -384,23 +470,36 @@ mod tests {
     fn a_rotary_axis_that_stops_takes_the_flutes_off_the_lines() {
         let (turn, feed) = (0.01, 4.0);
         let places = [[0.0; 5], [10.0, 0.0, 0.0, 10.0 * turn, 0.0], [20.0, 0.0, 0.0, 10.0 * turn, 0.0]];
-        let found = run(&lines(&places, feed), &SETTINGS);
+        let found = ran(&lines(&places, feed), HEIGHT);
         let corner = feed * feed / (8.0 * 150.0);
         // The nearest pose lies beside the corner: the way there counts less than at right angles.
-        let most = corner * turn * SETTINGS.height;
+        let most = corner * turn * HEIGHT;
         let off = found[0].deviation[0];
         assert!(off > 0.3 * most && off < 1.1 * most, "{off} {most}");
-        assert!(off == found[1].deviation[0]);
-        let slower = run(&lines(&places, 0.5 * feed), &SETTINGS)[0].deviation[0];
+        assert!(found[1].deviation[0] == 0.0);
+        let slower = ran(&lines(&places, 0.5 * feed), HEIGHT)[0].deviation[0];
         assert!((slower / off - 0.25).abs() < 0.03, "{slower} {off}");
+    }
+
+    /// A stop at the corner leaves nothing of it, and costs less than slowing down and speeding up by the feed.
+    #[test]
+    fn a_stop_leaves_no_deviation() {
+        let (turn, feed) = (0.01, 4.0);
+        let places = [[0.0; 5], [10.0, 0.0, 0.0, 10.0 * turn, 0.0], [20.0, 0.0, 0.0, 10.0 * turn, 0.0]];
+        let mut lines = lines(&places, feed);
+        let blended: f64 = ran(&lines, HEIGHT).iter().map(|r| r.time).sum();
+        lines[0].stop = true;
+        let found = ran(&lines, HEIGHT);
+        assert!(found.iter().all(|r| r.deviation == [0.0; 2] && r.speed == [0.0; 5]), "{found:?}");
+        let stopped: f64 = found.iter().map(|r| r.time).sum();
+        assert!(stopped < blended + 2.0 * feed / 300.0, "{stopped} {blended}");
     }
 
     /// At a right angle of the tip the tolerance is what the corner is rounded by.
     #[test]
     fn the_tolerance_bounds_corners_of_the_tip() {
         let places = [[0.0; 5], [10.0, 0.0, 0.0, 0.1, 0.0], [10.0, 10.0, 0.0, 0.2, 0.0]];
-        let still = Settings { height: 0.0, ..SETTINGS };
-        let off = run(&lines(&places, 16.0), &still)[0].deviation[0];
+        let off = ran(&lines(&places, 16.0), 0.0)[0].deviation[0];
         assert!(off > 0.5e-3 && off < 1.1e-3, "{off}");
     }
 
@@ -409,13 +508,13 @@ mod tests {
     #[test]
     fn short_lines_that_turn_are_slower_than_their_feed() {
         let places: Vec<Place> = (0..100).map(f64::from).map(|k| [0.24 * k, 0.0, 0.0, 0.002 * k, 0.0]).collect();
-        let time = |feed: f64| run(&lines(&places, feed), &SETTINGS).iter().map(|r| r.time).sum::<f64>();
+        let time = |feed: f64| ran(&lines(&places, feed), HEIGHT).iter().map(|r| r.time).sum::<f64>();
         let way = 0.24 * 99.0;
         assert!(time(16.0) > 1.5 * way / 16.0);
         assert!(time(4.0) < 1.1 * way / 4.0);
         // Lines that do not turn and go straight on are run through.
         let straight: Vec<Place> = places.iter().map(|p| [p[0], 0.0, 0.0, 0.0, 0.0]).collect();
-        let found: f64 = run(&lines(&straight, 16.0), &SETTINGS).iter().map(|r| r.time).sum();
+        let found: f64 = ran(&lines(&straight, 16.0), HEIGHT).iter().map(|r| r.time).sum();
         assert!((found - way / 16.0 - 16.0 / 300.0).abs() < 0.05 * found, "{found}");
     }
 }
