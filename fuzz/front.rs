@@ -63,7 +63,8 @@ pub fn front(texts: Texts<'_>) -> Option<Program> {
     assert!(sink.diags().iter().all(|d| d.code != codes::files::INTERNAL), "a fault of the compiler");
     let human = render::human(&sink, &sources, false);
     for report in [human, render::json(&sink, &sources), sarif(&sink, &sources), junit(&sink, &sources, &[])] {
-        let steers = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        let steers =
+            |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         assert!(!report.contains(steers), "a report holds a character that steers a terminal: {report:?}");
     }
     program
@@ -79,10 +80,14 @@ fn program(texts: Texts<'_>, sources: &mut SourceMap, sink: &mut Sink) -> Option
     lower::lower(&job, sink).ok()
 }
 
-/// Reads NC text of a dialect, and the motion that the small job would see in it. Faults are told with a line of the text.
-pub fn nc(post: &str, text: &str) {
+/// Reads NC text of a dialect, and the motion that the small job would see in it on a machine of the library. Faults are
+/// told with a line of the text.
+pub fn nc(post: &str, machine: &str, text: &str) {
     static PROGRAM: OnceLock<Option<Program>> = OnceLock::new();
-    let Some(program) = PROGRAM.get_or_init(|| front(SMALL)) else { panic!("the small job is faulty") };
+    let machine = shipped::MACHINES.iter().find(|m| m.0 == machine).map(|m| m.1);
+    let Some(program) = PROGRAM.get_or_init(|| front(Texts { machine, ..SMALL })) else {
+        panic!("the small job is faulty")
+    };
     let Some(post) = post::find(post) else { panic!("no post {post}") };
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add("part.nc", text);

@@ -5,4 +5,4 @@
 use impellerc_fuzz::nc;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|text: &str| nc("linuxcnc", text));
+fuzz_target!(|text: &str| nc("linuxcnc", "5mc850-c-linuxcnc", text));

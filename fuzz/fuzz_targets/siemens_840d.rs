@@ -5,4 +5,4 @@
 use impellerc_fuzz::nc;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|text: &str| nc("siemens-840d", text));
+fuzz_target!(|text: &str| nc("siemens-840d", "5mc850-c", text));
