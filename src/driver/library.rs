@@ -9,8 +9,11 @@ use crate::source::{Origin, SourceFile};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Largest library or curve file that is read.
-const MAX_BYTES: u64 = 64 << 20;
+/// Largest machine or tool file that is read: some 40 000 tools. TOML takes up to 140 times its size in memory.
+const MAX_LIBRARY: u64 = 4 << 20;
+
+/// Largest curve file that is read.
+const MAX_CURVES: u64 = 64 << 20;
 
 /// Files of a job: the library given on the command line, then the `_lib` folders from the job's folder upward, then what
 /// ships with the compiler. The folder is that of the job file itself, with symbolic links resolved, so that neither the
@@ -66,7 +69,7 @@ impl DiskFiles {
                 let path = library.join(kind).join(format!("{name}.toml"));
                 match std::fs::symlink_metadata(&path) {
                     // What is there and cannot be read is told: another file of the same name would be another machine.
-                    Ok(_) => return read(&path, &shown, *origin),
+                    Ok(_) => return read(&path, &shown, MAX_LIBRARY, *origin),
                     Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
                     Err(e) => return Err(unreadable(reading::reason(&e))),
                 }
@@ -115,14 +118,13 @@ fn unreadable(reason: String) -> Missing {
 }
 
 /// A regular file; anything else, as a device, could have no end.
-fn read(path: &Path, name: &str, origin: Origin) -> Result<SourceFile, Missing> {
+fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
     let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
     if !(regular.is_file() || regular.is_dir()) {
         return Err(unreadable("it is no regular file".to_owned()));
     }
-    let bytes = reading::read(path, MAX_BYTES).map_err(|e| unreadable(reading::reason(&e)))?;
-    let bytes =
-        bytes.ok_or_else(|| unreadable(format!("it has more than the {} MB that are read", MAX_BYTES >> 20)))?;
+    let bytes = reading::read(path, most).map_err(|e| unreadable(reading::reason(&e)))?;
+    let bytes = bytes.ok_or_else(|| unreadable(format!("it has more than the {} MB that are read", most >> 20)))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
     })?;
@@ -141,7 +143,7 @@ impl Files for DiskFiles {
 
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         let (file, origin) = self.curve_file(path)?;
-        let found = read(&file, path, origin)?;
+        let found = read(&file, path, MAX_CURVES, origin)?;
         let as_written = self.shown.join(path);
         let same = as_written.canonicalize().is_ok_and(|f| f == file);
         let shown = if same { as_written } else { file };
