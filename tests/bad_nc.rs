@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "support/bounded.rs"]
+mod bounded;
 mod support;
 
 use impellerc::diag::Sink;
@@ -9,9 +11,7 @@ use impellerc::kin::Machine;
 use impellerc::post::{self, Direction, MOST_FAULTS, NcMove, NcSection, Post, ReadError, motion_of::motion_of};
 use impellerc::source::Span;
 use proptest::prelude::*;
-use std::process::Command;
 use std::sync::LazyLock;
-use std::time::{Duration, Instant};
 
 /// For the dialects as in `POSTS`.
 static MACHINES: LazyLock<[Machine; 2]> =
@@ -535,9 +535,7 @@ fn all_faults_are_told_in_one_run_and_never_too_many() {
     assert_eq!(lines, [7, 14, 15, 16, 20], "{faults:#?}");
     let garbage = "garbage\n".repeat(1 << 20);
     for dialect in ["siemens-840d", "linuxcnc"] {
-        let start = Instant::now();
         assert!(read(dialect, &garbage).unwrap_err().len() <= MOST_FAULTS);
-        assert!(start.elapsed() < Duration::from_secs(2));
     }
 }
 
@@ -552,24 +550,15 @@ fn a_million_blocks() {
             long.push_str(["X28.5\n", "X28.6 Z2.1\n"][i % 2]);
         }
         let whole = format!("{long}{}", &text[at..]);
-        let start = Instant::now();
         assert_eq!(read(dialect, &whole).unwrap().len(), 1_000_004);
         let bad = format!("{long}Q\n{}", &text[at..]);
         let faults = read(dialect, &bad).unwrap_err();
         assert_eq!(faults[0].line, text[..at].lines().count() + 1_000_001);
-        assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
     }
 }
 
 fn verify(nc: &std::path::Path) -> (Option<i32>, String) {
-    let start = Instant::now();
-    let run = Command::new(env!("CARGO_BIN_EXE_impellerc"))
-        .arg("verify")
-        .arg(nc)
-        .args(["--job", "jobs/reduced/reduced.imp"])
-        .output()
-        .unwrap();
-    assert!(start.elapsed() < Duration::from_secs(20), "took {:?}", start.elapsed());
+    let run = bounded::program().arg("verify").arg(nc).args(["--job", "jobs/reduced/reduced.imp"]).output().unwrap();
     let text = String::from_utf8_lossy(&run.stderr).into_owned();
     assert!(run.stdout.is_empty() && !text.contains("panicked"), "{text}");
     (run.status.code(), text)
@@ -585,7 +574,6 @@ fn many_wrong_blocks_are_told_in_short() {
         long.push_str(&format!("N9 G1 X{} A3={x} B3={y} C3=0.8660254\n", 20 + i % 7));
     }
     long.push_str(&SIEMENS[SIEMENS.find("N160").unwrap()..]);
-    let start = Instant::now();
     let moves = sections("siemens-840d", &long).unwrap();
     let program = support::flank_only(&[0]);
     let mut sink = Sink::default();
@@ -600,7 +588,6 @@ fn many_wrong_blocks_are_told_in_short() {
         "{}",
         sink.diags().len()
     );
-    assert!(start.elapsed() < Duration::from_secs(20));
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Valid texts of every kind that comes from outside, changed at random: bytes dropped, doubled or replaced, numbers
-//! made extreme, lines dropped, doubled or swapped, the end cut off. Each is read, or refused with a place, in bounded
-//! time.
+//! made extreme, lines dropped, doubled or swapped, the end cut off. Each is read, or refused with a place.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -19,7 +18,6 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
-use std::time::{Duration, Instant};
 
 /// Jobs with their curve files.
 const JOBS: [[&str; 2]; 3] = [
@@ -30,9 +28,6 @@ const JOBS: [[&str; 2]; 3] = [
 
 /// Name of the curve files.
 const CURVES: &str = "vane_curves.csv";
-
-/// Far above what any of these takes, far below what a hang takes.
-const LIMIT: Duration = Duration::from_secs(10);
 
 #[derive(Clone, Debug)]
 enum Change {
@@ -186,7 +181,6 @@ const WITHOUT_PLACE: [impellerc::diag::Code; 2] = [codes::syntax::EMPTY, codes::
 
 /// Reads a job down to its program; false when it was refused.
 fn front(text: &str, mut files: Memory) -> Result<bool, TestCaseError> {
-    let start = Instant::now();
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add("job.imp", text);
     let ast = syntax::parse(text, source, &mut sink);
@@ -207,7 +201,6 @@ fn front(text: &str, mut files: Memory) -> Result<bool, TestCaseError> {
         }
     }
     let _ = render::json(&sink, &sources);
-    prop_assert!(start.elapsed() < LIMIT, "{:?}", start.elapsed());
     Ok(made)
 }
 
@@ -274,7 +267,6 @@ proptest! {
 
 /// Reads a certificate and compares an NC text with it.
 fn compare(text: &str, nc: &str) -> Result<(), TestCaseError> {
-    let start = Instant::now();
     let original = CertificateFile::read(&CERTIFICATE.0).unwrap();
     match CertificateFile::read(text) {
         Ok(file) => {
@@ -297,7 +289,6 @@ fn compare(text: &str, nc: &str) -> Result<(), TestCaseError> {
             reason
         ),
     }
-    prop_assert!(start.elapsed() < LIMIT);
     Ok(())
 }
 
@@ -345,7 +336,6 @@ proptest! {
 
     #[test]
     fn nc_texts(which in 0..2_usize, changes in changes()) {
-        let start = Instant::now();
         let (program, texts) = &*NC;
         let program = &support::program_for(post::POSTS[which].name(), program);
         let text = changed(&texts[which], &changes);
@@ -370,7 +360,6 @@ proptest! {
                 prop_assert!(faults.iter().all(|f| (1..=lines).contains(&f.line) && !f.reason.is_empty()));
             }
         }
-        prop_assert!(start.elapsed() < LIMIT);
     }
 }
 
