@@ -1,23 +1,29 @@
-//! Memory that planning will take, estimated before it starts.
+//! Memory that a compilation will take, estimated before it starts: that of planning or of verification, whichever is more.
 //!
-//! Lines and stations follow from sizes of the part and figures of the job. What they take was measured: peak memory of
-//! `--emit motion` on two cores.
+//! Lines and stations follow from sizes of the part and figures of the job. What they take was measured as peak memory on
+//! two cores, of planning (`--emit motion`) and of the whole compilation:
 //!
-//! | job | measured |
-//! |---|---|
-//! | `jobs/small`, channel alone, scallop 20 um, one sector: 37 lines | 61 MB |
-//! | the same, 1 um: 160 lines | 224 MB |
-//! | the same, 0.1 um: 500 lines | 661 MB |
-//! | the same, 1 um, eight sectors: 1280 lines | 1.64 GB |
-//! | `jobs/small`, expand alone, depth 0.5 mm, residual 20 um, four sectors: 2400 lines | 1.80 GB |
-//! | the same, depth 0.1 mm, residual 5 um: 23 k lines | 16.1 GB |
-//! | `jobs/wei2021`: 1368 lines, 134 k blocks | 658 MB |
+//! | job | planning | compilation |
+//! |---|---|---|
+//! | `jobs/small` | 54 MB | 72 MB |
+//! | `jobs/small/point.imp` | 87 MB | 99 MB |
+//! | `jobs/reduced` | 47 MB | 190 MB |
+//! | `jobs/wei2021`: 1368 lines, 134 k blocks | 689 MB | 698 MB |
+//! | `jobs/small`, channel alone, scallop 20 um, one sector: 37 lines | 61 MB | 94 MB |
+//! | the same, 1 um: 160 lines | 224 MB | 270 MB |
+//! | the same, four sectors: 656 lines | 864 MB | 864 MB |
+//! | one sector, 0.1 um: 500 lines | 661 MB | |
+//! | eight sectors, 1 um: 1280 lines | 1.64 GB | |
+//! | `jobs/small`, expand alone, depth 0.5 mm, residual 20 um, four sectors: 2400 lines | 1.80 GB | 1.84 GB |
+//! | the same, depth 0.1 mm, residual 5 um: 23 k lines | 16.1 GB | |
 //!
 //! `tests/cost.rs` holds the estimate within a factor of two of these. What a station costs is mostly the run of the axes
-//! through the blocks that are left of it; what a link over the clearance surface costs are its many changes of speed.
+//! through the blocks that are left of it; what a link over the clearance surface costs are its many changes of speed. The
+//! verifier runs the axes through the same blocks when the planner has given its memory back, and has samples of all
+//! surfaces of the part besides.
 
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
-use crate::ir::design::SurfaceKind;
+use crate::ir::design::{self, SurfaceKind};
 use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Part, Program, Side};
 use crate::method::{AxisMethod, FlankMethod};
 use crate::units::{Mm, trim};
@@ -36,6 +42,15 @@ const LINK: f64 = 4.5e5;
 
 /// Memory of the part and its samples, bytes.
 const PART: f64 = 2e7;
+
+/// Memory of the verifier for stations and links, as a share of that of planning.
+const VERIFIED: f64 = 0.75;
+
+/// Memory of a sample of the design surfaces in the verifier, with its share of the samples of the stock, bytes.
+const SAMPLE: f64 = 170.0;
+
+/// Distance of these samples, mm.
+const SPACING: f64 = 0.25;
 
 /// Share of the lines of `method corridor` that are not joined by direct links.
 const NOT_JOINED: f64 = 0.1;
@@ -183,14 +198,20 @@ fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> Vec<Cost> {
     operations.collect()
 }
 
-/// Memory of all, bytes.
-fn sum(costs: &[Cost]) -> f64 {
-    PART + costs.iter().map(Cost::bytes).sum::<f64>()
+/// Memory of planning or of verification, whichever is more, where planning takes some bytes for stations and links.
+fn peak(program: &Program, planning: f64) -> f64 {
+    let samples = SAMPLE * design::estimate(&program.part, SPACING);
+    PART + planning.max(samples + VERIFIED * planning)
 }
 
-/// Estimated memory of the plan, bytes.
+/// Memory of all, bytes.
+fn sum(program: &Program, costs: &[Cost]) -> f64 {
+    peak(program, costs.iter().map(Cost::bytes).sum())
+}
+
+/// Estimated memory of plan and verification, bytes.
 pub fn needed(program: &Program) -> f64 {
-    sum(&estimate(program))
+    sum(program, &estimate(program))
 }
 
 /// What sets the distance of layers or lines.
@@ -224,12 +245,12 @@ impl Figure {
 }
 
 /// Memory of points that are planned, bytes.
-pub fn of_points(points: f64) -> f64 {
-    PART + STATION * points
+pub fn of_points(program: &Program, points: f64) -> f64 {
+    peak(program, STATION * points)
 }
 
 /// Memory that the run of the axes through linked moves will take, with the stations that were planned, bytes.
-pub fn of_moves(cl: &ClPlan, stations: f64) -> f64 {
+pub fn of_moves(program: &Program, cl: &ClPlan, stations: f64) -> f64 {
     let moves = cl.operations.iter().flat_map(|o| &o.moves);
     let (mut blocks, mut links, mut at_rapid) = (0.0, 0.0, false);
     for m in moves {
@@ -238,7 +259,7 @@ pub fn of_moves(cl: &ClPlan, stations: f64) -> f64 {
         links += f64::from(u8::from(rapid && !at_rapid));
         at_rapid = rapid;
     }
-    PART + STATION_ALONE * stations + BLOCK * blocks + LINK * links
+    peak(program, STATION_ALONE * stations + BLOCK * blocks + LINK * links)
 }
 
 /// A number of bytes in words.
@@ -253,7 +274,7 @@ pub fn bytes(bytes: f64) -> String {
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     check_bands(program, sink)?;
     let costs = estimate(program);
-    let needed = sum(&costs);
+    let needed = sum(program, &costs);
     if needed <= program.memory {
         return Ok(());
     }
@@ -286,7 +307,7 @@ fn fitting(program: &Program, operation: &Operation) -> Option<String> {
     figures.into_iter().find_map(|(figure, most)| {
         let now = figure.of(&mut operation.kind.clone())?.get();
         let usual = (-4..=2).flat_map(|e| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|m: f64| m * 10f64.powi(e)));
-        let fits = |value: &f64| sum(&with_figure(program, Some((figure, *value)))) <= program.memory;
+        let fits = |value: &f64| sum(program, &with_figure(program, Some((figure, *value)))) <= program.memory;
         let value = usual.filter(|v| *v > now && *v <= most).find(fits)?;
         let text = if value < 0.2 { format!("{} um", trim(value * 1e3, 3)) } else { format!("{} mm", trim(value, 3)) };
         Some(format!("`{} {text}`", figure.name()))

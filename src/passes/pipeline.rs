@@ -102,7 +102,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     sample_to_tolerance::run(&cx, &mut cl);
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
-    let needed = cost::of_moves(&cl, cx.stations);
+    let needed = cost::of_moves(program, &cl, cx.stations);
     check_memory(&mut cx, None, needed)?;
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
@@ -137,7 +137,7 @@ const FINEST_SPACING: f64 = 0.25;
 /// Refuses an operation whose plan would have more points than memory may hold beside those before it. The estimate before
 /// planning knows sizes of the part only; this knows the lines.
 pub(super) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
-    let needed = cost::of_points(cx.stations + points * operation.sectors.len() as f64);
+    let needed = cost::of_points(cx.program, cx.stations + points * operation.sectors.len() as f64);
     check_memory(cx, Some(operation), needed)
 }
 

@@ -151,6 +151,8 @@ impl<'h> Narrowing<'h> {
         let Self { mut found, most, .. } = self;
         found.retain(|f| f.bound <= most);
         found.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.candidate.cmp(&b.candidate)));
+        // Few of what was looked at, kept for every block of every patch.
+        found.shrink_to_fit();
         found
     }
 }

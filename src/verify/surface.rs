@@ -19,7 +19,7 @@ use crate::contract::SurfaceClass;
 use crate::ir::Part;
 use crate::ir::chart::{self, Patch, Shape, charts};
 use crate::ir::design::SurfaceId;
-use crate::progress::Progress;
+use crate::progress::{Progress, Work};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -139,18 +139,45 @@ fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
     shape.patches(spacing).into_par_iter().map(|p| Grid::new(shape, p)).collect()
 }
 
+/// Patches of whole surfaces that are in memory at a time, at least: enough for all threads. Of surfaces that nothing
+/// mills each patch has hundreds of pieces that are about as near as each other.
+const TOGETHER: usize = 128;
+
 fn prove(
     surfaces: &[(&[Grid], Surface<'_>)],
     sweeps: &[Sweep<'_>],
     limits: &Limits,
     progress: &Progress,
 ) -> Vec<SurfaceReport> {
+    let patches: usize = surfaces.iter().map(|(grids, _)| grids.len()).sum();
+    let work = progress.begin("surfaces", 2 * patches);
+    let mut reports = Vec::with_capacity(surfaces.len());
+    let mut rest = surfaces;
+    while !rest.is_empty() {
+        let mut patches = 0;
+        let few = |(grids, _): &&(&[Grid], Surface<'_>)| {
+            let few = patches < TOGETHER;
+            patches += grids.len();
+            few
+        };
+        let (these, others) = rest.split_at(rest.iter().take_while(few).count());
+        reports.extend(prove_together(these, sweeps, limits, &work));
+        rest = others;
+    }
+    reports
+}
+
+fn prove_together(
+    surfaces: &[(&[Grid], Surface<'_>)],
+    sweeps: &[Sweep<'_>],
+    limits: &Limits,
+    work: &Work,
+) -> Vec<SurfaceReport> {
     let tasks: Vec<(usize, Task<'_>)> = surfaces
         .iter()
         .enumerate()
         .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, Task { surface, grid, sweeps })))
         .collect();
-    let work = progress.begin("surfaces", 2 * tasks.len());
     let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(task.look())).collect();
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
     for ((s, _), looked) in tasks.iter().zip(&looked) {
