@@ -254,8 +254,22 @@ fn near_end(segment: &Segment, run: &mut Running, end: f64, full: f64) {
     }
 }
 
-/// Most periods of one line.
+/// Most periods of one line beside those at an even speed. A line that takes more has no time, and nothing runs behind it.
 const MOST_PERIODS: usize = 4_000_000;
+
+/// Even periods that are counted one by one.
+const COUNTED: f64 = 10_000.0;
+
+/// Periods that a line runs on evenly before it has to slow down.
+fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
+    let steady = run.speed == segment.speed && run.speed > 0.0 && !run.blends && !run.last;
+    if !steady {
+        return 0.0;
+    }
+    // The last periods before it slows down are looked at one by one.
+    let way = segment.length - run.way - run.speed * run.speed / (2.0 * segment.acceleration);
+    (way / (run.speed * period) - COUNTED).floor().max(0.0)
+}
 
 /// Step along a line over which its direction is taken.
 const STEP: f64 = 1e-4;
@@ -330,6 +344,9 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
         let mut corner = from.map(|from| Corner::new(segment, from, settings));
         for _ in 0..MOST_PERIODS {
             let before = this.way;
+            let skipped = even(segment, &this, full);
+            this.way += skipped * full * this.speed;
+            ran[of[i]].time += skipped * full;
             let mut both = false;
             if this.last {
                 this.way = segment.length;
@@ -363,6 +380,10 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
             if this.done {
                 break;
             }
+        }
+        if !this.done {
+            ran[of[i]].time = f64::INFINITY;
+            return ran;
         }
         if let Some(corner) = corner {
             ran[of[i]].deviation = corner.deviation.map(|d| d * corner.late);
@@ -423,11 +444,11 @@ mod tests {
 
     const HEIGHT: f64 = 12.0;
 
-    fn ran(lines: &[Line], height: f64) -> Vec<Ran> {
+    fn machine() -> Machine {
         let linear = LinearAxis { min: -1e3, max: 1e3, speed: 20.0, acceleration: 300.0, jerk: f64::INFINITY };
         let rotary =
             RotaryAxis { min: -9.0, max: 9.0, speed: 0.5, acceleration: 5.0, jerk: f64::INFINITY, word_sign: 1.0 };
-        let machine = Machine {
+        Machine {
             name: String::new(),
             linear: [linear; 3],
             tilt: rotary,
@@ -442,8 +463,11 @@ mod tests {
             planning: Planning::LinuxCnc,
             carried: Vec::new(),
             assumed: Vec::new(),
-        };
-        run(lines, &Settings { machine: &machine, tolerance: 0.001, height })
+        }
+    }
+
+    fn ran(lines: &[Line], height: f64) -> Vec<Ran> {
+        run(lines, &Settings { machine: &machine(), tolerance: 0.001, height })
     }
 
     /// Lines at one feed, mm/s.
@@ -493,6 +517,23 @@ mod tests {
         assert!(found.iter().all(|r| r.deviation == [0.0; 2] && r.speed == [0.0; 5]), "{found:?}");
         let stopped: f64 = found.iter().map(|r| r.time).sum();
         assert!(stopped < blended + 2.0 * feed / 300.0, "{stopped} {blended}");
+    }
+
+    /// A metre with which a week goes by: periods at an even speed are not counted one by one. A line that the machine takes
+    /// longer for than is counted has no time.
+    #[test]
+    fn slow_lines_take_their_time() {
+        for (length, feed) in [(1000.0, 0.0017), (1000.0, 0.1), (300.0, 4.0)] {
+            let found =
+                ran(&lines(&[[0.0; 5], [length, 0.0, 0.0, 0.1, 0.0], [length, 1.0, 0.0, 0.1, 0.0]], feed), HEIGHT);
+            let time: f64 = found.iter().map(|r| r.time).sum();
+            let due = (length + 1.0) / feed;
+            assert!((time / due - 1.0).abs() < 2e-3, "{time} {due}");
+        }
+        let slow = Machine { linear: machine().linear.map(|l| LinearAxis { acceleration: 1e-9, ..l }), ..machine() };
+        let settings = Settings { machine: &slow, tolerance: 0.001, height: HEIGHT };
+        let found = run(&lines(&[[0.0; 5], [1000.0, 0.0, 0.0, 0.0, 0.0]], 16.0), &settings);
+        assert!(found[0].time == f64::INFINITY);
     }
 
     /// At a right angle of the tip the tolerance is what the corner is rounded by.

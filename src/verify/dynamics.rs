@@ -46,9 +46,9 @@ impl Peak {
     /// Nothing yet.
     pub const NONE: Self = Self { value: 0.0, at: None };
 
-    /// Takes a larger value.
+    /// Takes a larger value, and keeps one that is no number: nothing may hide it.
     pub fn raise(&mut self, value: f64, at: At) {
-        if value > self.value {
+        if value > self.value || value.is_nan() {
             *self = Self { value, at: Some(at) };
         }
     }
@@ -108,7 +108,7 @@ impl Departure {
             let end = blocks.get(i + 1).map_or(0.0, |next| parts(next)[0]);
             let [start, cycle] = parts(block);
             let corner = start.max(end);
-            if corner + cycle > most.value {
+            if corner + cycle > most.value || (corner + cycle).is_nan() {
                 most = Self { value: corner + cycle, corner, at: Some(block.at), ..Self::NONE };
             }
         }
@@ -301,6 +301,10 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
             }
             (programmed, spent) = (0.0, 0.0);
         }
+    }
+    // Runs with a limit of jerk look at smaller parts of the blocks, which may show that a faster run is possible.
+    for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
+        *least = least.min(time);
     }
     if machine.planning == Planning::LinuxCnc {
         // The tolerance that the post writes for the whole program.

@@ -17,6 +17,10 @@ const SLIGHT: f64 = 1.05;
 /// Knots nearer to each other than this share of a span are one.
 const NEAR: f64 = 1e-5;
 
+/// Places of the knots, as shares of a span from its end, where a whole change of speed is too short for knots of its own.
+/// Without a knot inside a span from rest to rest has no speed.
+const SHORT: [f64; 4] = [2.0 * NEAR, 4.0 * NEAR, 8.0 * NEAR, 16.0 * NEAR];
+
 /// A change of speed alone: an S-curve within an acceleration and a jerk.
 #[derive(Clone, Copy)]
 pub struct Ramp {
@@ -156,14 +160,25 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
     for (i, pair) in at.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
         let span = u32::try_from(i).unwrap_or(u32::MAX);
-        let mut last = from;
+        let near = NEAR * (to - from);
+        let short = SHORT.map(|share| share * (to - from));
+        let (mut last, mut ends) = (from, [false; 2]);
+        let mut inside: Vec<f64> = Vec::new();
         while let Some(place) = places.next_if(|p| *p < to) {
-            let near = NEAR * (to - from);
             if place - last > near && to - place > near {
-                all.push((place, span));
+                inside.push(place);
                 last = place;
             }
+            ends = [ends[0] || place - from <= near && place > from, ends[1] || to - place <= near];
         }
+        let unresolved = |way: Option<f64>| way.is_none_or(|way| way > 2.0 * short[3]);
+        if ends[0] && unresolved(inside.first().map(|p| p - from)) {
+            inside.splice(..0, short.map(|way| from + way));
+        }
+        if ends[1] && unresolved(inside.last().map(|p| to - p)) {
+            inside.extend(short.iter().rev().map(|way| to - way));
+        }
+        all.extend(inside.into_iter().map(|place| (place, span)));
         all.push((to, span));
     }
     (all, ramps)

@@ -7,6 +7,9 @@
 //! The part of a corner that is not such curvature is rounded by a pulse of acceleration that grows and falls with the
 //! jerk: a change of speed v takes v/a + a/j where the acceleration a is reached, 2 sqrt(v/j) otherwise. As without
 //! limits of jerk the rounding stays within the chord tolerance and between the middles of both blocks.
+//!
+//! The parameter goes on evenly over corners, so that its scale drifts where blocks end faster than they begin, many times
+//! in a row. Where digits would be lost the run comes to rest at a corner: a feasible run as well, which takes longer.
 
 use super::{Cell, Joint5, Limits, Part};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
@@ -15,6 +18,9 @@ use crate::kin::feedrate::{self as feedrate};
 
 /// Halvings in the search of the speed at which a corner can be rounded.
 const HALVINGS: usize = 40;
+
+/// Largest ratio of two scales in one run.
+const WIDEST: f64 = 16_777_216.0;
 
 /// A cell, or a part of one, by a parameter that goes on evenly over corners.
 #[derive(Clone)]
@@ -127,8 +133,21 @@ pub(super) fn run(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
     let mut parts = Vec::with_capacity(cells.len());
     let mut first = 0;
     while first < cells.len() {
-        let stop = (first + 1..cells.len()).find(|i| cells[*i].ratio <= 0.0).unwrap_or(cells.len());
+        let (mut scale, mut least, mut most) = (1.0, 1.0_f64, 1.0_f64);
+        let ends = |i: &usize| {
+            scale /= cells[*i].ratio;
+            (least, most) = (least.min(scale), most.max(scale));
+            cells[*i].ratio <= 0.0 || most > WIDEST * least
+        };
+        let stop = (first + 1..cells.len()).find(ends).unwrap_or(cells.len());
+        let start = parts.len();
         moving(limits, cells, first..stop, &mut parts);
+        // A control that does not stop there leaves the corner by what its largest speed makes.
+        if let (Some(before), Some(part)) = (first.checked_sub(1), parts.get_mut(start))
+            && cells[first].ratio > 0.0
+        {
+            part.from = corner(limits, &cells[before], &cells[first]) * cells[first].ratio * cells[first].ratio;
+        }
         first = stop;
     }
     parts

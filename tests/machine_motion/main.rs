@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]
 
+#[path = "../support/mod.rs"]
 mod support;
+mod times;
 
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
