@@ -8,6 +8,7 @@ use crate::kin::{Interpolation, Joints, Machine};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
 
 /// Places inside a move at which the joints are looked at. The tip runs straight and the rotary axes evenly, so that
 /// between two of 16 places a linear joint leaves its chord by less than 1/256 of its sag over the whole move.
@@ -116,7 +117,8 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let machine = &program.machine;
     let (travel, speed) = (travel(machine), machine.speeds());
     let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
-    let mut pole = f64::INFINITY;
+    // No axis is farther from the pole.
+    let mut pole = FRAC_PI_2;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
     for (o, operation) in motion.operations.iter().enumerate() {
         let length = program.tools[program.operations[operation.operation].tool].length();

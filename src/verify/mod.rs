@@ -30,6 +30,7 @@ pub mod clamping;
 pub mod clearance;
 mod contracts;
 pub mod dynamics;
+pub mod finite;
 mod grid;
 mod hierarchy;
 pub mod kept;
@@ -188,7 +189,7 @@ pub fn certify_with(
     }
     let narrower = Narrower { program, motion, samples: &samples, progress };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
-    report_unknown(program, motion, &certificate, sink);
+    finite::report(program, motion, &certificate, sink);
     Ok(certificate)
 }
 
@@ -353,37 +354,6 @@ fn operation_report(
         shank: least_over(&pieces, &tool.solid, shank_distance, design, (HALF_SPACING, search), &work),
         holder: least_over(&pieces, &tool.solid, holder_distance, design, (HALF_SPACING, search), &work),
         rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, (half_stock, search), &work),
-    }
-}
-
-/// Figures that are no number: nothing rests on them, and no text shows them.
-fn report_unknown(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
-    for ((operation, made), run) in certificate.operations.iter().zip(&motion.operations).zip(&certificate.machine.runs)
-    {
-        let times = run.time.iter().chain(&run.within_accelerations).chain(&run.programmed).chain(&operation.length);
-        let peaks = run.speed.iter().chain(&run.asked).chain(&run.jerk).chain([&run.slowest, &run.corners, &run.cycle]);
-        let departures = [run.contour.value, run.orientation.value];
-        let mut all = times.copied().chain(peaks.map(|p| p.value)).chain(departures);
-        if !all.all(f64::is_finite) {
-            sink.push(
-                Diag::error(
-                    verification::NOT_A_NUMBER,
-                    format!("time or speeds of `{}` cannot be computed", operation.name),
-                )
-                .label(program.operations[made.operation].span, "this operation")
-                .note("a figure came out as no finite number")
-                .help("check its feeds against the limits of the machine; if they are usual ones, report the job file"),
-            );
-        }
-    }
-    for c in certificate.contracts.iter().filter(|c| !c.found.is_finite()) {
-        sink.push(
-            Diag::error(
-                verification::NOT_A_NUMBER,
-                format!("the figure for `require {}` cannot be computed", c.name()),
-            )
-            .help("report the job file: this is a fault of the compiler"),
-        );
     }
 }
 

@@ -97,8 +97,8 @@ breaks. Else it is a remark.\n\n\
 Example: `F1000` in a block of a slot that is cut with 150 mm/min.\n\n\
 Way out: the process feed in this block, or leads that begin and end outside of the stock.";
     NOT_A_NUMBER = "IMP0741", "a figure of the certificate is no number",
-        "A time, a speed or the figure of a contract came out as no finite number. A proof cannot rest on it, so that \
-nothing is written.\n\n\
+        "A figure of the certificate came out as no finite number; the message names it as the JSON file would. A proof cannot \
+rest on it, so that nothing is written.\n\n\
 Example: feeds so small that the run of the machine is lost in rounding.\n\n\
 Way out: feeds that the machine can run; if they are usual ones, report the job file.";
     RETRACT_TOO_LOW = "IMP0740", "a tool does not stand over everything while the machine positions",
