@@ -164,10 +164,12 @@ impl Outputs {
         let mut got = Vec::new();
         for staged in &self.staged {
             let Staged::Stream { shown, bytes } = staged else { continue };
+            interrupt::hold().stream(shown.display().to_string());
             stream(shown, bytes).map_err(|e| {
                 let part = format!("{} may have got a part of its text", shown.display());
                 told(failed(shown, &target::reason(&e)), &got, &[part])
             })?;
+            interrupt::hold().streamed();
             got.push(shown.display().to_string());
         }
         // From here on signals wait, and come when all is done.
@@ -198,12 +200,9 @@ impl Outputs {
             let _ = File::open(target::folder(file)).and_then(|folder| folder.sync_all());
         }
         for staged in &self.staged {
-            match staged {
-                Staged::File { shown, temporary, .. } => {
-                    unfinished.forget(&temporary.0);
-                    unfinished.done(shown.display().to_string());
-                }
-                Staged::Stream { shown, .. } => unfinished.done(shown.display().to_string()),
+            if let Staged::File { shown, temporary, .. } = staged {
+                unfinished.forget(&temporary.0);
+                unfinished.done(shown.display().to_string());
             }
         }
         for folder in self.folders.0.drain(..) {

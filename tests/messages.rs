@@ -53,6 +53,31 @@ fn lines_of_tabs() {
     }
 }
 
+/// Remarks on places that far to the right come with an NC text that is whole, not in its stead.
+#[test]
+fn remarks_far_to_the_right_end_no_run() {
+    let job = include_str!("../jobs/small/small.imp");
+    let from = "      tip  spline from \"vane_curves.csv\" curve tip_suction mm";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("vane_curves.csv"), include_str!("../jobs/small/vane_curves.csv")).unwrap();
+    let compile = |blanks: &str| {
+        assert!(job.contains(from));
+        let [path, nc] = ["job.imp", "part.nc"].map(|name| folder.path().join(name));
+        std::fs::write(&path, job.replacen(from, &format!("{blanks}{from}"), 1)).unwrap();
+        let run = Command::new(env!("CARGO_BIN_EXE_impellerc")).arg(&path).arg("-o").arg(&nc).output().unwrap();
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert!(run.status.success() && said.contains("IMP0312") && !said.contains("panicked"), "{said:.2000}");
+        let text = std::fs::read_to_string(&nc).unwrap();
+        std::fs::remove_file(nc).unwrap();
+        // Everything but the head, which has the hash of the job.
+        text[text.find("\nN10 ").unwrap()..].to_owned()
+    };
+    let due = compile("");
+    for blanks in [" ".repeat(70_000), "\t".repeat(22_000)] {
+        assert_eq!(compile(&blanks), due);
+    }
+}
+
 #[test]
 fn many_faults() {
     // More than are kept, each with marks far apart.

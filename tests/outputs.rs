@@ -378,6 +378,32 @@ fn a_signal_leaves_nothing_behind() {
     }
 }
 
+/// Ended while a FIFO has a part of the certificate and its reader waits: the NC text, which follows it, stays the old one,
+/// and what is said of the FIFO is true.
+#[test]
+fn a_signal_between_two_outputs_leaves_no_half() {
+    let place = Place::new();
+    place.file("part.nc", "old text");
+    assert!(Command::new("mkfifo").arg(place.at("fifo")).status().unwrap().success());
+    let before = place.state();
+    let child = Command::new(PROGRAM)
+        .args(["job.imp", "-o", "part.nc", "--certificate", "fifo"])
+        .current_dir(place.folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut reader = std::fs::File::open(place.at("fifo")).unwrap();
+    let mut start = [0; 10];
+    std::io::Read::read_exact(&mut reader, &mut start).unwrap();
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.signal(), Some(15), "{said}");
+    assert!(said.contains("no file was written; fifo may have got a part of its text"), "{said}");
+    assert_eq!(place.state(), before);
+}
+
 #[test]
 fn cells_of_the_stock_are_only_made_finer() {
     let place = Place::new();

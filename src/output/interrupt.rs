@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What lies on the disk and belongs to no finished run. There is one list for the process, as signals are sent to it.
 static UNFINISHED: Mutex<Unfinished> =
-    Mutex::new(Unfinished { files: Vec::new(), folders: Vec::new(), done: Vec::new() });
+    Mutex::new(Unfinished { files: Vec::new(), folders: Vec::new(), done: Vec::new(), streaming: None });
 
 /// Temporary files and new folders.
 pub(super) struct Unfinished {
@@ -13,6 +13,8 @@ pub(super) struct Unfinished {
     folders: Vec<PathBuf>,
     /// What was written for good, as the user names it.
     done: Vec<String>,
+    /// The device or FIFO that is being written to.
+    streaming: Option<String>,
 }
 
 /// While it is held, no signal ends the run.
@@ -48,6 +50,16 @@ impl Unfinished {
     pub(super) fn remove_folder(&mut self, path: &Path) {
         let _ = std::fs::remove_dir(path);
         self.forget(path);
+    }
+
+    /// A device or FIFO that a text goes to from now on.
+    pub(super) fn stream(&mut self, shown: String) {
+        self.streaming = Some(shown);
+    }
+
+    /// The text went there as a whole.
+    pub(super) fn streamed(&mut self) {
+        self.done.extend(self.streaming.take());
     }
 
     /// A file that was written for good.
@@ -102,11 +114,14 @@ fn end(signal: i32, tell: bool) {
     if tell {
         use std::io::Write as _;
         let name = signal_hook::low_level::signal_name(signal).unwrap_or("a signal");
-        let done = if unfinished.done.is_empty() {
-            "nothing was written".to_owned()
-        } else {
-            format!("{} written", unfinished.done.join(", "))
+        let mut done = match (&unfinished.done[..], &unfinished.streaming) {
+            ([], None) => "nothing was written".to_owned(),
+            ([], Some(_)) => "no file was written".to_owned(),
+            (done, _) => format!("{} written", done.join(", ")),
         };
+        if let Some(streaming) = &unfinished.streaming {
+            done.push_str(&format!("; {streaming} may have got a part of its text"));
+        }
         let _ = writeln!(std::io::stderr(), "\nended by {name}: {}", crate::diag::printable(&done));
     }
     let _ = signal_hook::low_level::emulate_default_handler(signal);
