@@ -70,6 +70,8 @@ struct State<'a> {
     faults: Vec<ReadError>,
     /// The block has a fault already: what follows from it is not told.
     quiet: bool,
+    /// All words of the block were understood.
+    understood: bool,
     /// What was told once and would be told for every block.
     told: Vec<&'static str>,
 }
@@ -99,11 +101,12 @@ impl<'a> State<'a> {
             moves: 0,
             faults: Vec::new(),
             quiet: false,
+            understood: true,
             told: Vec::new(),
         }
     }
 
-    /// Tells a fault of this block; the first one only.
+    /// Tells a fault of this block, when it has none so far.
     fn fault(&mut self, reason: impl Into<String>) {
         if !self.quiet && self.faults.len() < MOST_FAULTS {
             self.faults.push(ReadError { line: self.line, reason: reason.into() });
@@ -111,15 +114,19 @@ impl<'a> State<'a> {
         self.quiet = true;
     }
 
+    /// Tells a fault that does not follow from another one of this block.
+    fn fault_apart(&mut self, reason: impl Into<String>) {
+        self.quiet = !self.understood;
+        self.fault(reason);
+    }
+
     /// Tells a fault that would stand in every block from here on, once.
     fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
-        if self.told.contains(&about) {
+        if self.told.contains(&about) || !self.understood {
             return;
         }
-        if !self.quiet {
-            self.told.push(about);
-        }
-        self.fault(reason);
+        self.told.push(about);
+        self.fault_apart(reason);
     }
 
     fn retract_words(&self) -> String {
@@ -267,13 +274,14 @@ impl<'a> State<'a> {
             Transformation::Unknown => self.fault(format!(
                 "the transformation may still be on from another program: write {off} alone in a block at the start"
             )),
-            Transformation::Off if !self.is_retracted() => self.fault(format!(
-                "the transformation is switched on at an unknown height: write {} before, then A and C, then X and Y",
-                self.retract_words()
-            )),
             Transformation::Off => {}
         }
-        if let Some(k) = (0..5).find(|k| self.axes[*k].known().is_none()) {
+        if self.transformation != Transformation::On && !self.is_retracted() {
+            self.fault_apart(format!(
+                "the transformation is switched on at an unknown height: write {} before, then A and C, then X and Y",
+                self.retract_words()
+            ));
+        } else if let Some(k) = (0..5).find(|k| self.axes[*k].known().is_none()) {
             let Control { machine_frame, behind, .. } = self.control;
             let axis = AXES[k];
             self.fault(format!(
@@ -282,10 +290,17 @@ impl<'a> State<'a> {
             ));
         }
         let Length::Of(of, _) = &self.length else {
-            self.fault(format!(
-                "{word} without the length of the tool: write `{}` before this block",
-                self.control.length
-            ));
+            let length = self.control.length;
+            let on_again = self.transformation == Transformation::On;
+            match &self.tool {
+                _ if on_again => {}
+                Some(_) => self
+                    .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
+                None => self.fault_apart(format!(
+                    "{word} before any tool change: which tool is in the spindle, and its length, are not known; write \
+                     T and M6, then `{length}`, before this block"
+                )),
+            }
             return self.begin();
         };
         if self.tool.as_ref() != Some(of) {
@@ -312,8 +327,9 @@ impl<'a> State<'a> {
         self.open = true;
     }
 
-    /// Judges the modal groups that a move needs.
+    /// Judges the modal groups that a move needs. What no block says is one fault, whatever it is that is missing.
     fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
+        let mut unsaid: Vec<String> = Vec::new();
         for modal in self.control.modal {
             let needed = match modal.needed {
                 Needed::Always => true,
@@ -322,22 +338,22 @@ impl<'a> State<'a> {
                 Needed::AtFeed => feed,
             };
             let setting = self.modal[modal.group as usize];
-            if !needed || setting == Setting::Reported {
+            if !needed || setting == Setting::Reported || !self.understood {
                 continue;
             }
             let due = modal.right[0];
-            let reason = match setting {
+            match setting {
                 Setting::Said(word, _) if modal.right.contains(&word) => continue,
-                Setting::Said(word, line) => {
-                    format!("a move with {word}, which line {line} sets: {}; write {due} before this block", modal.what)
-                }
-                _ => format!("no block before this move says {}: write {due}", modal.what),
-            };
-            let first = !self.quiet;
-            self.fault(reason);
-            if first {
-                self.modal[modal.group as usize] = Setting::Reported;
+                Setting::Said(word, line) => self.fault_apart(format!(
+                    "a move with {word}, which line {line} sets: {}; write {due} before this block",
+                    modal.what
+                )),
+                _ => unsaid.push(format!("{}: write {due}", modal.what)),
             }
+            self.modal[modal.group as usize] = Setting::Reported;
+        }
+        if !unsaid.is_empty() {
+            self.fault_apart(format!("no block before this move says {}", unsaid.join("; ")));
         }
     }
 
@@ -398,6 +414,7 @@ pub(in crate::post) fn read(
             }
             None => block(line, i + 1, &mut reasons),
         };
+        state.understood = reasons.is_empty();
         if let Some(first) = reasons.drain(..).next() {
             state.fault(first);
         }
@@ -409,7 +426,7 @@ pub(in crate::post) fn read(
         }
     }
     if !state.ended {
-        state.quiet = false;
+        (state.quiet, state.understood) = (false, true);
         state.fault(format!("the text ends here, without {}", control.end));
     }
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
