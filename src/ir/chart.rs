@@ -150,8 +150,7 @@ fn face(part: &Part, side: Side) -> Chart<'_> {
 
 fn fillet(part: &Part, side: Side, radius: f64) -> Option<Chart<'_>> {
     let face = part.face(side);
-    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
-    let (from, to) = (-part.root_step(side, 0.0, radius), 1.0 + part.root_step(side, 1.0, radius));
+    let [from, to] = part.fillet_ends(side, radius);
     let ball = |u: f64| {
         let v = part.fillet_tangent(side, u, radius)?;
         let to_face = -face.normal(u, v);

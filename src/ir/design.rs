@@ -339,6 +339,27 @@ impl Part {
         length / self.face(side).surface.root.derivatives_extended(u).first.norm()
     }
 
+    /// Where the ball of a fillet is on the part: u of its first and of its last place. The ball touches the hub before or
+    /// behind the ruling whose face it touches, the farther the more the face leans, so that it runs on beyond both ends of the
+    /// face until it touches the hub outside of the part.
+    pub fn fillet_ends(&self, side: Side, radius: f64) -> [f64; 2] {
+        /// Ball radii beyond an end at most.
+        const MOST: u32 = 4;
+        let room = self.room();
+        let face = self.face(side);
+        let on_part = |u: f64| {
+            self.fillet_tangent(side, u, radius).is_some_and(|v| {
+                let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
+                room.holds(&(centre - hub_normal(self, &centre) * radius))
+            })
+        };
+        [(0.0, -1.0), (1.0, 1.0)].map(|(end, outward)| {
+            let step = outward * self.root_step(side, end, radius);
+            let beyond = (1..MOST).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MOST);
+            end + step * f64::from(beyond)
+        })
+    }
+
     /// The room between inlet cone and outlet cylinder, where milled surfaces are.
     pub fn room(&self) -> Room {
         let (hub, shroud) = (self.hub.meridian(0.0).point, self.shroud.meridian(0.0).point);
@@ -387,9 +408,8 @@ fn sample_fillet(part: &Part, side: Side, radius: f64, spacing: f64, out: &mut V
     let face = part.face(side);
     let nu = steps(guide_length(part, side) * UNEVEN, spacing);
     let room = part.room();
-    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
-    let beyond = [0.0, 1.0].map(|u| (part.root_step(side, u, radius) * nu as f64).ceil() as i64);
-    for i in -beyond[0]..=nu as i64 + beyond[1] {
+    let [first, last] = part.fillet_ends(side, radius).map(|u| u * nu as f64);
+    for i in first.floor() as i64..=last.ceil() as i64 {
         let u = i as f64 / nu as f64;
         let Some(v) = part.fillet_tangent(side, u, radius) else { continue };
         let to_face = -face.normal(u, v);
@@ -442,9 +462,7 @@ pub(super) fn hub_border(part: &Part, side: Side) -> Vec<[f64; 2]> {
     const ROWS: usize = 400;
     let face = part.face(side);
     let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
-    // As for the fillets: on beyond both ends.
-    let beyond = part.fillet.map_or(0.0, |r| r.get());
-    let (from, to) = (-part.root_step(side, 0.0, beyond), 1.0 + part.root_step(side, 1.0, beyond));
+    let [from, to] = part.fillet.map_or([0.0, 1.0], |radius| part.fillet_ends(side, radius.get()));
     for i in 0..=ROWS {
         let u = from + (to - from) * i as f64 / ROWS as f64;
         let at = match part.fillet {
