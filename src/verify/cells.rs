@@ -366,6 +366,9 @@ impl Task<'_> {
         }
         proved.points += looked.corners.len();
         for (block, near) in &looked.blocks {
+            if self.is_certain(goals.low, &mut proved) {
+                break;
+            }
             self.below(block, near, looked, goals.low, &mut proved);
         }
         // Nobody asks what is left.
@@ -383,6 +386,16 @@ impl Task<'_> {
             }
         }
         proved
+    }
+
+    /// True for a goal that no cutter can miss, since no point lies deeper inside of it than its radius.
+    fn is_certain(&self, goal: f64, proved: &mut Proved) -> bool {
+        let deepest = -self.sweeps.iter().map(Sweep::widest).fold(0.0, f64::max);
+        let certain = goal <= deepest;
+        if certain {
+            proved.low = proved.low.min(deepest);
+        }
+        certain
     }
 
     /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
@@ -416,6 +429,9 @@ impl Task<'_> {
         }
         proved.points += 1;
         let goal = lower_goal(goal, proved.least);
+        if self.is_certain(goal, proved) {
+            return;
+        }
         let mut low = f64::INFINITY;
         let mut left = Vec::new();
         for c in near {

@@ -255,8 +255,18 @@ impl Certificate {
         let bound = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().map(f).fold(0.0, f64::max);
         if let Some(s) = most(&|s| s.gouge.depth) {
             let (found, place) = (told(s.gouge.depth), describe(program, motion, s.gouge.at));
-            let bound = told(bound(&|s| s.gouge_bound));
-            writeln!(t, "  no gouge over {bound} anywhere, deepest found {found} on {}: {place}", s.surface)?;
+            let loose = |s: &SurfaceReport| s.gouge_bound > s.gouge.depth + 2.0 * super::surface::SLACK;
+            if self.surfaces.iter().any(loose) {
+                let broken = length(super::surface::BROKEN);
+                writeln!(t, "  deepest gouge found {found} on {}: {place}", s.surface)?;
+                writeln!(
+                    t,
+                    "  a cut over {broken} deeper than its contract has no closer bound than the radius of the cutter"
+                )?;
+            } else {
+                let bound = told(bound(&|s| s.gouge_bound));
+                writeln!(t, "  no gouge over {bound} anywhere, deepest found {found} on {}: {place}", s.surface)?;
+            }
         }
         if let Some(s) = most(&|s| s.excess.value) {
             let (found, place) = (told(s.excess.value), describe(program, motion, s.excess.at));

@@ -8,6 +8,9 @@ use serde::Serialize;
 /// reported distance is exact to this.
 const RESOLUTION: f64 = 1e-3;
 
+/// The same once a tool is that deep inside, mm: nobody asks by how many micrometres a shank collides.
+const INSIDE: f64 = 0.1;
+
 /// Least distance found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Clearance {
@@ -39,13 +42,19 @@ pub fn least(
     let arm = solid.length() + solid.holder.iter().map(|s| s.radius_to).fold(0.0, f64::max);
     let mut best: Option<Clearance> = None;
     let mut bound = cutoff;
+    // Of pieces that were not halved down to the resolution.
+    let mut unseen = f64::INFINITY;
     let mut stack: Vec<Piece> = Vec::new();
     for piece in pieces {
         stack.push(*piece);
         while let Some(piece) = stack.pop() {
             let (tip, axis) = piece.middle();
             let moved = piece.displacement(arm);
-            let Some((found, index)) = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), bound + moved) else {
+            // What is deeper by less than that is not looked for.
+            let enough = if bound < -INSIDE { INSIDE } else { 0.0 };
+            let cutoff = bound - enough + moved;
+            let Some((found, index)) = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff) else {
+                unseen = unseen.min(bound - enough);
                 continue;
             };
             if found < bound {
@@ -60,12 +69,15 @@ pub fn least(
                     tag: p.tag,
                 });
             }
-            if moved > RESOLUTION {
+            if moved > RESOLUTION.max(enough) {
                 stack.extend(piece.halves());
+            } else if moved > RESOLUTION {
+                unseen = unseen.min(found - moved);
             }
         }
     }
     best.map(|mut c| {
+        c.distance = c.distance.min(unseen);
         // A point of the surface lies beside the found sample, not in front of it.
         c.distance = if c.distance > half_spacing {
             (c.distance * c.distance - half_spacing * half_spacing).sqrt()

@@ -207,6 +207,11 @@ impl Sweep<'_> {
         }
     }
 
+    /// Largest radius of the cutter, mm: no point lies deeper inside of it.
+    pub(super) fn widest(&self) -> f64 {
+        self.hierarchy.size.width
+    }
+
     /// Bound of the distance to the cutter in all poses of a node, for points within a radius of one, not the best where
     /// one of at least `enough` is at hand.
     fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> Floor {

@@ -125,7 +125,8 @@ pub(super) fn cover<'a>(
 }
 
 /// Least distance of cutters to each surface, where it is less than `ceiling`, and its proof: to within
-/// [`surface::SLACK`] of what was found, or to within `-limit` where that lies closer.
+/// [`surface::SLACK`] of what was found, or to within `-limit` where that lies closer; of a cut that is
+/// [`surface::BROKEN`] deeper only that it is no deeper than a cutter has radius.
 pub(super) fn deepest(
     covered: &[Covered<'_>],
     grids: &[Grid],
@@ -153,6 +154,9 @@ pub(super) fn deepest(
     let goal = |found: f64| {
         // Beyond what was found by the slack, or by less where the limit lies between.
         let found = -found.min(ceiling);
+        if found > limit.max(0.0) + surface::BROKEN {
+            return Goals { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        }
         let within = if found < limit { limit } else { f64::INFINITY };
         Goals { low: -(found + SLACK).min(within).max(found + LEAST_SLACK), high: f64::INFINITY }
     };

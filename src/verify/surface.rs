@@ -36,6 +36,10 @@ pub const LEAST_SLACK: f64 = 2e-5;
 /// The same for the excess, as a share of it, where that is more.
 const SLACK_SHARE: f64 = 0.02;
 
+/// How much deeper than its widest contract a cut is when nothing more is proved of it than that cutters have a radius, mm:
+/// the figure that was found says enough, and the proof would look at each of the cutters that overlap there.
+pub const BROKEN: f64 = 0.2;
+
 /// g from which a place counts as not reached, mm: no finishing leaves a tenth of a millimetre.
 pub const NOT_REACHED: f64 = 0.1;
 
@@ -214,10 +218,15 @@ pub struct Limit {
     pub surfaces: Vec<SurfaceClass>,
 }
 
+/// The bounds that speak of a surface.
+fn on(limits: &[Limit], surface: SurfaceClass) -> impl Iterator<Item = f64> + '_ {
+    let here = limits.iter().filter(move |l| l.surfaces.is_empty() || l.surfaces.contains(&surface));
+    here.map(|l| l.bound)
+}
+
 /// The next bound over a value on a surface: a narrower one that is broken already says nothing more.
 fn next_over(limits: &[Limit], surface: SurfaceClass, found: f64) -> f64 {
-    let here = limits.iter().filter(|l| l.surfaces.is_empty() || l.surfaces.contains(&surface));
-    here.map(|l| l.bound).filter(|bound| *bound > found).fold(f64::INFINITY, f64::min)
+    on(limits, surface).filter(|bound| *bound > found).fold(f64::INFINITY, f64::min)
 }
 
 /// What is to be proved of a surface on which g was found between two values.
@@ -226,8 +235,9 @@ fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goa
     let beyond = |found: f64, slack: f64, limits: &[Limit]| {
         (found + slack).min(next_over(limits, surface, found)).max(found + LEAST_SLACK)
     };
+    let allowed = on(&limits.gouge, surface).fold(0.0, f64::max);
     Goals {
-        low: -beyond(-least, SLACK, &limits.gouge),
+        low: if -least > allowed + BROKEN { f64::NEG_INFINITY } else { -beyond(-least, SLACK, &limits.gouge) },
         high: beyond(most, SLACK.max(SLACK_SHARE * most), &limits.excess),
     }
 }
@@ -305,7 +315,8 @@ pub(super) fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[
             sign * known.deviation(&p)
         }
     };
-    let (best, most) = if value < FAR { climb(surface, start, measure) } else { (start, FAR) };
+    let finest = if value < -WRECKED { COARSE } else { FINEST };
+    let (best, most) = if value < FAR { climb(surface, start, finest, measure) } else { (start, FAR) };
     let (p, _, parameters) = place(surface, best);
     let (value, at) = deviation(&p, sweeps, FAR);
     let depth = if deep { most } else { (-value).max(0.0) };
@@ -341,12 +352,15 @@ const DEPTH_STEPS: usize = 400;
 /// Length of the way from a surface point against its normal that lies inside of swept cutters.
 fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     let mut depth = 0.0;
+    let mut cutoff = FAR;
     for _ in 0..DEPTH_STEPS {
-        let (g, _) = deviation(&(p - normal * depth), sweeps, FAR);
+        let (g, _) = deviation(&(p - normal * depth), sweeps, cutoff);
         if g > -1e-7 {
             break;
         }
         depth -= g;
+        // g changes no faster than the point moves.
+        cutoff = LEAST_SLACK;
     }
     depth
 }
@@ -354,11 +368,20 @@ fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
 /// Step at which the search for the worst place ends, mm: g changes by far less than a micrometre over it.
 const FINEST: f64 = 1e-4;
 
+/// Depth of a cut of which nobody asks for micrometres, and the step at which the search for its worst place ends, mm.
+const WRECKED: f64 = 0.5;
+const COARSE: f64 = 0.02;
+
 /// Rounds of that search: some twenty to the finest step and walks over some millimetres.
 const ROUNDS: usize = 100;
 
-/// Climbs a measure over a surface by a pattern search in its chart.
-fn climb(surface: &Surface<'_>, start: [f64; 2], mut measure: impl FnMut([f64; 2]) -> f64) -> ([f64; 2], f64) {
+/// Climbs a measure over a surface by a pattern search in its chart, down to a step.
+fn climb(
+    surface: &Surface<'_>,
+    start: [f64; 2],
+    finest: f64,
+    mut measure: impl FnMut([f64; 2]) -> f64,
+) -> ([f64; 2], f64) {
     const PROBE: f64 = 0.02;
     // Shares of the chart that make a millimetre.
     let unit = [0, 1].map(|k| {
@@ -368,7 +391,7 @@ fn climb(surface: &Surface<'_>, start: [f64; 2], mut measure: impl FnMut([f64; 2
     });
     let (mut best, mut most, mut step) = (start, measure(start), 0.1);
     for _ in 0..ROUNDS {
-        if step <= FINEST {
+        if step <= finest {
             break;
         }
         let better = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].into_iter().find_map(|(i, j)| {
