@@ -13,6 +13,7 @@ use crate::post::motion_of::{NcMotion, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// What a check of NC text is asked to do.
@@ -273,11 +274,12 @@ const DIGITS: (f64, f64) = (1e-3, 1e-3);
 /// Share of a contract's bound that the absolute difference may be at most.
 const OF_BOUND: f64 = 0.1;
 
-/// Contracts of a certificate against those measured on the text.
+/// Contracts and figures of surfaces of a certificate against those measured on the text.
 fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
     let says = certificate_file::contracts(&file.measured).unwrap_or_default();
-    let found = serde_json::to_value(measured).ok().and_then(|measured| certificate_file::contracts(&measured));
-    let Some(found) = found else {
+    let measured = serde_json::to_value(measured).unwrap_or_default();
+    compare_surfaces(shown, &file.measured, &measured, sink);
+    let Some(found) = certificate_file::contracts(&measured) else {
         sink.push(
             Diag::error(codes::CERTIFICATE_FIGURES, "a contract measured on the text has no figure to compare")
                 .help("trust no certificate for a text that cannot be measured"),
@@ -311,6 +313,30 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
             );
         }
     }
+}
+
+/// Figures of surfaces, of which those of a certificate that was not edited differ by rounding only.
+fn compare_surfaces(shown: &str, says: &Value, measured: &Value, sink: &mut Sink) {
+    let (says, found) = (certificate_file::figures(says), certificate_file::figures(measured));
+    let same = |(what, value): &(String, f64)| {
+        let said = says.get(what);
+        said.is_some_and(|said| (said - value).abs() <= DIGITS.0 + DIGITS.1 * value.abs())
+    };
+    let mut differ = found.iter().map(|(what, value)| (what.clone(), *value)).filter(|f| !same(f));
+    let more = says.keys().find(|what| !found.contains_key(*what));
+    let text = match (differ.next(), more) {
+        (Some((what, value)), _) => {
+            let said = says.get(&what).map_or("nothing".to_owned(), f64::to_string);
+            format!("{shown} says {said} of {what}; measured on the text is {value} mm")
+        }
+        (None, Some(what)) => format!("{shown} speaks of {what}, which the job does not have"),
+        (None, None) => return,
+    };
+    sink.push(
+        Diag::error(codes::CERTIFICATE_FIGURES, text)
+            .note(format!("{} figures of surfaces differ besides", differ.count()))
+            .help("compile the job anew, and trust no certificate that was edited"),
+    );
 }
 
 /// A certificate with its path and its bytes.

@@ -5,6 +5,7 @@ use super::Change::{All, Cut, First, Job, Last, Machine, Move, Text, Word};
 use super::How::{Address, Double, Number};
 use super::Kind;
 use super::Verdict::{Found, Harmless, Refused};
+use super::operations;
 use impellerc::entity::PrimaryMap;
 use impellerc::units::Mm;
 
@@ -18,6 +19,7 @@ pub fn kinds() -> Vec<Kind> {
     all.extend(moves());
     all.extend(spelling());
     all.extend(end());
+    all.extend(operations::kinds(parts));
     all.extend(wrong());
     all
 }
@@ -511,65 +513,14 @@ fn tape(text: &str) -> String {
     format!("%\n{}", text.replace("M2\n", "%\n"))
 }
 
-fn operations(text: &str) -> Vec<String> {
-    let lines: Vec<&str> = text.lines().collect();
-    let starts: Vec<usize> = (0..lines.len()).filter(|i| *i > 1 && lines[*i].starts_with('(')).collect();
-    let mut parts = vec![lines[..starts[0]].join("\n") + "\n"];
-    for (k, from) in starts.iter().enumerate() {
-        let to = starts.get(k + 1).copied().unwrap_or(lines.len() - 1);
-        parts.push(lines[*from..to].join("\n") + "\n");
-    }
-    parts
+/// The head and the operations.
+fn parts(text: &str) -> Vec<String> {
+    operations::parts(text, |lines, i| i > 1 && lines[i].starts_with('('))
 }
 
 fn wrong() -> Vec<Kind> {
     const C: &str = "wrong job, machine";
     vec![
-        (
-            C,
-            Text("first operation missing", |t| {
-                let p = operations(t);
-                format!("{}{}{}M2\n", p[0], p[2], p[3])
-            }),
-            Refused,
-            "not the operations of the job",
-        ),
-        (
-            C,
-            Text("last operation missing", |t| {
-                let p = operations(t);
-                format!("{}{}{}M2\n", p[0], p[1], p[2])
-            }),
-            Refused,
-            "not the operations of the job",
-        ),
-        (
-            C,
-            Text("operation twice", |t| {
-                let p = operations(t);
-                format!("{}{}{}{}{}M2\n", p[0], p[1], p[1], p[2], p[3])
-            }),
-            Refused,
-            "not the operations of the job",
-        ),
-        (
-            C,
-            Text("operations swapped", |t| {
-                let p = operations(t);
-                format!("{}{}{}{}M2\n", p[0], p[2], p[1], p[3])
-            }),
-            Refused,
-            "not the order of the job",
-        ),
-        (
-            C,
-            Text("no head", |t| {
-                let p = operations(t);
-                format!("{}{}{}M2\n", p[1], p[2], p[3])
-            }),
-            Refused,
-            "nothing is known",
-        ),
         (
             C,
             Machine("sense iso", |m| (m.tilt.word_sign, m.turn.word_sign) = (1.0, 1.0)),

@@ -10,7 +10,9 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod certificates;
 mod linuxcnc;
+mod operations;
 mod siemens;
 
 use impellerc::diag::{Severity, Sink};
@@ -53,6 +55,8 @@ pub enum Change {
     Move(&'static str, &'static str),
     /// In the third block at feed, the word of an address.
     Word(&'static str, How),
+    /// The head and the operations, as a function finds them, in this order.
+    Operations(&'static str, fn(&str) -> Vec<String>, &'static [usize]),
     /// The text as a whole.
     Text(&'static str, fn(&str) -> String),
     /// The machine that the text is read for.
@@ -136,6 +140,12 @@ impl Change {
                 format!("{}\n{line}{}", &rest[..end], &rest[end..])
             }
             Self::Word(address, how) => word_changed(text, address, *how),
+            Self::Operations(_, parts, order) => {
+                let parts = parts(text);
+                assert_eq!(parts.len(), 4, "a head and three operations");
+                let end = text.lines().last().unwrap();
+                order.iter().map(|k| parts[*k].as_str()).chain([end, "\n"]).collect()
+            }
             Self::Text(_, change) => change(text),
             Self::Machine(_, change) => {
                 change(&mut program.machine);
@@ -156,7 +166,9 @@ impl Change {
             Self::Cut(from, to) => format!("in the path {from:?} -> {to:?}"),
             Self::Move(line, behind) => format!("{line:?} behind {behind:?}"),
             Self::Word(address, how) => format!("{address} {how:?}"),
-            Self::Text(what, _) | Self::Machine(what, _) | Self::Job(what, _) => (*what).to_owned(),
+            Self::Operations(what, ..) | Self::Text(what, _) | Self::Machine(what, _) | Self::Job(what, _) => {
+                (*what).to_owned()
+            }
         }
     }
 }
@@ -212,6 +224,20 @@ fn written(post: &dyn Post, original: &Original) -> String {
     text.lines().map(|line| bare(line) + "\n").collect()
 }
 
+/// Prints what became of kinds, by class.
+pub fn print_counts(what: &str, kinds: usize, counts: &BTreeMap<(&str, Verdict), usize>) {
+    println!("\n{what}: {kinds} kinds\n  {:<18} {:>8} {:>6} {:>9}", "class", "refused", "found", "harmless");
+    let classes: std::collections::BTreeSet<&str> = counts.keys().map(|k| k.0).collect();
+    let line = |class: &str, count: &dyn Fn(Verdict) -> usize| {
+        let (refused, found, harmless) = (count(Verdict::Refused), count(Verdict::Found), count(Verdict::Harmless));
+        println!("  {class:<18} {refused:>8} {found:>6} {harmless:>9}");
+    };
+    for class in classes {
+        line(class, &|verdict| counts.get(&(class, verdict)).copied().unwrap_or(0));
+    }
+    line("all", &|verdict| counts.iter().filter(|(k, _)| k.1 == verdict).map(|(_, n)| n).sum());
+}
+
 fn campaign(dialect: &str, kinds: Vec<Kind>) {
     let post = post::find(dialect).unwrap();
     let original = original(dialect);
@@ -236,13 +262,7 @@ fn campaign(dialect: &str, kinds: Vec<Kind>) {
             println!("{class}: {}: {found:?}, {why}\n    {reason}", change.shown());
         }
     }
-    println!("\n{dialect}: {} kinds\n  {:<16} {:>8} {:>6} {:>9}", kinds.len(), "class", "refused", "found", "harmless");
-    let classes: std::collections::BTreeSet<&str> = kinds.iter().map(|k| k.0).collect();
-    for class in classes {
-        let count = |verdict| counts.get(&(class, verdict)).copied().unwrap_or(0);
-        let (refused, found, harmless) = (count(Verdict::Refused), count(Verdict::Found), count(Verdict::Harmless));
-        println!("  {class:<16} {refused:>8} {found:>6} {harmless:>9}");
-    }
+    print_counts(dialect, kinds.len(), &counts);
     assert!(complaints.is_empty(), "{} complaints\n{}", complaints.len(), complaints.join("\n"));
     assert!(kinds.len() >= 200, "only {} kinds", kinds.len());
 }
