@@ -144,6 +144,23 @@ fn without_limits_of_jerk_one_axis_runs_in_trapezoids() {
     }
 }
 
+/// Changes of speed that are far shorter than the block: the way to them has no knots of its own.
+#[test]
+fn a_slow_long_block_takes_its_time() {
+    for (length, feed) in [(200.0, 0.0017), (200.0, 0.1), (1000.0, 1.0), (0.1, 0.0017)] {
+        for limits in [limits(), Limits { acceleration: [1.0; AXES], jerk: [1.0; AXES], ..limits() }] {
+            for pieces in [1, 2, 7] {
+                let run = plan(&along_x(length, pieces, feed), &limits, &ROUNDING);
+                let due = length / feed;
+                let [a, j] = [limits.acceleration[0], limits.jerk[0]];
+                let most = seven_phases(length, feed, a, j) * 1.05;
+                assert!(run.time >= due && run.time <= most, "{length} mm at {feed} mm/s: {} s, {due} s", run.time);
+                assert!(run.segments[1..].iter().all(|s| s.time > 0.0 && s.share > 0.9), "{:?}", run.segments);
+            }
+        }
+    }
+}
+
 #[test]
 fn one_axis_takes_little_more_than_the_seven_phases() {
     let l = limits();

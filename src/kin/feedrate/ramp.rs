@@ -171,11 +171,14 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
             }
             ends = [ends[0] || place - from <= near && place > from, ends[1] || to - place <= near];
         }
-        let unresolved = |way: Option<f64>| way.is_none_or(|way| way > 2.0 * short[3]);
-        if ends[0] && unresolved(inside.first().map(|p| p - from)) {
-            inside.splice(..0, short.map(|way| from + way));
+        // Knots of a change of speed that is hardly longer are too few: these take their place.
+        let begins = inside.partition_point(|p| p - from <= short[3]);
+        if ends[0] && begins < SHORT.len() {
+            inside.splice(..begins, short.map(|way| from + way));
         }
-        if ends[1] && unresolved(inside.last().map(|p| to - p)) {
+        let stops = inside.partition_point(|p| to - p > short[3]);
+        if ends[1] && inside.len() - stops < SHORT.len() {
+            inside.truncate(stops);
             inside.extend(short.iter().rev().map(|way| to - way));
         }
         all.extend(inside.into_iter().map(|place| (place, span)));
