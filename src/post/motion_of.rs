@@ -40,8 +40,8 @@ const ROUNDING: f64 = 1e-6;
 /// Turn of the table while the tool comes down to the first move that is rounding of words, radians.
 const PARKED: f64 = 1e-5;
 
-/// Share of the speed of an axis above which a block in inverse time is one at rapid.
-const FULL_SPEED: f64 = 0.9;
+/// Part of the time of a way at rapid that is rounding of the words of its block.
+const RAPID_ROUNDING: f64 = 1e-3;
 
 /// Rotary moves of less are standstill; tips that move less stand still. Radians and mm.
 const STILL: (f64, f64) = (1e-6, 1e-4);
@@ -270,11 +270,11 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Kind and feed. What is faster than the process feed can only be a link; what says its time and takes hardly more
-    /// than the axes need is a way at rapid.
+    /// Kind and feed. What is faster than the process feed can only be a link; what says its time, and that of a way at
+    /// rapid, is one.
     fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &Way) -> (MoveKind, Option<f64>) {
         let feed = match (m.feed, m.time) {
-            (_, Some(time)) if FULL_SPEED * time <= way.least_time() => return (MoveKind::Rapid, None),
+            (_, Some(time)) if way.is_rapid(time) => return (MoveKind::Rapid, None),
             (_, Some(time)) => way.length() / time * 60.0,
             (Some(feed), None) => feed,
             (None, None) => return (MoveKind::Rapid, None),
@@ -329,6 +329,16 @@ impl Way<'_> {
     /// Least time at rapid within the speeds of the axes, s.
     fn least_time(&self) -> f64 {
         self.machine.least_time(&self.joints[0], &self.joints[1]).max(self.length() / self.machine.rapid)
+    }
+
+    /// Whether a move takes the time that planning gives to a way at rapid. Blocks in inverse time are nothing else for
+    /// their words.
+    fn is_rapid(&self, time: f64) -> bool {
+        let machine = self.machine;
+        let planned = machine.planned_time(&self.joints[0], &self.joints[1]).max(self.length() / machine.rapid);
+        let [x, y, z, a, c] = machine.speeds();
+        let digits = QUANTUM.0 / x.min(y).min(z) + QUANTUM.1 / a.min(c);
+        (time - planned).abs() <= RAPID_ROUNDING * planned + digits
     }
 
     /// Time of a rapid by its word, s.

@@ -326,7 +326,7 @@ fn hashes() -> Vec<Kind> {
             g.nc.insert_str(0, "; approved\n");
         }),
         kind!(C, "a comment in the body", Refused, "another text", "the body is hashed as it is", |g| {
-            replace(&mut g.nc, "; groove", "; roughing");
+            replace(&mut g.nc, "M6 ; groove", "M6 ; roughing");
         }),
         kind!(C, "one digit of a block", Refused, "another text", "the body is hashed as it is", |g| {
             let at = g.nc.rfind(" X1").unwrap();
