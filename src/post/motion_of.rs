@@ -270,15 +270,19 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Kind and feed. What is faster than the process feed can only be a link; what says its time, and that of a way at
-    /// rapid, is one.
+    /// Kind and feed. What is faster than the process feed can only be a link; what says its time is a way at rapid
+    /// where it takes the time of one, or is faster than any feed of the operation.
     fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &Way) -> (MoveKind, Option<f64>) {
+        let most = operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING);
         let feed = match (m.feed, m.time) {
             (_, Some(time)) if way.is_rapid(time) => return (MoveKind::Rapid, None),
             (_, Some(time)) => way.length() / time * 60.0,
             (Some(feed), None) => feed,
             (None, None) => return (MoveKind::Rapid, None),
         };
+        if m.time.is_some() && feed > most {
+            return (MoveKind::Rapid, None);
+        }
         if first {
             self.fatal(
                 post::NC_POSITIONING,
@@ -290,7 +294,7 @@ impl Interpreter<'_> {
         if feed <= operation.feed.get() * (1.0 + ROUNDING) {
             return (MoveKind::Cut, Some(feed));
         }
-        if feed > operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING) {
+        if feed > most {
             self.fatal(
                 post::NC_FEED,
                 m.line,

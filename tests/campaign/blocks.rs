@@ -75,12 +75,15 @@ pub fn stations(dialect: Dialect, lines: &[String]) -> Vec<Station> {
     let mut operation = 0;
     let mut first = false;
     let mut parked = (0.0, 0.0);
+    // Ways at rapid of LinuxCNC.
+    let mut inverse = false;
     let angles = |line: &str| match dialect {
         Dialect::Siemens => Some((word(line, "A=")?.to_radians(), word(line, "C=")?.to_radians())),
         // The words have the opposite of the ISO sense.
         Dialect::LinuxCnc => Some((-word(line, "A")?.to_radians(), -word(line, "C")?.to_radians())),
     };
     for (i, line) in lines.iter().enumerate() {
+        inverse = line.contains("G93 ") || inverse && !line.contains("G94");
         if line.ends_with(dialect.on()) {
             operation += 1;
             first = true;
@@ -94,7 +97,8 @@ pub fn stations(dialect: Dialect, lines: &[String]) -> Vec<Station> {
             });
             let [x, y, z] = ["X", "Y", "Z"].map(|w| word(line, w).unwrap());
             let tip = Point3::new(x, y, z);
-            found.push(Station { line: i + 1, operation: operation - 1, rapid: is_rapid(line), tip, a, c, first });
+            let rapid = inverse || is_rapid(line);
+            found.push(Station { line: i + 1, operation: operation - 1, rapid, tip, a, c, first });
             first = false;
         }
     }

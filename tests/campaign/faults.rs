@@ -212,7 +212,8 @@ impl Original {
             }
             Kind::WrongTurn => {
                 // Either while cutting or in a rapid far off.
-                let cutting = random.share() < 0.7;
+                // LinuxCNC's rapids say their time, in which no axis makes a turn more: that is a fault of speed.
+                let cutting = random.share() < 0.7 || self.dialect == Dialect::LinuxCnc;
                 let rapids: Vec<&Station> = self.stations.iter().filter(|s| s.rapid && !s.first).collect();
                 let s = if cutting { self.any_cut(random) } else { *rapids[random.below(rapids.len())] };
                 // A whole turn too far, or the other tilt that has the same direction.

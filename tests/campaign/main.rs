@@ -11,8 +11,6 @@
 
 mod blocks;
 mod faults;
-#[path = "../support/mod.rs"]
-mod support;
 mod truth;
 
 use blocks::{Dialect, stations};
@@ -219,19 +217,18 @@ impl Campaign<'_> {
 #[ignore = "minutes"]
 fn faults_are_found_with_size_and_line() {
     let start = Instant::now();
-    let mut outcome = Outcome::default();
-    let options = Options { job: PathBuf::from("jobs/small/small.imp"), ..Options::default() };
-    let program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
-    let plan = pipeline::run(&program, &mut outcome.sink).unwrap();
-    let (motion, _) = verify(&program, plan.motion, &mut outcome.sink).unwrap();
-    let mut wide = program;
-    // A whole turn of C too far is a motion to be measured here, not a word beyond travel.
-    (wide.machine.turn.min, wide.machine.turn.max) = (-20.0, 20.0);
-    let design = Design::new(&wide.part);
     let mut complaints = Vec::new();
     let mut must = 0;
     for (k, dialect) in [Dialect::Siemens, Dialect::LinuxCnc].into_iter().enumerate() {
-        let program = support::program_for(dialect.name(), &wide);
+        let mut outcome = Outcome::default();
+        let mut options = Options { job: PathBuf::from("jobs/small/small.imp"), ..Options::default() };
+        options.run.machine = (dialect == Dialect::LinuxCnc).then(|| "5mc850-c-linuxcnc".to_owned());
+        let mut program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
+        let plan = pipeline::run(&program, &mut outcome.sink).unwrap();
+        let (motion, _) = verify(&program, plan.motion, &mut outcome.sink).unwrap();
+        // A whole turn of C too far is a motion to be measured here, not a word beyond travel.
+        (program.machine.turn.min, program.machine.turn.max) = (-20.0, 20.0);
+        let design = Design::new(&program.part);
         let text = post::find(dialect.name()).unwrap().emit(&program, &motion, &[]).text();
         let original = Original::new(dialect, &text, &program);
         let said = ask(dialect, &program, &original.lines, None);

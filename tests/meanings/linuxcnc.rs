@@ -332,7 +332,7 @@ fn path() -> Vec<Kind> {
         (C, All("G61.1 ", "G61 "), Harmless, "exact path keeps to the lines as well"),
         (C, Text("rapids without G93", |t| t.replace("G93 ", "")), Refused, "one over minutes is read as a feed"),
         (C, Text("rapids by G0", rapids_by_g0), Found, "G0 keeps the speed of the tip and not those of the joints"),
-        (C, Text("rapids in half of their time", |t| inverse_times(t, 2.0)), Refused, "axes twice as fast as they can"),
+        (C, Text("rapids in half of their time", |t| inverse_times(t, 2.0)), Found, "axes twice as fast as they can"),
         (C, Text("rapids without F", |t| inverse_times(t, f64::NAN)), Refused, "inverse time needs F in each block"),
         (C, Cut("\nG1 X", "\nG96\nG1 X"), Refused, "constant cutting speed"),
         (C, Cut("\nG1 X", "\nG7\nG1 X"), Refused, "X is a diameter"),
