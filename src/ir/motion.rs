@@ -43,6 +43,6 @@ pub struct JointMove {
     pub time: f64,
     /// Index into the labels.
     pub pass: u32,
-    /// The control comes to rest at its end. False also where it does so by itself.
+    /// The control comes to rest at its end. Said for controls that are told where to stop (LinuxCNC), false for others.
     pub stop: bool,
 }

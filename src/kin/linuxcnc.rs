@@ -161,7 +161,7 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
         segments[i].end = end;
     }
     for i in 0..segments.len() {
-        // That the line before blends is only noted where neither turns: `blend_prev` is set with tangents alone.
+        // That the line before blends counts only where neither turns: measured on the controller.
         let before = i.checked_sub(1).map(|b| &segments[b]);
         let noted = before.is_some_and(|b| b.end == End::Blend && !b.turns && !segments[i].turns);
         if segments[i].end == End::Blend || noted {

@@ -26,9 +26,12 @@ pub(super) fn run(program: &Program, motion: &mut Motion) {
             tolerance: program.tolerances.chord.get(),
             height: program.tools[declared.tool].solid.flute_length,
         };
-        at_joins(&mut operation.moves);
+        let moves = &mut operation.moves;
+        at_joins(moves);
+        let allowed = allowed(program, operation.operation);
+        let mut lines = linuxcnc::lines(&program.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
         for _ in 0..MOST_RUNS {
-            if !at_corners(&settings, allowed(program, operation.operation), &mut operation.moves) {
+            if !at_corners(&settings, allowed, moves, &mut lines) {
                 break;
             }
         }
@@ -55,14 +58,18 @@ fn at_joins(moves: &mut [JointMove]) {
 
 /// Stops at corners where the tool leaves the path by more than is allowed, or where an axis goes faster than it can,
 /// since the end of one move and the start of the next add up. Whether there was one.
-fn at_corners(settings: &linuxcnc::Settings, allowed: f64, moves: &mut [JointMove]) -> bool {
-    let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
+fn at_corners(
+    settings: &linuxcnc::Settings,
+    allowed: f64,
+    moves: &mut [JointMove],
+    lines: &mut [linuxcnc::Line],
+) -> bool {
     let mut more = false;
-    for (i, ran) in linuxcnc::run(&lines, settings).iter().enumerate() {
+    for (i, ran) in linuxcnc::run(lines, settings).iter().enumerate() {
         // At rapid nothing is near that would mind a deviation.
         let leaves = ran.deviation[0] > allowed && moves[i + 1].kind != MoveKind::Rapid;
         if leaves || ran.speed.iter().any(|share| *share > 1.0) {
-            moves[i + 1].stop = true;
+            (moves[i + 1].stop, lines[i].stop) = (true, true);
             more = true;
         }
     }

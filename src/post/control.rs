@@ -29,8 +29,8 @@ const FARTHEST: f64 = 1e5;
 /// Largest feed (mm/min), spindle speed (rpm) and share of a block in a minute.
 const FASTEST: f64 = 1e6;
 
-/// Slowest feed of a block in inverse time, mm/min: LinuxCNC takes no less, so that a slower block takes another time than
-/// it says (`Interp::inverse_time_rate2` of version 2.9).
+/// Slowest feed of a block in inverse time, mm/min: the interpreter of LinuxCNC takes no less, so that a slower block takes
+/// another time than it says.
 pub(super) const SLOWEST_INVERSE: f64 = 0.1;
 
 /// Rounding of positions in words: mm, and radians (a step of a rotary word is 1e-5 deg).

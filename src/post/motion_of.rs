@@ -200,10 +200,14 @@ impl Interpreter<'_> {
             let joints = machine.joints(&m.tip, a, c);
             let start = made.moves.last().map_or(joints, |from| from.joints);
             let tips = [last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
-            let (kind, feed) = self.kind(m, operation, last.is_none(), &Way { machine, tips, joints: [start, joints] });
-            let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
             let way = Way { machine, tips, joints: [start, joints] };
-            let time = m.time.unwrap_or_else(|| if m.rapid { way.rapid_time() } else { way.time(feed) });
+            let (kind, feed) = self.kind(m, operation, last.is_none(), &way);
+            let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
+            let time = match (m.time, feed) {
+                (Some(time), _) => time,
+                (None, Some(feed)) => way.time(feed),
+                (None, None) => way.rapid_time(),
+            };
             let turn = (a - start.a).abs().max((c - start.c).abs());
             if kind != MoveKind::Rapid && way.length() < STILL.1 && turn > STILL.0 {
                 let text = "a block at feed turns the tool without moving its tip".to_owned();
@@ -355,8 +359,7 @@ impl Way<'_> {
 
     /// Time at a feed, s: that of the feed even where an axis cannot follow, so that the check of the axes finds it; but
     /// what the last digits of the words make is not held against the text.
-    fn time(&self, feed: Option<f64>) -> f64 {
-        let Some(feed) = feed else { return self.least_time() };
+    fn time(&self, feed: f64) -> f64 {
         let (machine, length) = (self.machine, self.length());
         let least = machine.least_time(&self.joints[0], &self.joints[1]);
         let wanted = length / feed * 60.0;
