@@ -96,6 +96,11 @@ pub fn trim(value: f64, decimals: usize) -> String {
 /// Lengths below this are told in micrometres, mm: from here on a machinist thinks in millimetres.
 const MICROMETRES_BELOW: f64 = 0.2;
 
+/// An amount of memory, as every text tells it.
+pub fn bytes(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
 /// A length in mm as every text tells it: micrometres with two decimals below 0.2 mm, else millimetres with three. What
 /// two decimals of a micrometre would hide has four.
 pub fn length(mm: f64) -> String {

@@ -590,6 +590,44 @@ fn many_wrong_blocks_are_told_in_short() {
     );
 }
 
+/// Blocks that end a text of the reduced job for LinuxCNC, put in behind its first cut.
+fn with_blocks(text: &str, blocks: impl Iterator<Item = (f64, f64)>) -> String {
+    // The first block of a cut, behind its positioning in inverse time.
+    let cut = text.lines().skip_while(|l| !l.contains("M428")).position(|l| l.starts_with("G94 G1 ")).unwrap();
+    let from = text.lines().position(|l| l.contains("M428")).unwrap() + cut;
+    let line = text.lines().nth(from).unwrap();
+    let of = |word: char| line.split(' ').find_map(|w| w.strip_prefix(word)?.parse::<f64>().ok()).unwrap();
+    let (z, c) = (of('Z'), of('C'));
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines.splice(from + 1..=from, blocks.map(|(up, turn)| format!("G1 Z{:.4} C{:.5}", z + up, c + turn)));
+    lines.join("\n")
+}
+
+/// Memory is told before it is taken, and texts within it are measured.
+#[test]
+fn a_text_that_would_take_too_much_memory_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part.ngc");
+    let job = ["jobs/small/small.imp", "--post", "linuxcnc", "--machine", "5mc850-c-linuxcnc"];
+    let made = bounded::program().args(job).arg("-o").arg(&path).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let text = std::fs::read_to_string(&path).unwrap();
+    let verify = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        let run = bounded::program().arg("verify").arg(&path).arg("--job").args(job).output().unwrap();
+        (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
+    };
+    // 1 mm up and down: the axes change their speed at each block.
+    let (status, said) = verify(&with_blocks(&text, (0..60_000).map(|k| (f64::from(30 + k % 2), 0.0))));
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("IMP0747") && said.contains("`--memory 4GB`") && said.contains("changes of speed"), "{said}");
+    assert!(!said.contains("IMP0701"), "{said}");
+    // A tip at rest under a turn, in inverse time or not, is the fault of the text and is told as such.
+    let (status, said) = verify(&with_blocks(&text, [(0.0, 10.0), (0.0, 0.0)].into_iter()));
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("without moving its tip") && !said.contains("malformed"), "{said}");
+}
+
 #[test]
 fn files_that_are_no_text_or_too_large_or_missing() {
     let folder = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design::{self, SurfaceKind};
 use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Part, Program, Side};
 use crate::method::{AxisMethod, FlankMethod};
-use crate::units::{Mm, trim};
+use crate::units::{Mm, bytes, trim};
 
 /// Memory of a station from its contact to its block, bytes.
 const STATION: f64 = 1800.0;
@@ -260,11 +260,6 @@ pub fn of_moves(program: &Program, cl: &ClPlan, stations: f64) -> f64 {
         at_rapid = rapid;
     }
     peak(program, STATION_ALONE * stations + BLOCK * blocks + LINK * links)
-}
-
-/// A number of bytes in words.
-pub fn bytes(bytes: f64) -> String {
-    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
 /// Refuses a plan that would take too much memory or optimise too many bands, before it starts.

@@ -100,6 +100,7 @@ fn measure(
     let post = if check.run.post.is_some() { post } else { post::clearly_other(text, post).unwrap_or(post) };
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
+    let fits = verify::memory::check(program, &motion.motion, sink);
     let mut stock = Vec::new();
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
     let asked = rest_stock::Asked {
@@ -109,9 +110,11 @@ fn measure(
         stages: stages_asked,
     };
     let names = rest_stock::names(program, &motion.motion);
-    let certificate = stages.watched("verify", |progress| {
-        rest_stock::simulated(asked, &names, sink, |settings, sink| {
-            verify::certify_with(program, &motion.motion, settings, progress, sink)
+    let certificate = fits.and_then(|()| {
+        stages.watched("verify", |progress| {
+            rest_stock::simulated(asked, &names, sink, |settings, sink| {
+                verify::certify_with(program, &motion.motion, settings, progress, sink)
+            })
         })
     });
     let mut index = 0;

@@ -11,6 +11,7 @@ use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::design;
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
 use crate::progress::Progress;
+use crate::units;
 
 /// What a pass may look at, and where it reports.
 pub(super) struct PassContext<'a> {
@@ -146,7 +147,7 @@ fn check_memory(cx: &mut PassContext<'_>, operation: Option<&Operation>, needed:
     if needed <= cx.program.memory {
         return Ok(());
     }
-    let (needed, most) = (cost::bytes(needed), cost::bytes(cx.program.memory));
+    let (needed, most) = (units::bytes(needed), units::bytes(cx.program.memory));
     let mut diag = Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed}; it may take {most}"));
     if let Some(operation) = operation {
         diag = diag.label(operation.span, "planned up to this operation");

@@ -201,7 +201,7 @@ impl Interpreter<'_> {
             let start = made.moves.last().map_or(joints, |from| from.joints);
             let tips = [last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
             let way = Way { machine, tips, joints: [start, joints] };
-            let (kind, feed) = self.kind(m, operation, last.is_none(), &way);
+            let (kind, mut feed) = self.kind(m, operation, last.is_none(), &way);
             let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
             let time = match (m.time, feed) {
                 (Some(time), _) => time,
@@ -218,6 +218,8 @@ impl Interpreter<'_> {
                     "move the tip with the turn, or turn at rapid outside of the stock",
                 );
                 self.tell(diag);
+                // In inverse time a tip at rest has no feed of its own.
+                feed = Some(operation.feed.get());
             }
             if let (Some(before), Some(l)) = (made.moves.last_mut(), last) {
                 before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);

@@ -37,6 +37,7 @@ pub mod kept;
 mod load;
 pub mod machine;
 mod measure;
+pub mod memory;
 pub mod perimeter;
 pub mod rest;
 mod roof;

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
 /// Longest way of the tip in a piece, mm: long links would lie in one node with everything that they pass.
-const PIECE_LENGTH: f64 = 3.0;
+pub(super) const PIECE_LENGTH: f64 = 3.0;
 
 /// What the search for the nearest time may miss through the turn of a piece, mm; pieces are halved down to it.
 pub(super) const TURN_SLACK: f64 = 2e-5;
@@ -194,16 +194,26 @@ fn turn([(a0, c0), (a1, c1)]: [(f64, f64); 2]) -> f64 {
 /// Pieces of the moves of an operation, in order.
 pub fn pieces(machine: &Machine, motion: &Motion, operation: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
-    let Some(moves) = motion.operations.get(operation).map(|o| &o.moves) else { return pieces };
+    each_move(machine, motion, operation, |at, kind, ends| divide(at, kind, ends, &mut pieces));
+    pieces
+}
+
+/// Calls a function with the place, the kind and the ends of each move of an operation, in order.
+pub(super) fn each_move(
+    machine: &Machine,
+    motion: &Motion,
+    operation: usize,
+    mut act: impl FnMut(At, MoveKind, [RotaryPose; 2]),
+) {
+    let Some(moves) = motion.operations.get(operation).map(|o| &o.moves) else { return };
     for (i, pair) in moves.windows(2).enumerate() {
         let at = At {
             operation: u32::try_from(operation).unwrap_or(u32::MAX),
             index: u32::try_from(i + 1).unwrap_or(u32::MAX),
         };
         let pose = |joints: &Joints| RotaryPose { tip: machine.forward(joints).tip, a: joints.a, c: joints.c };
-        divide(at, pair[1].kind, [pose(&pair[0].joints), pose(&pair[1].joints)], &mut pieces);
+        act(at, pair[1].kind, [pose(&pair[0].joints), pose(&pair[1].joints)]);
     }
-    pieces
 }
 
 /// A pose of a tool by tip and rotary axes.
@@ -217,10 +227,16 @@ pub struct RotaryPose {
     pub c: f64,
 }
 
-/// Divides a move into pieces.
-fn divide(at: At, kind: MoveKind, [from, to]: [RotaryPose; 2], pieces: &mut Vec<Piece>) {
+/// Number of pieces of a move.
+pub(super) fn piece_count([from, to]: &[RotaryPose; 2]) -> f64 {
     let turns = turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN;
-    let count = turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0);
+    turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0)
+}
+
+/// Divides a move into pieces.
+fn divide(at: At, kind: MoveKind, ends: [RotaryPose; 2], pieces: &mut Vec<Piece>) {
+    let count = piece_count(&ends);
+    let [from, to] = ends;
     let tip = |t: f64| from.tip + (to.tip - from.tip) * t;
     let rotary = |t: f64| (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
     for k in 0..count as usize {

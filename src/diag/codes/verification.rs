@@ -132,6 +132,12 @@ Way out: a lower `feed`, a higher `speed`, or roughing that leaves less.";
 net is apart from the proofs of the surfaces and coarser: it sees what its rays meet.\n\n\
 Example: a hole through the rim.\n\n\
 Way out: leads, links and passes that stay out of the part.";
+    OVER_MEMORY = "IMP0747", "the check needs too much memory",
+        "`verify` keeps all blocks of a text in memory, each divided into pieces of at most 3 mm and 1 deg. What that takes is \
+estimated when the text was read, before anything is measured. It may take 2 GB where `--memory` says nothing else.\n\n\
+Example: a program of 800 000 blocks; or 100 blocks that each turn the table by 80 turns.\n\n\
+Way out: each operation in a text of its own; fewer turns of the table, if they are not meant; `--memory 8GB` where the \
+machine that checks has it.";
     CARRIED = "IMP0734", "the tool runs into table or fixture",
         "The machine file has a table or a fixture; at this block the cutter, the shank or the holder is inside of it. All \
 moves are looked at: cuts, links and rapids, over continuous time. The solids are sampled, and the spacing of the samples \

@@ -1,0 +1,130 @@
+//! Memory that the verification of a motion takes, estimated before it starts.
+//!
+//! Each block takes memory, each piece of at most 1 deg and 3 mm into which [`sweep`](super::sweep) divides a block, and each
+//! change of speed. A text of a few kilobytes can turn the table by thousands of turns, so the size of the text says
+//! nothing. Peak memory was measured on two cores with changed texts of `jobs/small` and `jobs/reduced`:
+//!
+//! | text | blocks | pieces | changes of speed | measured | estimated |
+//! |---|---|---|---|---|---|
+//! | small | 2504 | 7955 | 234 | 67 MB | 56 MB |
+//! | with 100 000 blocks of 1 um | 102 504 | 107 985 | 237 | 293 MB | 316 MB |
+//! | with 30 000 blocks of 1 mm to and fro | 32 504 | 37 961 | 30 235 | 1.31 GB | 1.39 GB |
+//! | reduced | 785 | 8259 | 389 | 177 MB | 183 MB |
+//! | wei2021 | 133 713 | 336 291 | 13 310 | 657 MB | 685 MB |
+
+use super::SPACING;
+use super::sweep::{self, PIECE_LENGTH};
+use crate::diag::{Aborted, Diag, Sink, codes::verification};
+use crate::ir::{Motion, Program, design};
+use crate::kin::feedrate::AXES;
+use crate::units;
+
+/// Memory of the part, bytes.
+const PART: f64 = 2e7;
+
+/// Memory of a sample of the design surfaces with its share of the samples of the stock, bytes.
+const SAMPLE: f64 = 170.0;
+
+/// Memory of a block, bytes.
+const BLOCK: f64 = 500.0;
+
+/// Memory of a piece of a block, bytes.
+const PIECE: f64 = 600.0;
+
+/// Memory of a block while the axes run through its operation, bytes.
+const RUN: f64 = 1500.0;
+
+/// The same of a place where they change their speed: the run has many knots about it.
+const CHANGE_OF_SPEED: f64 = 4.2e4;
+
+/// Share of the speed that counts as such a change.
+const CHANGED: f64 = 0.3;
+
+/// Distance at which a turn moves as far as the tip, mm.
+const ARM: f64 = 50.0;
+
+/// What the moves of an operation take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Counted {
+    blocks: f64,
+    pieces: f64,
+    /// Places where the axes change their speed.
+    changes: f64,
+}
+
+impl Counted {
+    fn new(program: &Program, motion: &Motion, operation: usize) -> Self {
+        let (mut counted, mut before) = (Self::default(), [0.0; AXES]);
+        sweep::each_move(&program.machine, motion, operation, |at, _, ends| {
+            counted.blocks += 1.0;
+            counted.pieces += sweep::piece_count(&ends);
+            let [from, to] = &ends;
+            let way = to.tip - from.tip;
+            let turns = [to.a - from.a, to.c - from.c].map(|turn| ARM * turn);
+            let time = motion.operations[operation].moves[at.index as usize].time;
+            let speed = [way.x, way.y, way.z, turns[0], turns[1]].map(|way| way / time);
+            let size = |v: &[f64; AXES]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let change: [f64; AXES] = std::array::from_fn(|k| speed[k] - before[k]);
+            counted.changes += f64::from(u8::from(size(&change) > CHANGED * size(&speed).max(size(&before))));
+            before = speed;
+        });
+        counted
+    }
+
+    /// Memory that stays until the end, bytes.
+    fn kept(&self) -> f64 {
+        BLOCK * self.blocks + PIECE * self.pieces
+    }
+
+    /// Memory while the axes run through the operation, bytes.
+    fn run(&self) -> f64 {
+        RUN * self.blocks + CHANGE_OF_SPEED * self.changes
+    }
+}
+
+/// Peak memory of [`certify`](super::certify) for the moves of all operations, bytes.
+fn peak(program: &Program, counted: &[Counted]) -> f64 {
+    let samples = SAMPLE * design::estimate(&program.part, SPACING);
+    // The runs of the operations follow each other.
+    let run = counted.iter().map(Counted::run).fold(0.0, f64::max);
+    PART + samples + counted.iter().map(Counted::kept).sum::<f64>() + run
+}
+
+fn counted(program: &Program, motion: &Motion) -> Vec<Counted> {
+    (0..motion.operations.len()).map(|operation| Counted::new(program, motion, operation)).collect()
+}
+
+/// Estimated peak memory of [`certify`](super::certify), bytes.
+pub fn estimate(program: &Program, motion: &Motion) -> f64 {
+    peak(program, &counted(program, motion))
+}
+
+/// Refuses a motion whose verification takes more memory than the program allows, before it starts.
+///
+/// # Errors
+/// The motion is refused; the reason is in the sink.
+pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<(), Aborted> {
+    let counted = counted(program, motion);
+    let needed = peak(program, &counted);
+    if needed <= program.memory {
+        return Ok(());
+    }
+    let mut diag = Diag::error(
+        verification::OVER_MEMORY,
+        format!("the check needs about {}; it may take {}", units::bytes(needed), units::bytes(program.memory)),
+    )
+    .help(format!(
+        "fewer blocks, turns of the table and changes of direction; or allow more: `--memory {}GB`",
+        (1.2 * needed / 1e9).ceil()
+    ));
+    let size = |counted: &Counted| counted.kept() + counted.run();
+    let largest = motion.operations.iter().zip(&counted).max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+    if let Some((operation, most)) = largest {
+        diag = diag.label(program.operations[operation.operation].span, "most of it for this operation").note(format!(
+            "{:.0} blocks, which count as {:.0} pieces of at most {PIECE_LENGTH} mm and 1 deg, and {:.0} changes of speed",
+            most.blocks, most.pieces, most.changes
+        ));
+    }
+    sink.push(diag);
+    Err(Aborted)
+}
