@@ -7,9 +7,10 @@ use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::chart::{Place, Shape};
 use impellerc::ir::design::{SurfaceId, SurfaceKind};
+use impellerc::kin::{Chain, RotaryPose};
 use impellerc::passes::pipeline;
 use impellerc::verify::surface::{Limits, certify, certify_shape};
-use impellerc::verify::sweep::{RotaryPose, Sweep};
+use impellerc::verify::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -57,9 +58,9 @@ fn passes(blocks: usize) -> Vec<RotaryPose> {
                 let share = k as f64 / (per_line - 1) as f64;
                 let x = if line % 2 == 0 { share } else { 1.0 - share };
                 let (a, c) = (0.3 + 0.1 * (6.0 * x).sin(), 0.2 * (5.0 * x).cos());
-                let axis = impellerc::kin::transform::axis_at(a, c);
+                let axis = Chain::tilting_table().tool_axis([a, c]);
                 let centre = Point3::new(x * SIDE, line as f64 * SIDE / (LINES - 1) as f64, 2.0);
-                RotaryPose { tip: centre - axis * 2.0, a, c }
+                RotaryPose { tip: centre - axis * 2.0, rotary: [a, c] }
             })
         })
         .collect()
@@ -71,10 +72,10 @@ fn growth(c: &mut Criterion) {
     let mut group = c.benchmark_group("certificate of a plane, blocks");
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     for blocks in [10_000, 100_000, 1_000_000] {
-        let poses = passes(blocks);
+        let (poses, chain) = (passes(blocks), Chain::tilting_table());
         group.bench_function(BenchmarkId::from_parameter(blocks), |b| {
             b.iter(|| {
-                let sweeps = [Sweep::through(&solid, &poses).unwrap()];
+                let sweeps = [Sweep::through(&solid, &chain, &poses).unwrap()];
                 let id = SurfaceId { kind: SurfaceKind::Hub, sector: 0 };
                 black_box(certify_shape(&Floor, id, &sweeps, 0.25))
             });

@@ -109,7 +109,8 @@ fn the_originals_are_read() {
         assert_eq!(moves.iter().map(|m| m.feed).collect::<Vec<_>>(), [None, Some(1000.0), Some(250.0), Some(250.0)]);
         assert_eq!((section.start.line, section.start.xyz.as_slice()), (placed, &[50.0, -40.0, 350.0][..]));
         assert!(
-            (section.start.a.to_degrees() - 30.0).abs() < 1e-12 && (section.start.c.to_degrees() - 20.0).abs() < 1e-12
+            (section.start.rotary[0].to_degrees() - 30.0).abs() < 1e-12
+                && (section.start.rotary[1].to_degrees() - 20.0).abs() < 1e-12
         );
         assert_eq!(section.retract, Some((up, 350.0)));
     }
@@ -504,7 +505,7 @@ fn missing_words_keep_their_modal_values() {
     let at = |m: &NcMove| [m.tip.x, m.tip.y, m.tip.z];
     assert_eq!(moves[4..].iter().map(at).collect::<Vec<_>>(), [[28.0, -18.0, 1.0], [28.0, -20.0, 1.0]]);
     assert_eq!(at(&moves[3]), [28.0, -18.0, 3.0]);
-    let Direction::Rotary(a, c) = moves[5].direction else { panic!("rotary") };
+    let Direction::Rotary([a, c]) = moves[5].direction else { panic!("rotary") };
     assert!((a.to_degrees() - 31.0).abs() < 1e-12 && (c.to_degrees() - 23.0).abs() < 1e-12);
     let edited = "N130 G1 X28 Z2\nN131 Y-19\nN132\nN133 G0 Z5 A=30 C=20\nN134 Z6 C=21";
     let from = "N150 G1 X28 Y-19 Z2 A3=0.19101007 B3=-0.46984631 C3=0.86602540";
@@ -513,7 +514,7 @@ fn missing_words_keep_their_modal_values() {
     assert_eq!(found, [[28.0, -18.0, 2.0], [28.0, -19.0, 2.0], [28.0, -19.0, 5.0], [28.0, -19.0, 6.0]]);
     assert_eq!(moves[3].direction, moves[2].direction, "the direction is kept");
     assert_eq!(moves[3].feed, Some(250.0));
-    let Direction::Rotary(a, c) = moves[6].direction else { panic!("rotary") };
+    let Direction::Rotary([a, c]) = moves[6].direction else { panic!("rotary") };
     assert!((a.to_degrees() - 30.0).abs() < 1e-12 && (c.to_degrees() - 21.0).abs() < 1e-12);
 }
 

@@ -33,9 +33,9 @@ fn changed(
     let moves = &mut motion.operations[operation].moves;
     let last = moves.len() - 2;
     for (k, m) in moves[1..=last].iter_mut().enumerate().filter(|(_, m)| m.kind == MoveKind::Cut) {
-        let Joints { a, c, .. } = m.joints;
+        let Joints { rotary: [a, c], .. } = m.joints;
         let (tip, [a, c]) = change(k, program.machine.forward(&m.joints).tip, [a, c]);
-        m.joints = program.machine.joints(&tip, a, c);
+        m.joints = program.machine.joints(&tip, [a, c]);
         // Long enough for every axis, so that nothing but the cut is wrong.
         m.time = m.time.max(20.0);
     }

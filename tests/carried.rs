@@ -27,12 +27,12 @@ fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Moti
     let mut program = support::flank_only(&[0]);
     let mut motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
     program.machine.carried = solids();
-    program.machine.turn_point.x += turn_axis;
+    program.machine.chain = support::shifted(&program.machine.chain, [[0.0; 3], [turn_axis, 0.0, 0.0]]);
     let moves = &mut motion.operations[0].moves;
     moves.truncate(2);
     let to = Point3::from(to);
     for (m, up) in moves.iter_mut().zip([80.0, 0.0]) {
-        m.joints = program.machine.joints(&(to + nalgebra::Vector3::z() * up), a, 0.0);
+        m.joints = program.machine.joints(&(to + nalgebra::Vector3::z() * up), [a, 0.0]);
         m.kind = kind;
     }
     (program, motion)

@@ -32,7 +32,7 @@ fn surface<'a>(certificate: &'a Certificate, name: &str) -> &'a impellerc::verif
 fn shift(program: &Program, motion: &mut Motion, operation: usize, index: usize, by: Vector3<f64>) {
     let joints = &mut motion.operations[operation].moves[index].joints;
     let tip = program.machine.forward(joints).tip + by;
-    *joints = program.machine.joints(&tip, joints.a, joints.c);
+    *joints = program.machine.joints(&tip, joints.rotary);
 }
 
 /// Distance of a point to the cutter of the only tool over every move, by brute force: 4000 poses a move, the moves
@@ -45,7 +45,7 @@ fn brute(program: &Program, motion: &Motion, p: &Point3<f64>) -> f64 {
             let tips = [0, 1].map(|k| program.machine.forward(&pair[k].joints).tip);
             let at = |t: f64| {
                 let (a, b) = (&pair[0].joints, &pair[1].joints);
-                let axis = impellerc::kin::transform::axis_at(a.a + (b.a - a.a) * t, a.c + (b.c - a.c) * t);
+                let axis = program.machine.chain.tool_axis(impellerc::kin::between(a.rotary, b.rotary, t));
                 let d = p - (tips[0] + (tips[1] - tips[0]) * t);
                 let s = d.dot(&axis);
                 solid.cutter_distance((d - axis * s).norm(), s)

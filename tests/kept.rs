@@ -12,7 +12,7 @@ use impellerc::ir::design::SurfaceKind;
 use impellerc::ir::kept::kept;
 use impellerc::ir::program::Clamping;
 use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program};
-use impellerc::kin::transform::inverse;
+use impellerc::kin::Chain;
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
@@ -53,8 +53,8 @@ fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(P
     *moves = poses
         .iter()
         .map(|(tip, axis, kind)| {
-            let [(a, c), _] = inverse(axis, 0.0);
-            let joints = program.machine.joints(tip, a, c);
+            let [rotary, _] = program.machine.chain.nearest(axis, 0.0);
+            let joints = program.machine.joints(tip, rotary);
             let feed = match kind {
                 MoveKind::Rapid => None,
                 MoveKind::Cut => Some(feed),
@@ -284,8 +284,8 @@ fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> Motion {
     let operation = motion.operations.last_mut().unwrap();
     let last = *operation.moves.last().unwrap();
     for (tip, axis) in poses {
-        let [(a, c), _] = inverse(axis, 0.0);
-        let joints = program.machine.joints(tip, a, c);
+        let [rotary, _] = program.machine.chain.nearest(axis, 0.0);
+        let joints = program.machine.joints(tip, rotary);
         operation.moves.push(impellerc::ir::JointMove {
             kind: MoveKind::Cut,
             joints,
@@ -363,5 +363,5 @@ fn the_whole_contract_bounds_kept_surfaces() {
     program.contracts =
         vec![hub, Contract::whole(ContractKind::Gouge, 0.05), Contract::whole(ContractKind::Gouge, 0.02)];
     assert_eq!(measured(&program, &motion).allowed, 0.02);
-    assert!((FRAC_PI_2 - inverse(&Vector3::x(), 0.0)[0].0).abs() < 1e-12);
+    assert!((FRAC_PI_2 - Chain::tilting_table().nearest(&Vector3::x(), 0.0)[0][0]).abs() < 1e-12);
 }

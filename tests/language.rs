@@ -93,7 +93,7 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!((job.chord.get(), job.clearance.get()), (0.00025, 0.5));
     assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
-    assert!((job.machine.turn.speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
+    assert!((job.machine.rotary[1].speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
     assert_eq!(job.post.0, "siemens-840d");
 }
 

@@ -276,17 +276,16 @@ fn rapid_speeds(own: &[Station], motion: &Motion, machine: &Machine) -> [f64; 5]
     for operation in &motion.operations {
         // From where the axes stand at the retract height.
         let start = operation.moves[0].joints;
-        let mut from = (machine.forward(&start).tip, [start.a, start.c]);
+        let mut from = (machine.forward(&start).tip, start.rotary);
         for station in own.by_ref().take(operation.moves.len() - 2) {
-            let signs = [machine.tilt.word_sign, machine.turn.word_sign];
+            let signs = machine.rotary.each_ref().map(|axis| axis.word_sign);
             let to = (station.tip, [0, 1].map(|n| station.words[n].to_radians() * signs[n]));
             let (way, turns) = (to.0 - from.0, [0, 1].map(|n| to.1[n] - from.1[n]));
             let moved = [way.x, way.y, way.z, turns[0], turns[1]];
             let time = moved.iter().zip(limits).map(|(d, v)| d.abs() / v).fold(0.0, f64::max);
             let joints = |k: usize| {
                 let t = k as f64 / STEPS as f64;
-                let j = machine.joints(&(from.0 + way * t), from.1[0] + turns[0] * t, from.1[1] + turns[1] * t);
-                [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+                machine.joints(&(from.0 + way * t), [from.1[0] + turns[0] * t, from.1[1] + turns[1] * t]).all()
             };
             for k in (1..=STEPS).filter(|_| station.feed.is_none()) {
                 let (a, b) = (joints(k - 1), joints(k));
@@ -312,7 +311,7 @@ fn its_links_turn_c_faster_than_the_stock_configuration_can() {
     // C of the stock configuration.
     const LIMIT: f64 = 30.0;
     let mut program = job();
-    program.machine.turn.speed = LIMIT.to_radians();
+    program.machine.rotary[1].speed = LIMIT.to_radians();
     let own = stations(&text);
     let worst = |fastest: f64| own.windows(2).map(|w| speed_of_c(&w[0], &w[1], fastest)).fold(0.0, f64::max) / LIMIT;
     let (asked, limited) = (worst(f64::INFINITY), worst(20.0));

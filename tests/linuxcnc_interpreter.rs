@@ -114,8 +114,8 @@ impl LinuxCnc {
         let built = built.unwrap();
         assert!(built.status.success(), "{}", said(&built));
         // The zero of the part is the rotation point; from there the A axis lies off by the offsets.
-        assert_eq!(machine.part_origin, machine.turn_point.coords);
-        let [point, tilt] = [machine.turn_point, machine.tilt_point];
+        let [tilt, point] = machine.chain.axes().map(|axis| axis.point);
+        assert_eq!(machine.part_origin, point.coords);
         let pins = [
             ("x-rot-point", point.x),
             ("y-rot-point", point.y),
@@ -273,11 +273,11 @@ fn alike(meant: &Meant, read: &NcMove) -> Result<(), String> {
 }
 
 fn same_joints(machine: &Machine, read: &NcMove, joints: &[f64; 5]) -> Result<(), String> {
-    let Direction::Rotary(a, c) = read.direction else { return Err("a vector".to_owned()) };
-    let ours = machine.joints(&read.tip, a, c).xyz;
+    let Direction::Rotary([a, c]) = read.direction else { return Err("a vector".to_owned()) };
+    let ours = machine.joints(&read.tip, [a, c]).xyz;
     // The tool keeps its tip where ours has it: the joint of Z holds the length.
     let off = (ours.x - joints[0]).abs().max((ours.y - joints[1]).abs()).max((ours.z + TOOL_LENGTH - joints[2]).abs());
-    let words = [a * machine.tilt.word_sign, c * machine.turn.word_sign].map(f64::to_degrees);
+    let words = [a * machine.rotary[0].word_sign, c * machine.rotary[1].word_sign].map(f64::to_degrees);
     let turned = (words[0] - joints[3]).abs().max((words[1] - joints[4]).abs());
     if off < 1e-8 && turned < 1e-9 {
         return Ok(());
@@ -340,8 +340,8 @@ fn our_kinematics_are_those_of_the_module() {
     let words: Vec<([f64; 3], f64, f64)> = (0..5000).map(|_| any.new_tree(&mut runner).unwrap().current()).collect();
     let poses: Vec<[f64; 5]> = words.iter().map(|([x, y, z], a, c)| [*x, *y, z + TOOL_LENGTH, *a, *c]).collect();
     for ((tip, a, c), joints) in words.iter().zip(linuxcnc.joints(&machine, &poses)) {
-        let [a, c] = [a.to_radians() * machine.tilt.word_sign, c.to_radians() * machine.turn.word_sign];
-        let ours = machine.joints(&Point3::from(*tip), a, c);
+        let [a, c] = [a.to_radians() * machine.rotary[0].word_sign, c.to_radians() * machine.rotary[1].word_sign];
+        let ours = machine.joints(&Point3::from(*tip), [a, c]);
         let off = [ours.xyz.x - joints[0], ours.xyz.y - joints[1], ours.xyz.z + TOOL_LENGTH - joints[2]];
         assert!(off.iter().all(|d| d.abs() < 1e-9), "{tip:?} {a} {c}: {off:?}");
         let back = machine.forward(&ours);

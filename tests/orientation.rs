@@ -47,7 +47,7 @@ fn alone(job: &Program, kind: OperationKind, lead: f64) -> Program {
         Contract::whole(ContractKind::Rest, 1.0),
     ];
     // Along the rulings C turns by more than its travel: here it turns without ends.
-    (program.machine.turn.min, program.machine.turn.max) = (-100.0, 100.0);
+    (program.machine.rotary[1].min, program.machine.rotary[1].max) = (-100.0, 100.0);
     program
 }
 
@@ -109,8 +109,8 @@ fn row(program: &Program, motion: &Motion) -> Row {
         let way = (q - p).norm();
         length += way;
         if way > SHORTEST {
-            turn[0] = turn[0].max((pair[1].joints.a - pair[0].joints.a).abs().to_degrees() / way);
-            turn[1] = turn[1].max((pair[1].joints.c - pair[0].joints.c).abs().to_degrees() / way);
+            let [from, to] = [pair[0].joints.rotary, pair[1].joints.rotary];
+            turn = [0, 1].map(|k| turn[k].max((to[k] - from[k]).abs().to_degrees() / way));
         }
     }
     let asked = [run.asked[3].value, run.asked[4].value];
@@ -175,8 +175,8 @@ impl Planned {
             row.whole,
             row.turn[1],
             row.turn[0],
-            row.asked[1] * self.program.machine.turn.acceleration,
-            row.asked[0] * self.program.machine.tilt.acceleration
+            row.asked[1] * self.program.machine.rotary[1].acceleration,
+            row.asked[0] * self.program.machine.rotary[0].acceleration
         );
         row
     }

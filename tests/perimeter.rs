@@ -30,7 +30,7 @@ fn stations_stand_straight_over_the_first_and_the_last_target() {
             assert_eq!(station.kind, MoveKind::Rapid);
             assert!((station.joints.xyz.z + tool.length() - program.machine.retract).abs() < 1e-9);
             let (s, t) = (&station.joints, &target.joints);
-            assert!((s.xyz.xy() - t.xyz.xy()).norm() < 1e-9 && (s.a, s.c) == (t.a, t.c) && s.xyz.z > t.xyz.z);
+            assert!((s.xyz.xy() - t.xyz.xy()).norm() < 1e-9 && s.rotary == t.rotary && s.xyz.z > t.xyz.z);
         }
     }
     let found = perimeter::check(program, motion);
@@ -83,7 +83,7 @@ fn a_lone_rapid_through_the_part_is_found() {
     let mut through = first;
     // Down along Z into the hub beside the bore.
     let hub = nalgebra::Point3::new(12.0, 0.0, -30.0);
-    through.joints = program.machine.joints(&hub, 0.0, 0.0);
+    through.joints = program.machine.joints(&hub, [0.0; 2]);
     let over = |m: impellerc::ir::JointMove| {
         let mut station = m;
         station.joints.xyz.z = first.joints.xyz.z;

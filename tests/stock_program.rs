@@ -140,7 +140,7 @@ fn a_rapid_through_the_stock_is_an_error() {
     let tip = program.machine.forward(&joints).tip;
     // Aside into the next channel, which nothing opens.
     let aside = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.8) * tip;
-    moves[index].joints = program.machine.joints(&aside, joints.a, joints.c);
+    moves[index].joints = program.machine.joints(&aside, joints.rotary);
     moves[index].kind = impellerc::ir::MoveKind::Rapid;
     moves[index].feed = None;
     let (found, _) = simulated(&program, &motion);

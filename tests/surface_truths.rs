@@ -6,9 +6,10 @@
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::ir::chart::{Place, Shape};
 use impellerc::ir::design::{SurfaceId, SurfaceKind};
+use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};
 use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
-use impellerc::verify::sweep::{RotaryPose, Sweep};
-use nalgebra::{Point3, Vector3};
+use impellerc::verify::sweep::Sweep;
+use nalgebra::{Point3, Unit, Vector3};
 
 /// What the certificate may be wrong by, mm.
 const TENTH: f64 = 1e-4;
@@ -30,7 +31,11 @@ impl<F: Fn(f64, f64) -> (Point3<f64>, Vector3<f64>) + Sync> Shape for By<F> {
 }
 
 fn certify(shape: &dyn Shape, solid: &ToolSolid, poses: &[RotaryPose]) -> SurfaceReport {
-    let sweep = Sweep::through(solid, poses).expect("a way");
+    certify_on(&Chain::tilting_table(), shape, solid, poses)
+}
+
+fn certify_on(chain: &Chain, shape: &dyn Shape, solid: &ToolSolid, poses: &[RotaryPose]) -> SurfaceReport {
+    let sweep = Sweep::through(solid, chain, poses).expect("a way");
     let id = SurfaceId { kind: SurfaceKind::Hub, sector: 0 };
     certify_shape(shape, id, &[sweep], 0.25).expect("a report")
 }
@@ -53,8 +58,8 @@ fn plane(side: f64) -> impl Shape {
 
 /// Lines along x, `step` apart, with the tool tilted so that the contact is not at the tip. `level` is the height of the
 /// lowest point of the cutter over the plane.
-fn lines(radius: f64, side: f64, step: f64, level: f64, a: f64, c: f64) -> Vec<RotaryPose> {
-    let axis = impellerc::kin::transform::axis_at(a, c);
+fn lines(radius: f64, side: f64, step: f64, level: f64, rotary: [f64; 2]) -> Vec<RotaryPose> {
+    let axis = Chain::tilting_table().tool_axis(rotary);
     let mut poses = Vec::new();
     let count = (side / step).ceil() as i32 + 8;
     for k in -4..count {
@@ -62,7 +67,7 @@ fn lines(radius: f64, side: f64, step: f64, level: f64, a: f64, c: f64) -> Vec<R
         let ends = if k % 2 == 0 { [-5.0, side + 5.0] } else { [side + 5.0, -5.0] };
         for x in ends {
             let centre = Point3::new(x, y, radius + level);
-            poses.push(RotaryPose { tip: centre - axis * radius, a, c });
+            poses.push(RotaryPose { tip: centre - axis * radius, rotary });
         }
     }
     poses
@@ -85,7 +90,7 @@ fn ball_over_plane() {
                     continue;
                 }
                 let flutes = if matches!(cutter, Cutter::Lollipop { .. }) { 1.9 * radius } else { 40.0 };
-                let report = certify(&plane(side), &tool(cutter, flutes), &lines(radius, side, step, level, a, c));
+                let report = certify(&plane(side), &tool(cutter, flutes), &lines(radius, side, step, level, [a, c]));
                 agrees(&report, -level, ridge + level);
             }
         }
@@ -100,7 +105,7 @@ fn bull_nose_over_plane_leaves_the_ridge_of_its_corner() {
     for k in -1..4 {
         let y = f64::from(k) * 5.0;
         for x in if k % 2 == 0 { [-6.0, 16.0] } else { [16.0, -6.0] } {
-            poses.push(RotaryPose { tip: Point3::new(x, y, -0.002), a: 0.0, c: 0.0 });
+            poses.push(RotaryPose { tip: Point3::new(x, y, -0.002), rotary: [0.0; 2] });
         }
     }
     agrees(&certify(&plane(10.0), &solid, &poses), 0.002, -0.002);
@@ -115,9 +120,9 @@ fn cylinder_beside_plane() {
         let solid = tool(cutter, 30.0);
         // Axis in the plane of y = 0 leaning to -x: A about x after C = pi/2 about z.
         let c = -std::f64::consts::FRAC_PI_2;
-        let axis = impellerc::kin::transform::axis_at(lean, c);
+        let axis = Chain::tilting_table().tool_axis([lean, c]);
         assert!((axis - Vector3::new(-lean.sin(), 0.0, lean.cos())).norm() < 1e-12);
-        let pose = |y: f64| RotaryPose { tip: Point3::new(radius, y, 0.0), a: lean, c };
+        let pose = |y: f64| RotaryPose { tip: Point3::new(radius, y, 0.0), rotary: [lean, c] };
         let report = certify(&wall, &solid, &[pose(-20.0), pose(30.0)]);
         // Distance of (0, 0, h) to the axis, less the radius.
         let g = |h: f64| radius * lean.cos() - h * lean.sin() - radius;
@@ -131,7 +136,7 @@ fn cone_on_cone() {
     let (ball, half, tilt) = (2.0_f64, 0.08_f64, 0.5_f64);
     let solid = tool(Cutter::TaperedBall { ball, half_angle: half }, 40.0);
     let poses: Vec<RotaryPose> =
-        (0..=8).map(|k| RotaryPose { tip: Point3::origin(), a: tilt, c: f64::from(k) * 0.3 }).collect();
+        (0..=8).map(|k| RotaryPose { tip: Point3::origin(), rotary: [tilt, f64::from(k) * 0.3] }).collect();
     // Outer side of the section through the axis: a line at tilt + half, `ball` beyond the centre of the ball.
     let (along, out) = ((tilt + half).sin_cos(), (tilt + half).cos());
     let centre = (ball * tilt.sin(), ball * tilt.cos());
@@ -159,7 +164,7 @@ fn plunge_of_an_exact_depth() {
     {
         for depth in [0.9 * BROKEN, 1.0] {
             let solid = tool(cutter, 20.0);
-            let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), a: 0.0, c: 0.0 };
+            let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), rotary: [0.0; 2] };
             let report = certify(&plane(10.0), &solid, &[pose(30.0), pose(-depth), pose(30.0)]);
             assert!((report.gouge.depth - depth).abs() < TENTH, "{} mm", report.gouge.depth);
             let most = if depth > BROKEN { RADIUS } else { depth + SLACK };
@@ -175,14 +180,6 @@ fn swept_helix() {
     let (ball, r, pitch, depth) = (2.0_f64, 15.0_f64, 6.0_f64, 0.0017);
     let solid = tool(Cutter::TaperedBall { ball, half_angle: 0.05 }, 25.0);
     let centre = move |t: f64| Point3::new(r * t.cos(), r * t.sin(), pitch * t / std::f64::consts::TAU);
-    // Chords leave the helix by 15 (1e-3)^2 / 8 mm, 2 nm.
-    let poses: Vec<RotaryPose> = (-200..=1000)
-        .map(|k| {
-            let t = f64::from(k) * 1e-3;
-            let (a, c) = (0.4 + 0.1 * t, t);
-            RotaryPose { tip: centre(t) - impellerc::kin::transform::axis_at(a, c) * ball, a, c }
-        })
-        .collect();
     let tube = By(move |x: f64, y: f64| {
         let t = 0.8 * x;
         let forward = Vector3::new(-r * t.sin(), r * t.cos(), pitch / std::f64::consts::TAU).normalize();
@@ -194,5 +191,27 @@ fn swept_helix() {
         let direction = out * angle.sin() - up * angle.cos();
         (centre(t) + direction * (ball - depth), -direction)
     });
-    agrees(&certify(&tube, &solid, &poses), depth, -depth);
+    for chain in chains() {
+        // Chords leave the helix by 15 (1e-3)^2 / 8 mm, 2 nm.
+        let poses: Vec<RotaryPose> = (-200..=1000)
+            .map(|k| {
+                let t = f64::from(k) * 1e-3;
+                let rotary = [0.4 + 0.1 * t, t];
+                RotaryPose { tip: centre(t) - chain.tool_axis(rotary) * ball, rotary }
+            })
+            .collect();
+        agrees(&certify_on(&chain, &tube, &solid, &poses), depth, -depth);
+    }
+}
+
+/// A tilting table, a nutating head over a table, and a nutating table: the verifier takes no angle between axes for granted.
+fn chains() -> Vec<Chain> {
+    let line = |carries, direction: [f64; 3]| AxisLine {
+        carries,
+        direction: Unit::new_normalize(Vector3::from(direction)),
+        point: Point3::origin(),
+    };
+    let nutating =
+        |carries| Chain::new([line(carries, [1.0, 0.0, 1.0]), line(Carries::Part, [0.0, 0.0, 1.0])]).expect("a chain");
+    vec![Chain::tilting_table(), nutating(Carries::Tool), nutating(Carries::Part)]
 }

@@ -8,6 +8,7 @@ use crate::units::length;
 /// An error for each tool in use that does not.
 pub(super) fn check(program: &Program, sink: &mut Sink) {
     let (what, height) = program.highest();
+    let [.., first, second] = program.machine.names();
     let mut seen = Vec::new();
     for (_, operation) in program.operations.iter() {
         if seen.contains(&operation.tool) {
@@ -30,13 +31,15 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 )
                 .label(tool.span, format!("{} from the tip to the gauge line", length(tool.length())))
                 .note(format!(
-                    "{}: retract to Z {:.3}; the {what} reaches Z {height:.3} under some A and C of their travel",
+                    "{}: retract to Z {:.3}; the {what} reaches Z {height:.3} under some {first} and {second} of their travel",
                     program.machine.name, program.machine.retract
                 ))
-                .note("before and behind an operation X, Y, A and C move at this height, from wherever they stand")
+                .note(format!(
+                    "before and behind an operation X, Y, {first} and {second} move at this height, from wherever they stand"
+                ))
                 .help(format!(
                     "a retract {} higher (`[retract] z` of the machine file), a shorter tool or holder, or a part that stands \
-                     lower or nearer to the axis of A",
+                     lower or nearer to the axis of {first}",
                     length(lack)
                 )),
             );

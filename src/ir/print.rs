@@ -213,6 +213,7 @@ fn word(kind: MoveKind) -> &'static str {
 /// Joint motion: every move, or the first of each pass.
 pub fn motion(program: &Program, motion: &Motion, detail: Detail) -> String {
     let mut t = String::new();
+    let [.., first, second] = program.machine.names();
     for operation in &motion.operations {
         let name = &program.operations[operation.operation].name;
         let time: f64 = operation.moves.iter().map(|m| m.time).sum();
@@ -227,13 +228,13 @@ pub fn motion(program: &Program, motion: &Motion, detail: Detail) -> String {
             let feed = m.feed.map_or("rapid".to_owned(), |f| format!("feed {f:.3}"));
             let _ = writeln!(
                 t,
-                "  {i} {} X {:.4} Y {:.4} Z {:.4} A {:.4} C {:.4} {feed} time {:.4}",
+                "  {i} {} X {:.4} Y {:.4} Z {:.4} {first} {:.4} {second} {:.4} {feed} time {:.4}",
                 word(m.kind),
                 j.xyz.x + 0.0,
                 j.xyz.y + 0.0,
                 j.xyz.z + 0.0,
-                j.a.to_degrees(),
-                j.c.to_degrees(),
+                j.rotary[0].to_degrees(),
+                j.rotary[1].to_degrees(),
                 m.time
             );
         }

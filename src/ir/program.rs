@@ -340,7 +340,7 @@ impl Program {
         self.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value()).reduce(f64::max)
     }
 
-    /// What comes highest under any A and C of their travel, `stock`, `table` or `fixture`, and its height in the machine frame,
+    /// What comes highest under any angles of the rotary axes within their travel, `stock`, `table` or `fixture`, and its height in the machine frame,
     /// mm.
     pub fn highest(&self) -> (&'static str, f64) {
         let solids = self.machine.carried.iter().map(|solid| (solid.name, self.machine.highest(&solid.profile)));

@@ -1,13 +1,15 @@
 //! Machine and tool files: TOML through serde, every key known, every quantity with its unit.
 
 use super::limits;
-use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
+use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
+use crate::kin::chain::{AxisLine, Chain, ChainFault};
 use crate::method::Planning;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
+use nalgebra::{Point3, Unit, Vector3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -34,6 +36,7 @@ const UNLIMITED: &str = "unlimited";
 #[serde(deny_unknown_fields)]
 struct MachineFile {
     kind: Text,
+    order: Option<Vec<Text>>,
     #[serde(default)]
     #[expect(dead_code, reason = "for the reader of the file")]
     about: String,
@@ -68,6 +71,8 @@ struct AxesTable {
     z: LinearTable,
     #[serde(rename = "A")]
     a: Option<RotaryTable>,
+    #[serde(rename = "B")]
+    b: Option<RotaryTable>,
     #[serde(rename = "C")]
     c: Option<RotaryTable>,
 }
@@ -89,6 +94,7 @@ struct RotaryTable {
     acceleration: Text,
     jerk: Option<Text>,
     sense: Text,
+    direction: Option<Spanned<[f64; 3]>>,
     point: [Text; 3],
 }
 
@@ -268,7 +274,92 @@ impl Reader<'_> {
         }
     }
 
-    fn rotary(&mut self, table: &RotaryTable) -> RotarySpec {
+    /// Direction of a rotary axis, of length 1: about X, Y or Z by its letter where the file says none.
+    fn direction(&mut self, name: &str, table: &RotaryTable) -> [f64; 3] {
+        let usual = ["A", "B", "C"].map(|letter| if letter == name { 1.0 } else { 0.0 });
+        let Some(given) = &table.direction else { return usual };
+        match Vector3::from(*given.get_ref()).try_normalize(1e-6) {
+            Some(direction) if direction.iter().all(|x| x.is_finite()) => direction.into(),
+            _ => {
+                self.fault(
+                    Span::new(self.source, given.span()),
+                    format!("axis {name} has no direction"),
+                    "three numbers, of which one is not 0".to_owned(),
+                    "write the direction in the machine frame with all axes at zero, such as [0, 1, 1] for a nutating axis",
+                );
+                usual
+            }
+        }
+    }
+
+    /// The two rotary axes of a machine file, first the one next to the tool, and which carries what.
+    fn rotary_axes<'t>(&mut self, table: &'t MachineFile) -> Option<(MachineKind, [(&'t str, &'t RotaryTable); 2])> {
+        let kind = MachineKind::ALL.into_iter().find(|kind| kind.name() == table.kind.get_ref());
+        let Some(kind) = kind else {
+            let known = MachineKind::ALL.map(|kind| format!("\"{}\"", kind.name())).join(", ");
+            self.fault(
+                self.span(&table.kind),
+                format!("`{}` is no kind of machine", table.kind.get_ref()),
+                format!("one of {known} is due"),
+                "say what the rotary axes carry: table-table both the part, head-head both the tool, head-table one each",
+            );
+            return None;
+        };
+        let axes = &table.axes;
+        let present = [("A", &axes.a), ("B", &axes.b), ("C", &axes.c)];
+        let present: Vec<(&str, &RotaryTable)> =
+            present.into_iter().filter_map(|(n, t)| Some((n, t.as_ref()?))).collect();
+        // Without an order by the letters: the axis next to the tool is A or B on usual machines.
+        let Ok(pair) = <[(&str, &RotaryTable); 2]>::try_from(present) else { return None };
+        let Some(order) = &table.order else { return Some((kind, pair)) };
+        let names: Vec<&str> = order.iter().map(|name| name.get_ref().as_str()).collect();
+        let [(first, _), (second, _)] = pair;
+        if names == [first, second] {
+            Some((kind, pair))
+        } else if names == [second, first] {
+            Some((kind, [pair[1], pair[0]]))
+        } else {
+            let span = order.first().map_or(self.span(&table.kind), |name| self.span(name));
+            self.fault(
+                span,
+                "the order does not name both rotary axes".to_owned(),
+                format!("\"{first}\" and \"{second}\" are due"),
+                "name the axis next to the tool first, and then the one next to the part",
+            );
+            None
+        }
+    }
+
+    /// The chain of two rotary axes.
+    fn chain(&mut self, kind: MachineKind, rotary: &[RotarySpec; 2], at: Span) -> Option<Chain> {
+        let lines = [0, 1].map(|k| {
+            let spec = &rotary[k];
+            AxisLine {
+                carries: kind.carries()[k],
+                direction: Unit::new_unchecked(Vector3::from(spec.direction)),
+                point: Point3::from(spec.point.map(Mm::get)),
+            }
+        });
+        let [first, second] = rotary.each_ref().map(|spec| spec.name.as_str());
+        let (message, help) = match Chain::new(lines) {
+            Ok(chain) => return Some(chain),
+            Err(ChainFault::Parallel) => {
+                (format!("the axes {first} and {second} are parallel"), "correct `direction` of one of them")
+            }
+            Err(ChainFault::AlongTool) => (
+                format!("axis {first}, next to the tool, turns the tool about itself"),
+                "correct its `direction`, or name the other axis first in `order`",
+            ),
+            Err(ChainFault::Order) => (
+                format!("axis {first} carries the part and {second} the tool"),
+                "name the axis of the head first in `order`",
+            ),
+        };
+        self.fault(at, message, "these axes cannot direct the tool".to_owned(), help);
+        None
+    }
+
+    fn rotary(&mut self, name: &str, table: &RotaryTable) -> RotarySpec {
         let iso = match table.sense.get_ref().as_str() {
             "iso" => true,
             "opposite" => false,
@@ -283,6 +374,8 @@ impl Reader<'_> {
             }
         };
         RotarySpec {
+            name: name.to_owned(),
+            direction: self.direction(name, table),
             travel: self.pair(&table.travel, Dimension::ANGLE, 1e5).map(Rad),
             speed: self.quantity(&table.speed, Dimension::TURNING, 1e-3, 1e6) / 60.0,
             acceleration: self.quantity(&table.acceleration, Dimension::TURNING_ACCELERATION, 1e-3, 1e9) / 3600.0,
@@ -330,31 +423,29 @@ pub(super) fn machine(
         }
     };
     let mut reader = Reader { source, sink, faults: false };
-    if table.kind.get_ref() != "table-table" {
-        reader.fault(
-            reader.span(&table.kind),
-            format!("machines of the kind `{}` are not built", table.kind.get_ref()),
-            "\"table-table\" is the kind that exists".to_owned(),
-            "take a machine that carries the part on two rotary tables",
-        );
-    }
-    let (Some(a), Some(c)) = (&table.axes.a, &table.axes.c) else {
-        let lacking = match (&table.axes.a, &table.axes.c) {
-            (None, None) => "rotary axis",
-            (None, _) => "axis A",
-            _ => "axis C",
-        };
-        sink.push(
-            Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has no {lacking}"))
-                .label(asked, "used here")
-                .help(format!(
-                    "five-axis milling needs the axes A and C; add [axes.A] and [axes.C] to {}, or use another machine",
-                    file.name
-                )),
-        );
+    let Some((kind, axes)) = reader.rotary_axes(&table) else {
+        if !reader.faults {
+            let axes = &table.axes;
+            let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
+            let has: Vec<&str> =
+                [has(&axes.a, "A"), has(&axes.b, "B"), has(&axes.c, "C")].into_iter().flatten().collect();
+            let count = match &has[..] {
+                [] => "no rotary axis".to_owned(),
+                [one] => format!("the rotary axis {one} alone"),
+                more => format!("the rotary axes {}", more.join(", ")),
+            };
+            sink.push(
+                Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has {count}"))
+                    .label(asked, "used here")
+                    .help(format!(
+                        "five-axis milling needs two rotary axes, such as [axes.A] and [axes.C] in {}; or use another machine",
+                        file.name
+                    )),
+            );
+        }
         return None;
     };
-    let mut assumed = table.assumed;
+    let mut assumed = table.assumed.clone();
     let cycle = match &table.cycle {
         Some(text) => reader.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
         None => {
@@ -375,9 +466,14 @@ pub(super) fn machine(
             Planning::Joints
         }
     };
-    let jerks = [&table.axes.x.jerk, &table.axes.y.jerk, &table.axes.z.jerk, &a.jerk, &c.jerk];
-    let silent: Vec<&str> =
-        ["X", "Y", "Z", "A", "C"].into_iter().zip(jerks).filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    let [(first_name, first), (second_name, second)] = axes;
+    let jerks = [&table.axes.x.jerk, &table.axes.y.jerk, &table.axes.z.jerk, &first.jerk, &second.jerk];
+    let silent: Vec<&str> = ["X", "Y", "Z", first_name, second_name]
+        .into_iter()
+        .zip(jerks)
+        .filter(|j| j.1.is_none())
+        .map(|j| j.0)
+        .collect();
     if !silent.is_empty() {
         assumed.push(format!("no limit of the jerk of {}, the default", silent.join(", ")));
     }
@@ -391,12 +487,15 @@ pub(super) fn machine(
             top
         }
     };
+    let rotary = axes.map(|(name, table)| reader.rotary(name, table));
+    let chain = reader.chain(kind, &rotary, reader.span(&table.kind))?;
     let spec = MachineSpec {
         name: name.to_owned(),
         linear,
         retract,
-        tilt: reader.rotary(a),
-        turn: reader.rotary(c),
+        kind,
+        rotary,
+        chain,
         part_origin: reader.point(&table.part.origin),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),

@@ -2,6 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
+use crate::kin::{Carries, Chain};
 use crate::method::Planning;
 use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
 use crate::source::Span;
@@ -35,6 +36,40 @@ pub struct Job {
     pub post: (String, Span),
 }
 
+/// Which rotary axes of a machine carry the tool, and which the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineKind {
+    /// Both carry the part.
+    TableTable,
+    /// One carries the tool, one the part.
+    HeadTable,
+    /// Both carry the tool.
+    HeadHead,
+}
+
+impl MachineKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::TableTable, Self::HeadTable, Self::HeadHead];
+
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TableTable => "table-table",
+            Self::HeadTable => "head-table",
+            Self::HeadHead => "head-head",
+        }
+    }
+
+    /// What the axis next to the tool and the axis next to the part carry.
+    pub fn carries(self) -> [Carries; 2] {
+        match self {
+            Self::TableTable => [Carries::Part, Carries::Part],
+            Self::HeadTable => [Carries::Tool, Carries::Part],
+            Self::HeadHead => [Carries::Tool, Carries::Tool],
+        }
+    }
+}
+
 /// A machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineSpec {
@@ -42,13 +77,15 @@ pub struct MachineSpec {
     pub name: String,
     /// X, Y, Z.
     pub linear: [LinearSpec; 3],
-    /// A and C, in the sense of the machine's own words.
-    pub tilt: RotarySpec,
-    /// C.
-    pub turn: RotarySpec,
-    /// Origin of the part at A = C = 0 in the machine frame.
+    /// Which rotary axis carries what.
+    pub kind: MachineKind,
+    /// The rotary axes in the sense of the machine's own words: next to the tool, and next to the part.
+    pub rotary: [RotarySpec; 2],
+    /// How they lie.
+    pub chain: Chain,
+    /// Origin of the part in the machine frame, with the rotary axes at zero.
     pub part_origin: [Mm; 3],
-    /// Height of the gauge line at which tools are changed and X, Y, A and C may move.
+    /// Height of the gauge line at which tools are changed and all axes but Z may move.
     pub retract: Mm,
     /// Spindle range.
     pub spindle: [Rpm; 2],
@@ -58,7 +95,7 @@ pub struct MachineSpec {
     pub cycle: f64,
     /// How the control plans speeds.
     pub planning: Planning,
-    /// Table, with its top in the machine frame at A = 0.
+    /// Table, with its top in the machine frame, the rotary axes at zero.
     pub table: Option<CarriedSpec>,
     /// Fixture, with its top in the part frame.
     pub fixture: Option<CarriedSpec>,
@@ -66,7 +103,7 @@ pub struct MachineSpec {
     pub assumed: Vec<String>,
 }
 
-/// A solid of revolution about the C axis.
+/// A solid of revolution about the axis of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedSpec {
     /// Height of its top.
@@ -89,8 +126,12 @@ pub struct LinearSpec {
 }
 
 /// A rotary axis in the sense of its word.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RotarySpec {
+    /// Its letter.
+    pub name: String,
+    /// Direction in the machine frame, of length 1.
+    pub direction: [f64; 3],
     /// Travel.
     pub travel: [Rad; 2],
     /// Largest speed, rad/s.

@@ -54,7 +54,8 @@ fn machine(out: &mut String, job: &Job) {
         let (acceleration, jerk) = (trim(axis.acceleration, 3), jerk(axis.jerk, "mm/s3"));
         let _ = writeln!(out, "  {name} {lo} to {hi}, {}, {acceleration} mm/s2, {jerk}", axis.speed);
     }
-    for (name, axis) in [("A", &m.tilt), ("C", &m.turn)] {
+    for axis in &m.rotary {
+        let name = &axis.name;
         let [lo, hi] = axis.travel;
         let sense = if axis.iso { "iso" } else { "opposite" };
         let (speed, acceleration) = (trim(axis.speed.to_degrees(), 3), trim(axis.acceleration, 3));

@@ -1,6 +1,6 @@
 //! What a control does between two blocks, and how far two rules lie apart.
 
-use super::{Joints, Machine, Pose, transform::axis_at};
+use super::{Joints, Machine, Pose, between};
 use nalgebra::Vector3;
 
 /// Rule by which a control fills in between the ends of a block.
@@ -18,14 +18,17 @@ pub enum Interpolation {
 impl Interpolation {
     /// Tool at a share `t` of the block, in [0, 1].
     pub fn pose(self, machine: &Machine, from: &Joints, to: &Joints, t: f64) -> Pose {
-        let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+        let rotary = between(from.rotary, to.rotary, t);
         if self == Self::JointsLinear {
-            return machine.forward(&Joints { xyz: from.xyz + (to.xyz - from.xyz) * t, a, c });
+            return machine.forward(&Joints { xyz: from.xyz + (to.xyz - from.xyz) * t, rotary });
         }
         let ends = [machine.forward(from), machine.forward(to)];
         let tip = ends[0].tip + (ends[1].tip - ends[0].tip) * t;
-        let axis =
-            if self == Self::GreatCircle { great_circle(&ends[0].axis, &ends[1].axis, t) } else { axis_at(a, c) };
+        let axis = if self == Self::GreatCircle {
+            great_circle(&ends[0].axis, &ends[1].axis, t)
+        } else {
+            machine.chain.tool_axis(rotary)
+        };
         Pose { tip, axis }
     }
 
@@ -34,7 +37,7 @@ impl Interpolation {
     /// quarters of the block.
     pub fn deviation(self, machine: &Machine, from: &Joints, to: &Joints, height: f64) -> f64 {
         // The rules only differ where something turns.
-        if self == Self::RotaryLinear || (from.a == to.a && from.c == to.c) {
+        if self == Self::RotaryLinear || from.rotary == to.rotary {
             return 0.0;
         }
         let apart = |t: f64| {
@@ -64,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_great_circle_turns_evenly_in_one_plane() {
-        let (p, q) = (axis_at(0.4, 0.3), axis_at(1.1, -0.9));
+        let (p, q) = (Vector3::new(0.3, -0.4, 1.2).normalize(), Vector3::new(-0.6, -0.5, 0.4).normalize());
         let angle = p.angle(&q);
         for k in 0..=10 {
             let t = f64::from(k) / 10.0;

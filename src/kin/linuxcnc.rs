@@ -11,11 +11,10 @@
 //!
 //! G0 is no part of it: the control runs it by the limits of the tip, whatever the joints can do.
 
-use super::transform::axis_at;
 use super::{Joints, Machine};
 use nalgebra::{Point3, Vector3};
 
-/// Program coordinates: X Y Z of the tip on the part in mm, A and C in radians.
+/// Program coordinates: X Y Z of the tip on the part in mm, both rotary axes in radians.
 type Place = [f64; 5];
 
 /// Displacements of less are none for the control, mm or radians.
@@ -36,7 +35,7 @@ const TURNS: f64 = 1e-3;
 /// A line of the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it begins: tip on the part, A and C.
+    /// Where it begins: tip on the part and rotary axes.
     pub from: Place,
     /// Where it ends.
     pub to: Place,
@@ -66,7 +65,7 @@ pub struct Ran {
     /// and of the axis, radians. At which period the blend begins depends on what ran before: what a period more would
     /// add is counted.
     pub deviation: [f64; 2],
-    /// Largest speed of X, Y, Z, A, C meanwhile, as a share of the limit.
+    /// Largest speed of X, Y, Z and the rotary axes meanwhile, as a share of the limit.
     pub speed: [f64; 5],
 }
 
@@ -275,11 +274,11 @@ fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
 const STEP: f64 = 1e-4;
 
 /// How far the tool at a place is from the nearest place of a line: tip or end of the flutes, mm, and axis, radians.
-fn deviation(place: &Place, line: &Line, height: f64) -> [f64; 2] {
+fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64; 2] {
     let at = |t: f64| -> Place { std::array::from_fn(|k| line.from[k] + (line.to[k] - line.from[k]) * t) };
     let ends = |p: &Place| {
         let tip = Vector3::new(p[0], p[1], p[2]);
-        let axis = axis_at(p[3], p[4]);
+        let axis = machine.chain.tool_axis([p[3], p[4]]);
         [tip, tip + axis * height, axis]
     };
     let here = ends(place);
@@ -305,7 +304,7 @@ pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>
     let mut last: Option<Place> = None;
     for (j, time, stop) in moves {
         let tip = machine.forward(&j).tip;
-        let to = [tip.x, tip.y, tip.z, j.a, j.c];
+        let to = [tip.x, tip.y, tip.z, j.rotary[0], j.rotary[1]];
         if let Some(from) = last {
             lines.push(Line { from, to, time, stop });
         }
@@ -315,10 +314,11 @@ pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>
 }
 
 /// Time of a G0 between two positions, s: its planner looks at the speed of the tip along X, Y and Z of the part, and at
-/// those of A and C.
+/// those of the rotary axes.
 pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joints; 2]) -> f64 {
     let way = tips[1] - tips[0];
-    let moved = [way.x, way.y, way.z, joints[1].a - joints[0].a, joints[1].c - joints[0].c];
+    let turns = [0, 1].map(|k| joints[1].rotary[k] - joints[0].rotary[k]);
+    let moved = [way.x, way.y, way.z, turns[0], turns[1]];
     moved.iter().zip(machine.speeds()).map(|(d, speed)| d.abs() / speed).fold(0.0, f64::max)
 }
 
@@ -416,7 +416,7 @@ impl Corner {
         let machine = settings.machine;
         let (here, there) = (this.at(way[1]), next.at(way[2]));
         let place: Place = std::array::from_fn(|k| here[k] + there[k] - next.line.from[k]);
-        let [one, other] = [this, next].map(|s| deviation(&place, &s.line, settings.height));
+        let [one, other] = [this, next].map(|s| deviation(machine, &place, &s.line, settings.height));
         let nearer = if one[0] <= other[0] { one } else { other };
         self.deviation = [self.deviation[0].max(nearer[0]), self.deviation[1].max(nearer[1])];
         let joints = joints_at(machine, &place);
@@ -432,37 +432,31 @@ impl Corner {
 const MOST_LATE: f64 = 4.0;
 
 fn joints_at(machine: &Machine, place: &Place) -> Place {
-    let j = machine.joints(&Point3::new(place[0], place[1], place[2]), place[3], place[4]);
-    [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+    machine.joints(&Point3::new(place[0], place[1], place[2]), [place[3], place[4]]).all()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kin::{LinearAxis, RotaryAxis};
+    use crate::kin::{Chain, LinearAxis, RotaryAxis};
     use crate::method::Planning;
 
     const HEIGHT: f64 = 12.0;
 
     fn machine() -> Machine {
-        let linear = LinearAxis { min: -1e3, max: 1e3, speed: 20.0, acceleration: 300.0, jerk: f64::INFINITY };
-        let rotary =
-            RotaryAxis { min: -9.0, max: 9.0, speed: 0.5, acceleration: 5.0, jerk: f64::INFINITY, word_sign: 1.0 };
         Machine {
-            name: String::new(),
-            linear: [linear; 3],
-            tilt: rotary,
-            turn: rotary,
-            tilt_point: Point3::origin(),
-            turn_point: Point3::origin(),
-            part_origin: Vector3::zeros(),
-            retract: 1e3,
-            spindle: [1.0, 2.0],
+            linear: [LinearAxis { speed: 20.0, acceleration: 300.0, ..LinearAxis::WIDE }; 3],
+            rotary: ["A", "C"].map(|name| RotaryAxis {
+                min: -9.0,
+                max: 9.0,
+                speed: 0.5,
+                acceleration: 5.0,
+                ..RotaryAxis::wide(name)
+            }),
             rapid: 20.0,
             cycle: 0.001,
             planning: Planning::LinuxCnc,
-            carried: Vec::new(),
-            assumed: Vec::new(),
+            ..Machine::wide(Chain::tilting_table())
         }
     }
 
@@ -488,7 +482,7 @@ mod tests {
         }
     }
 
-    /// Where A stops and the tip goes on, both lines add up to a parabola: at its middle each is v^2/(8a) from the corner,
+    /// Where a rotary axis stops and the tip goes on, both lines add up to a parabola: at its middle each is v^2/(8a) from the corner,
     /// and the flutes are off by that times half of the change of their direction, whatever the tolerance is. A line that
     /// stops at its own end starts with twice the acceleration, and is off by more: by a third where it was measured.
     #[test]

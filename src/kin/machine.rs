@@ -1,7 +1,8 @@
 //! A machine as numbers: axes, their limits, where the part sits.
 
+use super::{Angles, Carries, Chain};
 use crate::method::Planning;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
 /// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
@@ -20,8 +21,10 @@ pub struct LinearAxis {
 }
 
 /// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2, jerk in rad/s3.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RotaryAxis {
+    /// Its word in NC texts, by the machine file.
+    pub name: String,
     /// Least position.
     pub min: f64,
     /// Largest position.
@@ -36,7 +39,7 @@ pub struct RotaryAxis {
     pub word_sign: f64,
 }
 
-/// A table-table machine with axes X Y Z A C. Positions of Z, where a travel or a height is given, are those of the gauge
+/// A machine with three linear and two rotary axes. Positions of Z, where a travel or a height is given, are those of the gauge
 /// line: the face of the spindle that tool lengths are measured from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
@@ -44,17 +47,13 @@ pub struct Machine {
     pub name: String,
     /// X, Y, Z.
     pub linear: [LinearAxis; 3],
-    /// A, about machine X.
-    pub tilt: RotaryAxis,
-    /// C, about machine Z at A = 0, carried by A.
-    pub turn: RotaryAxis,
-    /// A point of the A axis, machine frame.
-    pub tilt_point: Point3<f64>,
-    /// A point of the C axis at A = 0, machine frame.
-    pub turn_point: Point3<f64>,
-    /// Origin of the part at A = C = 0, machine frame.
+    /// The rotary axes: next to the tool, and next to the part.
+    pub rotary: [RotaryAxis; 2],
+    /// How they lie.
+    pub chain: Chain,
+    /// Origin of the part with the rotary axes at zero, machine frame.
     pub part_origin: Vector3<f64>,
-    /// Height of the gauge line, machine frame, at which tools are changed, and at which X, Y, A and C move with tool centre
+    /// Height of the gauge line, machine frame, at which tools are changed, and at which all axes but Z move with tool centre
     /// point control off; mm. No program begins with Z above it.
     pub retract: f64,
     /// Least and largest spindle speed, rpm.
@@ -74,7 +73,7 @@ pub struct Machine {
 /// Share of the limits of speed that plans for LinuxCNC use.
 const BLENDED: f64 = 0.97;
 
-/// A solid of revolution about the C axis that turns with the part.
+/// A solid of revolution about the axis of the table that turns with the part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     /// `table` or `fixture`.
@@ -84,11 +83,50 @@ pub struct Carried {
     pub profile: Vec<[f64; 2]>,
 }
 
+impl LinearAxis {
+    /// An axis whose limits matter nowhere.
+    pub const WIDE: Self = Self { min: -1e6, max: 1e6, speed: 1e6, acceleration: 1e9, jerk: f64::INFINITY };
+}
+
+impl RotaryAxis {
+    /// An axis whose limits matter nowhere.
+    pub fn wide(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            min: -1e3,
+            max: 1e3,
+            speed: 1e3,
+            acceleration: 1e6,
+            jerk: f64::INFINITY,
+            word_sign: 1.0,
+        }
+    }
+}
+
 impl Machine {
-    /// Speed limits of X, Y, Z (mm/s), A and C (rad/s).
+    /// A machine whose limits matter nowhere, for questions that ask for the chain alone. The origin of the part is that of
+    /// the machine frame.
+    pub fn wide(chain: Chain) -> Self {
+        Self {
+            name: String::new(),
+            linear: [LinearAxis::WIDE; 3],
+            rotary: ["A", "C"].map(RotaryAxis::wide),
+            chain,
+            part_origin: Vector3::zeros(),
+            retract: 1e6,
+            spindle: [1.0, 1e6],
+            rapid: 1e6,
+            cycle: 1.0,
+            planning: Planning::Joints,
+            carried: Vec::new(),
+            assumed: Vec::new(),
+        }
+    }
+
+    /// Speed limits of X, Y, Z (mm/s) and of both rotary axes (rad/s).
     pub fn speeds(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.speed);
-        [x, y, z, self.tilt.speed, self.turn.speed]
+        [x, y, z, self.rotary[0].speed, self.rotary[1].speed]
     }
 
     /// The speeds that a plan uses. LinuxCNC adds up the end of a block and the start of the next one, and the sum may be
@@ -98,100 +136,185 @@ impl Machine {
         self.speeds().map(|speed| speed * share)
     }
 
-    /// The C axis in the part frame, x and y.
-    pub fn turn_axis(&self) -> [f64; 2] {
-        let at = self.turn_point.coords - self.part_origin;
+    /// Travel of all axes, mm and radians: of Z for the gauge line.
+    pub fn travel(&self) -> [[f64; 2]; 5] {
+        let [x, y, z] = [0, 1, 2].map(|k| [self.linear[k].min, self.linear[k].max]);
+        let [first, second] = [0, 1].map(|k| [self.rotary[k].min, self.rotary[k].max]);
+        [x, y, z, first, second]
+    }
+
+    /// Names of all axes.
+    pub fn names(&self) -> [&str; 5] {
+        ["X", "Y", "Z", &self.rotary[0].name, &self.rotary[1].name]
+    }
+
+    /// Index of the rotary axis with a name.
+    pub fn rotary_axis(&self, name: &str) -> Option<usize> {
+        self.rotary.iter().position(|axis| axis.name == name)
+    }
+
+    /// Where the axis of the table meets the x-y plane of the part frame, mm. Of a machine without a table, or with one
+    /// that does not turn about the Z axis of the part, the origin.
+    pub fn table_axis(&self) -> [f64; 2] {
+        let table = &self.chain.axes()[1];
+        if table.carries == Carries::Tool || table.direction.z.abs() != 1.0 {
+            return [0.0; 2];
+        }
+        let at = table.point.coords - self.part_origin;
         [at.x, at.y]
     }
 
-    /// Largest angle between tool axis and Z of the part that the travel of A has, radians, on either of its branches.
+    /// Largest angle between the tool and rotary axis 2 that the travel of axis 1 has, radians, on either branch.
     pub fn most_lean(&self) -> f64 {
-        self.tilt.max.max(-self.tilt.min)
+        let [first, _] = &self.rotary;
+        self.chain.lean(first.max).max(self.chain.lean(first.min))
     }
 
-    /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any A and C of their
-    /// travel. `profile` holds its corners as (r, z) in the part frame, mm.
+    /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the rotary
+    /// axes within their travel. `profile` holds its corners as (r, z) in the part frame, mm. For tables of which one turns about
+    /// the vertical and the other about a level axis the height is exact, for others an upper bound.
     pub fn highest(&self, profile: &[[f64; 2]]) -> f64 {
-        let [x, y] = self.turn_axis();
-        let eccentric = libm::hypot(x, y);
-        let beside = self.turn_point.y - self.tilt_point.y;
-        let above = self.part_origin.z - self.tilt_point.z;
-        let corner = |[r, z]: [f64; 2]| {
-            // A whole turn of C takes a point to both sides of the C axis.
-            let sides = [beside - r - eccentric, beside + r + eccentric];
-            sides.map(|y| self.risen(y, z + above)).into_iter().fold(f64::NEG_INFINITY, f64::max)
+        let [first, second] = self.chain.axes();
+        let corners = |height: &dyn Fn(f64, f64) -> f64| {
+            profile.iter().map(|[r, z]| height(*r, *z)).fold(f64::NEG_INFINITY, f64::max)
         };
-        self.tilt_point.z + profile.iter().map(|p| corner(*p)).fold(f64::NEG_INFINITY, f64::max)
+        let upright = second.direction.z.abs() == 1.0;
+        if second.carries == Carries::Tool {
+            return self.part_origin.z + corners(&|_, z| z);
+        }
+        if first.carries == Carries::Tool && upright {
+            return self.part_origin.z + corners(&|_, z| z);
+        }
+        if first.carries == Carries::Part && upright && first.direction.z == 0.0 {
+            let [x, y] = self.table_axis();
+            let eccentric = libm::hypot(x, y);
+            // Level, across the axis that tilts the table.
+            let across = Vector3::z().cross(&first.direction);
+            let beside = across.dot(&(second.point - first.point));
+            let above = self.part_origin.z - first.point.z;
+            return first.point.z
+                + corners(&|r, z| {
+                    // A whole turn of the table takes a point to both sides of its axis.
+                    let sides = [beside - r - eccentric, beside + r + eccentric];
+                    sides.map(|y| self.risen(y, z + above)).into_iter().fold(f64::NEG_INFINITY, f64::max)
+                });
+        }
+        // However the tables stand: as far over the line of the outer one as the corner lies from it.
+        let outer = if first.carries == Carries::Part { first } else { second };
+        let (origin, lever) = (self.part_origin, (second.point - outer.point).norm());
+        let arm = (origin - second.point.coords).norm();
+        outer.point.z + lever + arm + corners(&|r, z| libm::hypot(r, z))
     }
 
-    /// Largest height over the A axis of a point beside and above it (at A = 0) over the travel of A.
+    /// Largest height over the tilting axis of a point beside and above it (at zero) over the travel of that axis.
     fn risen(&self, beside: f64, above: f64) -> f64 {
+        let tilt = &self.rotary[0];
         let height = |a: f64| above * libm::cos(a) - beside * libm::sin(a);
         let top = libm::atan2(-beside, above);
-        let ends = height(self.tilt.min).max(height(self.tilt.max));
-        let turns = ((self.tilt.min - top) / TAU).ceil();
-        if top + turns * TAU <= self.tilt.max { libm::hypot(beside, above) } else { ends }
+        let ends = height(tilt.min).max(height(tilt.max));
+        let turns = ((tilt.min - top) / TAU).ceil();
+        if top + turns * TAU <= tilt.max { libm::hypot(beside, above) } else { ends }
     }
 
-    /// Acceleration limits of X, Y, Z (mm/s2), A and C (rad/s2).
+    /// Bound of the turn of the tool against the part between angles, see [`Chain::turn`].
+    pub fn turn(&self, from: Angles, to: Angles) -> f64 {
+        self.chain.turn(from, to)
+    }
+
+    /// Acceleration limits of X, Y, Z (mm/s2) and of both rotary axes (rad/s2).
     pub fn accelerations(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.acceleration);
-        [x, y, z, self.tilt.acceleration, self.turn.acceleration]
+        [x, y, z, self.rotary[0].acceleration, self.rotary[1].acceleration]
     }
 
-    /// Jerk limits of X, Y, Z (mm/s3), A and C (rad/s3); infinite where the control has none.
+    /// Jerk limits of X, Y, Z (mm/s3) and of both rotary axes (rad/s3); infinite where the control has none.
     pub fn jerks(&self) -> [f64; 5] {
         let [x, y, z] = self.linear.map(|l| l.jerk);
-        [x, y, z, self.tilt.jerk, self.turn.jerk]
+        [x, y, z, self.rotary[0].jerk, self.rotary[1].jerk]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kin::AxisLine;
+    use nalgebra::{Point3, Unit};
     use proptest::prelude::*;
 
-    fn machine(travel: [f64; 2], tilt_point: [f64; 3], turn_point: [f64; 3], origin: [f64; 3]) -> Machine {
-        let linear = LinearAxis { min: -1e3, max: 1e3, speed: 1.0, acceleration: 1.0, jerk: 1.0 };
-        let rotary =
-            RotaryAxis { min: travel[0], max: travel[1], speed: 1.0, acceleration: 1.0, jerk: 1.0, word_sign: 1.0 };
-        Machine {
-            name: String::new(),
-            linear: [linear; 3],
-            tilt: rotary,
-            turn: rotary,
-            tilt_point: Point3::from(tilt_point),
-            turn_point: Point3::from(turn_point),
-            part_origin: Vector3::from(origin),
-            retract: 1e3,
-            spindle: [1.0, 2.0],
-            rapid: 1.0,
-            cycle: 1.0,
-            planning: Planning::Joints,
-            carried: Vec::new(),
-            assumed: Vec::new(),
+    fn machine([min, max]: [f64; 2], lines: [AxisLine; 2], origin: [f64; 3]) -> Machine {
+        let rotary = ["A", "C"].map(|name| RotaryAxis { min, max, ..RotaryAxis::wide(name) });
+        Machine { rotary, part_origin: Vector3::from(origin), ..Machine::wide(Chain::new(lines).unwrap()) }
+    }
+
+    fn line(carries: Carries, direction: Vector3<f64>, point: [f64; 3]) -> AxisLine {
+        AxisLine { carries, direction: Unit::new_normalize(direction), point: Point3::from(point) }
+    }
+
+    /// Largest height of a ring under all angles, by brute force.
+    fn reached(m: &Machine, [low, high]: [f64; 2], r: f64, height: f64) -> f64 {
+        let mut most = f64::NEG_INFINITY;
+        for i in 0..=200 {
+            let a = low + (high - low) * f64::from(i) / 200.0;
+            for k in 0..360 {
+                let turn = f64::from(k).to_radians();
+                let p = Point3::new(r, 0.0, height);
+                most = most.max((m.part_to_machine([a, turn]) * p).z);
+            }
         }
+        most
     }
 
     proptest! {
-        /// No point of the solid comes higher, and some point comes as high, by brute force over A and C.
+        /// No point of the solid comes higher, and some point comes as high, by brute force, for a table that tilts about any
+        /// level axis.
         #[test]
         fn highest_is_reached_and_not_passed(
             low in -2.0..0.0_f64, range in 0.1..3.0_f64, y in -30.0..30.0_f64, z in -30.0..30.0_f64,
-            r in 1.0..80.0_f64, height in -60.0..60.0_f64, up in -40.0..40.0_f64
+            r in 1.0..80.0_f64, height in -60.0..60.0_f64, up in -40.0..40.0_f64, azimuth in prop_oneof![Just(0.0), -3.0..3.0_f64]
         ) {
-            let m = machine([low, low + range], [3.0, y, z], [5.0, -4.0, 0.0], [5.0, -4.0, up]);
+            let tilt = Vector3::new(libm::cos(azimuth), libm::sin(azimuth), 0.0);
+            let lines = [
+                line(Carries::Part, tilt, [3.0, y, z]), line(Carries::Part, Vector3::z(), [5.0, -4.0, 0.0])
+            ];
+            let m = machine([low, low + range], lines, [5.0, -4.0, up]);
             let bound = m.highest(&[[r, height]]);
-            let mut most = f64::NEG_INFINITY;
-            for i in 0..=200 {
-                let a = low + range * f64::from(i) / 200.0;
-                for k in 0..360 {
-                    let turn = f64::from(k).to_radians();
-                    let p = Point3::new(r, 0.0, height);
-                    most = most.max((m.part_to_machine(a, turn) * p).z);
-                }
-            }
+            let most = reached(&m, [low, low + range], r, height);
             prop_assert!(most <= bound + 1e-9 && most > bound - 0.05, "{most} {bound}");
+        }
+
+        /// Of other tables it is a bound.
+        #[test]
+        fn highest_is_not_passed_by_any_table(
+            first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
+            point in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0], head in any::<bool>(), r in 1.0..80.0_f64
+        ) {
+            let [k1, k2] = [first, second].map(Vector3::from);
+            prop_assume!(k1.norm() > 0.1 && k2.norm() > 0.1);
+            let carries = if head { Carries::Tool } else { Carries::Part };
+            let lines = [line(carries, k1, point), line(Carries::Part, k2, [1.0, 2.0, 3.0])];
+            prop_assume!(Chain::new(lines).is_ok());
+            let m = machine([-2.0, 2.0], lines, [5.0, -4.0, 9.0]);
+            prop_assert!(reached(&m, [-2.0, 2.0], r, 20.0) <= m.highest(&[[r, 20.0]]) + 1e-9);
+        }
+
+        /// With a head, the gauge line and the tool lie as the angles say: the tip is where the joints put it.
+        #[test]
+        fn positions_carry_the_tool(
+            angles in [-1.5..1.5_f64, -3.0..3.0], tip in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0],
+            pivot in 50.0..300.0_f64, length in 20.0..200.0_f64
+        ) {
+            let lines = [
+                line(Carries::Tool, Vector3::new(1.0, 0.0, 1.0), [0.0, 0.0, pivot]),
+                line(Carries::Tool, Vector3::z(), [0.0, 0.0, pivot])
+            ];
+            let m = machine([-2.0, 2.0], lines, [0.0; 3]);
+            let tip = Point3::from(tip);
+            let joints = m.joints(&tip, angles);
+            let [x, y, z, ..] = m.positions(&joints, length);
+            // From the gauge line through the pivot by plain vectors.
+            let axis = m.chain.tool_axis(angles);
+            let pivoted = Point3::new(x, y, z + pivot) - axis * (pivot + length);
+            prop_assert!((pivoted - tip).norm() < 1e-9, "{pivoted} {tip}");
         }
     }
 }

@@ -215,7 +215,6 @@ fn scope(spec: &Scope<usize>) -> Scope<OperationId> {
 
 /// The machine with its rotary axes in the ISO sense.
 fn machine(spec: &MachineSpec) -> Machine {
-    let point = |p: [Mm; 3]| Point3::from(p.map(Mm::get));
     Machine {
         name: spec.name.clone(),
         linear: spec.linear.map(|axis: LinearSpec| LinearAxis {
@@ -225,10 +224,8 @@ fn machine(spec: &MachineSpec) -> Machine {
             acceleration: axis.acceleration,
             jerk: axis.jerk,
         }),
-        tilt: rotary(&spec.tilt),
-        turn: rotary(&spec.turn),
-        tilt_point: point(spec.tilt.point),
-        turn_point: point(spec.turn.point),
+        rotary: [0, 1].map(|k| rotary(&spec.rotary[k])),
+        chain: spec.chain,
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
         retract: spec.retract.get(),
         spindle: spec.spindle.map(crate::units::Rpm::get),
@@ -263,7 +260,8 @@ fn carried(spec: &MachineSpec) -> Vec<Carried> {
 fn rotary(spec: &RotarySpec) -> RotaryAxis {
     let [min, max] = spec.travel.map(|t| t.get());
     let (min, max, word_sign) = if spec.iso { (min, max, 1.0) } else { (-max, -min, -1.0) };
-    RotaryAxis { min, max, speed: spec.speed, acceleration: spec.acceleration, jerk: spec.jerk, word_sign }
+    let name = spec.name.clone();
+    RotaryAxis { name, min, max, speed: spec.speed, acceleration: spec.acceleration, jerk: spec.jerk, word_sign }
 }
 
 #[cfg(test)]
@@ -279,6 +277,8 @@ mod tests {
             acceleration: 2.0,
             jerk: f64::INFINITY,
             iso: false,
+            name: "A".to_owned(),
+            direction: [1.0, 0.0, 0.0],
             point: [Mm(0.0); 3],
         };
         let axis = rotary(&spec);

@@ -1,8 +1,8 @@
 //! A smooth run of the rotary axes inside a corridor of elliptic cones.
 //!
-//! Unknown are A and C at stations even apart in the length of the path. First, second and third differences are
+//! Unknown are both rotary axes at stations even apart in the length of the path. First, second and third differences are
 //! minimised, and the largest turn of each axis a mm, which limits the feed. The axis at each station stays in its cone:
-//! a polygon in the ellipse, with the map from (A, C) to the plane of the ellipse linearised. The linear problem is
+//! a polygon in the ellipse, with the map from the rotary axes to the plane of the ellipse linearised. The linear problem is
 //! solved, the map linearised again at what came out, until it moves no more; then each axis is compared with its true
 //! ellipse.
 
@@ -42,9 +42,9 @@ pub struct Weights {
     pub second: f64,
     /// Third differences: what jerk comes from.
     pub third: f64,
-    /// Squares of the largest turns of A and of C a mm.
+    /// Squares of the largest turns of each rotary axis a mm.
     pub peak: f64,
-    /// Least tilt A, radians; below it C turns fast.
+    /// Least angle of axis 1, radians; below it axis 2 turns fast.
     pub least_tilt: f64,
 }
 
@@ -71,17 +71,17 @@ pub struct Residual {
 }
 
 impl Corridor {
-    /// A and C of each station, from a run in the corridor or near it; C of neighbours on one winding. `axis_at` gives
-    /// the tool axis at (A, C).
+    /// [f64; 2] of each station, from a run in the corridor or near it; those of neighbours on one winding. `tool_axis` gives
+    /// the tool axis at angles.
     ///
     /// # Errors
     /// The rounds end without a run that stays in all cones: the last residuals.
     pub fn smooth(
         &self,
-        start: &[(f64, f64)],
+        start: &[[f64; 2]],
         weights: &Weights,
-        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
-    ) -> Result<Vec<(f64, f64)>, Residual> {
+        tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>,
+    ) -> Result<Vec<[f64; 2]>, Residual> {
         let mut run = start.to_vec();
         let mut change = f64::INFINITY;
         let mut round: i32 = 0;
@@ -89,36 +89,37 @@ impl Corridor {
             round += 1;
             // Shorter steps each time: what the map bends over a step goes with its square.
             let trust = TRUST * SHORTER.powi(round - 1);
-            let Some(next) = self.solve(&run, weights, trust, axis_at) else {
-                let (station, level) = self.worst(&run, axis_at);
+            let Some(next) = self.solve(&run, weights, trust, tool_axis) else {
+                let (station, level) = self.worst(&run, tool_axis);
                 return Err(Residual { station, level, change, infeasible: true });
             };
-            change = next.iter().zip(&run).map(|(p, q)| (p.0 - q.0).abs().max((p.1 - q.1).abs())).fold(0.0, f64::max);
+            change =
+                next.iter().zip(&run).map(|(p, q)| (p[0] - q[0]).abs().max((p[1] - q[1]).abs())).fold(0.0, f64::max);
             run = next;
         }
-        let (station, level) = self.worst(&run, axis_at);
+        let (station, level) = self.worst(&run, tool_axis);
         // The polygon lies inside of the ellipse by more than what a settled round leaves.
         if level <= 1.0 { Ok(run) } else { Err(Residual { station, level, change, infeasible: false }) }
     }
 
     /// The station that lies farthest out of its cone, and how far.
-    pub fn worst(&self, run: &[(f64, f64)], axis_at: &dyn Fn(f64, f64) -> Vector3<f64>) -> (usize, f64) {
-        let levels = self.cones.iter().zip(run).map(|(cone, q)| cone.level(&axis_at(q.0, q.1)));
+    pub fn worst(&self, run: &[[f64; 2]], tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>) -> (usize, f64) {
+        let levels = self.cones.iter().zip(run).map(|(cone, q)| cone.level(&tool_axis(*q)));
         levels.enumerate().fold((0, 0.0), |worst, x| if x.1 > worst.1 { x } else { worst })
     }
 
     fn solve(
         &self,
-        run: &[(f64, f64)],
+        run: &[[f64; 2]],
         weights: &Weights,
         trust: f64,
-        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
-    ) -> Option<Vec<(f64, f64)>> {
+        tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>,
+    ) -> Option<Vec<[f64; 2]>> {
         let n = self.cones.len();
         if n < 4 || run.len() != n {
             return None;
         }
-        // Unknowns: A of all stations, C of all stations, the largest turn of each, the way out of the cones.
+        // Unknowns: axis 1 of all stations, axis 2 of all stations, the largest turn of each, the way out of the cones.
         let count = 2 * n + 3;
         let mut square = Triplets::default();
         let h = self.spacing;
@@ -140,14 +141,14 @@ impl Corridor {
             square.add(2 * n + axis, 2 * n + axis, 2.0 * weights.peak * h * n as f64);
         }
         let mut rows = Rows::default();
-        for (k, (cone, (a, c))) in self.cones.iter().zip(run).enumerate() {
-            self.in_cone(&mut rows, k, cone, (*a, *c), axis_at)?;
-            for (axis, value) in [(0, *a), (1, *c)] {
+        for (k, (cone, angles)) in self.cones.iter().zip(run).enumerate() {
+            self.in_cone(&mut rows, k, cone, *angles, tool_axis)?;
+            for (axis, value) in angles.iter().enumerate() {
                 rows.at_most(&[(axis * n + k, 1.0)], value + trust);
                 rows.at_most(&[(axis * n + k, -1.0)], trust - value);
             }
             // Never out of reach: a run that starts below the least tilt may only rise.
-            rows.at_most(&[(k, -1.0)], -weights.least_tilt.min(a.abs()) * a.signum());
+            rows.at_most(&[(k, -1.0)], -weights.least_tilt.min(angles[0].abs()) * angles[0].signum());
             if k + 1 < n {
                 for axis in 0..2 {
                     let (p, q) = (axis * n + k, axis * n + k + 1);
@@ -162,7 +163,7 @@ impl Corridor {
         let mut linear = vec![0.0; count];
         linear[out] = 1e3;
         let solution = solve_quadratic(&square, &linear, &rows, count)?;
-        Some((0..n).map(|k| (solution[k], solution[n + k])).collect())
+        Some((0..n).map(|k| [solution[k], solution[n + k]]).collect())
     }
 
     /// Rows that keep the axis of a station in its cone.
@@ -171,15 +172,15 @@ impl Corridor {
         rows: &mut Rows,
         k: usize,
         cone: &EllipticCone,
-        (a, c): (f64, f64),
-        axis_at: &dyn Fn(f64, f64) -> Vector3<f64>,
+        [first, second]: [f64; 2],
+        tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>,
     ) -> Option<()> {
         let n = self.cones.len();
-        let here = cone.project(&axis_at(a, c))?;
+        let here = cone.project(&tool_axis([first, second]))?;
         // Central differences: the map is smooth, and 1e-5 leaves ten digits.
         let step = 1e-5;
-        let by = |da: f64, dc: f64| {
-            let [p, q] = [1.0, -1.0].map(|s| cone.project(&axis_at(a + s * da, c + s * dc)));
+        let by = |d1: f64, d2: f64| {
+            let [p, q] = [1.0, -1.0].map(|s| cone.project(&tool_axis([first + s * d1, second + s * d2])));
             Some((p? - q?) / (2.0 * step))
         };
         let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
@@ -190,7 +191,7 @@ impl Corridor {
             let (sin, cos) = libm::sincos(TAU * side as f64 / SIDES as f64);
             let out = Vector2::new(cos, sin);
             let slope = turned.transpose() * out;
-            let bound = inner - out.dot(&offset) + slope.x * a + slope.y * c;
+            let bound = inner - out.dot(&offset) + slope.x * first + slope.y * second;
             rows.at_most(&[(k, slope.x), (n + k, slope.y), (2 * n + 2, -1.0)], bound);
         }
         Some(())

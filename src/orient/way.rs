@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-/// Joints of a candidate: X, Y, Z in mm, A, C in radians.
+/// Joints of a candidate: X, Y, Z in mm, rotary axes 1 and 2 in radians.
 pub type Joints5 = [f64; 5];
 
 /// A candidate of a station.
@@ -29,12 +29,12 @@ pub struct Costs {
     pub acceleration: Joints5,
     /// Factor of the second differences, 1/s.
     pub smoothness: f64,
-    /// Largest turn of A or C in a step, radians: what is farther is no neighbour.
+    /// Largest turn of a rotary axis in a step, radians: what is farther is no neighbour.
     pub most_turn: f64,
 }
 
 impl Costs {
-    /// Difference of two candidates, C by its nearest winding.
+    /// Difference of two candidates, axis 2 by its nearest winding.
     fn difference(from: &Joints5, to: &Joints5) -> Joints5 {
         let mut d: Joints5 = std::array::from_fn(|k| to[k] - from[k]);
         d[4] -= TAU * (d[4] / TAU).round();

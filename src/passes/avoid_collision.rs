@@ -137,7 +137,7 @@ fn clear_axes(
     let lines = planned.passes.len().min(per_sector);
     let (passes, planned) = (&oriented.passes[..lines], &planned.passes[..lines]);
     let chosen = if method == AxisMethod::Xu {
-        axis_way::greedy_axes(&room, planned, passes)
+        axis_way::greedy_axes(&room, &program.machine.chain, planned, passes)
     } else {
         axis_way::shortest(&room, &program.machine, passes, &work)
     };

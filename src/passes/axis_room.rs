@@ -2,7 +2,7 @@
 //!
 //! The tool stands on the floor with its ball; it turns about the centre of the ball. Its distances: shank and holder
 //! what the contracts ask, the side of the cutter [`SIDE`] from one diameter over the tip on, where it has left the
-//! contact behind. Between two stations the tip runs straight and A and C turn evenly: at the middle of a piece no point
+//! contact behind. Between two stations the tip runs straight and the rotary axes turn evenly: at the middle of a piece no point
 //! of the tool is farther from where it is over the whole piece than half of the way of the tip and half of the turn
 //! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
 

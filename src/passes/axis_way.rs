@@ -6,7 +6,7 @@ use super::smooth_axis::{lengths, rotary, stretch};
 use crate::geom::moving_least_squares::{Patch, curvature};
 use crate::geom::{EllipticCone, Triangulation};
 use crate::ir::{CcPass, ClPass, ClPoint};
-use crate::kin::{Machine, inverse, transform::axis_at};
+use crate::kin::{Angles, Chain, Machine, between};
 use crate::orient::inscribe::Proof;
 use crate::orient::{Candidate, Costs, Energy, greedy};
 use crate::progress::Work;
@@ -23,7 +23,7 @@ const MOST_CANDIDATES: usize = 40;
 /// Distance that candidates keep more than asked for, mm: room for the corridor about them.
 const MARGIN: f64 = 0.1;
 
-/// Least tilt of a candidate, radians: nearer to the pole C turns through, and a pass keeps one branch of A.
+/// Least tilt of a candidate, radians: nearer to the pole rotary axis 2 turns through, and a pass keeps one branch.
 const LEAST_TILT: f64 = 0.1;
 
 /// Weight of second differences in formula (4), 1/s.
@@ -78,12 +78,11 @@ impl Way {
         far(other.centres.last()) < far(other.centres.first())
     }
 
-    /// All stations of the pass, A and C linear between the stops.
-    fn between(&self, pass: &ClPass, angles: &[(f64, f64)], radius: f64) -> Vec<ClPoint> {
+    /// All stations of the pass, the rotary axes linear between the stops.
+    fn between(&self, chain: &Chain, pass: &ClPass, angles: &[Angles], radius: f64) -> Vec<ClPoint> {
         let at = |length: f64| {
             let (i, t) = stretch(&self.stops, length);
-            let (p, q) = (angles[i], angles[i + 1]);
-            axis_at(p.0 + (q.0 - p.0) * t, p.1 + (q.1 - p.1) * t)
+            chain.tool_axis(between(angles[i], angles[i + 1], t))
         };
         let stations = pass.points.iter().zip(&self.centres).zip(&self.table);
         stations
@@ -125,9 +124,9 @@ impl Stations {
                     .take(MOST_CANDIDATES)
                     .flat_map(|axis| {
                         let penalty = AWAY * axis.angle(middle);
-                        inverse(axis, 0.0).map(|(a, c)| {
-                            let xyz = machine.joints(&(centre - axis * radius), a, c).xyz;
-                            Candidate { joints: [xyz.x, xyz.y, xyz.z, a, c], penalty }
+                        machine.chain.nearest(axis, 0.0).map(|rotary| {
+                            let joints = machine.joints(&(centre - axis * radius), rotary).all();
+                            Candidate { joints, penalty }
                         })
                     })
                     .collect()
@@ -137,13 +136,13 @@ impl Stations {
     }
 
     /// Makes candidates dear that differ from the axis chosen at the nearest place of the lines before.
-    fn lean_towards(&mut self, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+    fn lean_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
         for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
             let here = self.way.centre(*length);
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             for candidate in candidates {
-                let axis = axis_at(candidate.joints[3], candidate.joints[4]);
+                let axis = chain.tool_axis([candidate.joints[3], candidate.joints[4]]);
                 candidate.penalty += BESIDE * axis.angle(beside).powi(2);
             }
         }
@@ -178,15 +177,16 @@ pub(super) fn shortest(
             found.push(pass.points.clone());
             continue;
         };
-        stations.lean_towards(&chosen);
+        stations.lean_towards(&machine.chain, &chosen);
         let Stations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {
-                // The other branch of A is the same way of the tool: `solve-kinematics` chooses it.
-                let axes: Vec<Vector3<f64>> =
-                    choice.iter().zip(candidates).map(|(k, s)| axis_at(s[*k].joints[3], s[*k].joints[4])).collect();
+                // The other branch is the same way of the tool: `solve-kinematics` chooses it.
+                let axis = |c: &Candidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
+                let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
-                found.push(way.between(pass, &rotary(axes.into_iter()), room.radius()));
+                let angles = rotary(&machine.chain, axes.into_iter());
+                found.push(way.between(&machine.chain, pass, &angles, room.radius()));
             }
             Err(k) => faults.push((i, (way.centre(way.stops[k]), middles[k]))),
         }
@@ -201,6 +201,7 @@ pub(super) fn shortest(
 /// Places without a clear axis, with their pass.
 pub(super) fn greedy_axes(
     room: &AxisRoom<'_>,
+    chain: &Chain,
     planned: &[CcPass],
     passes: &[ClPass],
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
@@ -258,7 +259,7 @@ pub(super) fn greedy_axes(
         return Err(faults);
     }
     let points = |((way, pass), row): ((&Way, &ClPass), &Vec<Vector3<f64>>)| {
-        way.between(pass, &rotary(row.iter().copied()), radius)
+        way.between(chain, pass, &rotary(chain, row.iter().copied()), radius)
     };
     Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
 }

@@ -4,7 +4,7 @@ use crate::ir::{Face, Part, Side};
 use nalgebra::{Point3, Vector3};
 
 /// Least outward lean of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
-/// the rulings stand upright the axis would come near the pole of an A/C table, and C would have to turn through.
+/// the rulings stand upright the axis would come near the pole of a tilting table, and rotary axis 2 would have to turn through.
 const LEAST_LEAN: f64 = 0.2;
 
 /// Blend of the opposite wall's ruling that the axis keeps at a wall. Parallel to the ruling the side of the cutter

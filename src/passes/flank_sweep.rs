@@ -10,7 +10,6 @@ use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_
 use crate::geom::DualCurve;
 use crate::ir::design::SurfaceKind;
 use crate::ir::{OperationId, Program, Side};
-use crate::kin::inverse;
 use crate::method::{Conflict, ErrorSide, Flank};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -214,8 +213,9 @@ impl Task<'_> {
             let give = |t: &Target| t.widened(lacks * t.give[0], lacks * t.give[1]);
             path = match EASING.get(round) {
                 Some(steps) => {
+                    let chain = &self.program.machine.chain;
                     let widened: Vec<Target> = points.looked_at.iter().map(give).collect();
-                    ease(&best.curve, tool, &widened, &rotary, REACH, SLACK, *steps).curve
+                    ease(&best.curve, tool, &widened, &|axis| chain.gradients(axis), REACH, SLACK, *steps).curve
                 }
                 None => best.curve,
             };
@@ -275,16 +275,6 @@ impl Task<'_> {
         let firm: Vec<Target> = targets.iter().map(|t| Target { high: f64::INFINITY, give: [1.0; 2], ..*t }).collect();
         minimax(&path, tool, &firm, GAIN).curve
     }
-}
-
-/// A and C of a table for a tool axis, each with its change with the axis.
-fn rotary(axis: &Vector3<f64>) -> [(f64, Vector3<f64>); 2] {
-    /// Below this the axis is that of C, which then is free.
-    const POLE: f64 = 1e-6;
-    let [(a, c), _] = inverse(axis, 0.0);
-    let radial = libm::hypot(axis.x, axis.y).max(POLE);
-    let (x, y) = (axis.x / radial, axis.y / radial);
-    [(a, Vector3::new(axis.z * x, axis.z * y, -radial)), (c, Vector3::new(-y, x, 0.0) / radial)]
 }
 
 /// Parameters of the face at which the tool touches at a parameter of the path, between the first and the last contact.

@@ -15,6 +15,7 @@ use super::smooth_axis::rotary;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::{ContractKind, Guarded};
 use crate::ir::{ClPoint, Operation, Program};
+use crate::kin::{Machine, RotaryPose};
 
 /// Heights that the tool lifts by, mm.
 const LIFTS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
@@ -31,11 +32,12 @@ const RIDGE: f64 = 0.1;
 /// Steps along the tool in which it is asked whether it is still in the blank, mm.
 const HEIGHT_STEP: f64 = 1.0;
 
-/// Largest turn of A or C on the way, radians.
+/// Largest turn of a rotary axis on the way, radians.
 const MOST_TURN: f64 = 0.35;
 
 /// Ways between passes of an operation.
 pub(super) struct Hops<'a> {
+    machine: &'a Machine,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
     /// Outside of the blank as (r, z), closed from its last point to its first.
@@ -52,6 +54,7 @@ impl<'a> Hops<'a> {
         let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
         let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
         Self {
+            machine: &program.machine,
             obstacles,
             solid: &program.tools[operation.tool].solid,
             blank: &program.stock.profile,
@@ -63,19 +66,19 @@ impl<'a> Hops<'a> {
     /// Places over the end of a pass and over the start of the next, between which the tool goes straight; `None` where
     /// no such way is proved.
     pub(super) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<[ClPoint; 2]> {
-        let angles = rotary([from.axis, to.axis].into_iter());
-        let [(a0, c0), (a1, c1)] = [angles[0], angles[1]];
-        if (a1 - a0).abs().max((c1 - c0).abs()) > MOST_TURN {
+        let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
+        let [start, end] = [angles[0], angles[1]];
+        if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MOST_TURN) {
             return None;
         }
         let height = self.height_in_blank(from).max(self.height_in_blank(to));
         LIFTS.iter().find_map(|lift| {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
-            let ends: Ends = [(over[0].tip, a0, c0), (over[1].tip, a1, c1)];
+            let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
             let way = (over[1].tip - over[0].tip).norm();
             // A block at feed has to move its tip.
             let moves = way > 1e-2;
-            let thin = || self.ridge(way, libm::hypot(a1 - a0, c1 - c0), height) <= RIDGE;
+            let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
             let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.lack(rho, s, least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);

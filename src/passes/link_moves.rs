@@ -12,7 +12,8 @@ use super::solve_kinematics::within_travel;
 use crate::collide::ToolSolid;
 use crate::diag::Aborted;
 use crate::ir::{ClMove, ClPass, ClPlan, ClPoint, MoveKind, Program};
-use nalgebra::{Point3, Rotation3, Vector3};
+use crate::kin::{Chain, RotaryPose, between};
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -68,8 +69,8 @@ impl ClearanceSphere {
     /// Tips and rotary angles on the way from one place outside to another, both excluded. The rotary axes turn evenly;
     /// the tip, as the machine sees it, goes straight round the sphere: where the tool axis is not inward at both ends,
     /// it is nowhere on the way, and the table turns below a tool that hardly moves.
-    pub(super) fn around(&self, from: &Place, to: &Place) -> Vec<Place> {
-        let [start, end] = [from, to].map(|p| turned(p.a, p.c).inverse() * (p.tip - self.centre));
+    pub(super) fn around(&self, chain: &Chain, from: &RotaryPose, to: &RotaryPose) -> Vec<RotaryPose> {
+        let [start, end] = [from, to].map(|p| chain.rotation(p.rotary).inverse() * (p.tip - self.centre));
         let (rs, re) = (start.norm(), end.norm());
         let (s, mut e) = (start / rs, end / re);
         // Opposite directions leave the way open: go over the top.
@@ -77,7 +78,7 @@ impl ClearanceSphere {
             e = (e + Vector3::z() * 0.1).normalize();
         }
         let angle = libm::acos(s.dot(&e).clamp(-1.0, 1.0));
-        let turn = (to.a - from.a).abs() + (to.c - from.c).abs();
+        let turn = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs()).iter().sum::<f64>();
         let count = ((angle + turn) / SPHERE_STEP).ceil() as usize;
         (1..count)
             .map(|i| {
@@ -87,24 +88,12 @@ impl ClearanceSphere {
                 } else {
                     s
                 };
-                let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
-                Place { tip: self.centre + turned(a, c) * direction * (rs + (re - rs) * t), a, c }
+                let rotary = between(from.rotary, to.rotary, t);
+                let tip = self.centre + chain.rotation(rotary) * direction * (rs + (re - rs) * t);
+                RotaryPose { tip, rotary }
             })
             .collect()
     }
-}
-
-/// A tip with the rotary angles of the machine.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) tip: Point3<f64>,
-    pub(super) a: f64,
-    pub(super) c: f64,
-}
-
-/// Turn that brings the Z direction of the machine to the tool axis in the part.
-fn turned(a: f64, c: f64) -> Rotation3<f64> {
-    Rotation3::from_axis_angle(&Vector3::z_axis(), c) * Rotation3::from_axis_angle(&Vector3::x_axis(), a)
 }
 
 /// Fills in the moves of every operation.

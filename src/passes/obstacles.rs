@@ -4,8 +4,7 @@ use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::ir::Part;
 use crate::ir::design::{self, SurfaceKind};
-use crate::kin::transform::axis_at;
-use crate::kin::{Carried, Machine};
+use crate::kin::{Carried, Chain, Machine, RotaryPose};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -23,10 +22,10 @@ const ROUND_MARGIN: f64 = 0.02;
 /// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
 const HALVINGS: u32 = 9;
 
-/// A piece of motion: tip, A and C at both ends.
-pub(super) type Ends = [(Point3<f64>, f64, f64); 2];
+/// A piece of motion: where it begins and ends.
+pub(super) type Ends = [RotaryPose; 2];
 
-/// Samples of a solid about the C axis, and the distance within which every point of its outside has one.
+/// Samples of a solid about the axis of the table, and the distance within which every point of its outside has one.
 fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
     let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
     let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
@@ -78,6 +77,7 @@ pub struct Obstacles {
     hub: Cloud,
     /// Table and fixtures with the distance within which every point of them has a sample.
     carried: Vec<(Cloud, f64)>,
+    chain: Chain,
 }
 
 impl Obstacles {
@@ -90,8 +90,8 @@ impl Obstacles {
                 _ => walls.push(sample.cloud_point()),
             }
         }
-        let carried = machine.carried.iter().map(|solid| carried(solid, machine.turn_axis())).collect();
-        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried }
+        let carried = machine.carried.iter().map(|solid| carried(solid, machine.table_axis())).collect();
+        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }
 
     /// True when the tool keeps its distances over a motion: `lack` is how far a point at a distance from the tool axis
@@ -121,18 +121,19 @@ impl Obstacles {
     pub fn keeps_over(&self, ends: &Ends, lack: impl Fn(f64, f64) -> f64) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
-            let (a, c) = (0.5 * (p.1 + q.1), 0.5 * (p.2 + q.2));
-            let tip = p.0 + (q.0 - p.0) * 0.5;
-            // A and C turn about axes at right angles.
-            let (turn, shift) = (0.5 * libm::hypot(q.1 - p.1, q.2 - p.2), 0.5 * (q.0 - p.0).norm());
-            if self.keeps((&tip, &axis_at(a, c)), &lack, (&tip, turn, shift)) {
+            let middle = RotaryPose {
+                tip: p.tip + (q.tip - p.tip) * 0.5,
+                rotary: [0, 1].map(|k| 0.5 * (p.rotary[k] + q.rotary[k])),
+            };
+            let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
+            if self.keeps((&middle.tip, &self.chain.tool_axis(middle.rotary)), &lack, (&middle.tip, turn, shift)) {
                 continue;
             }
             if depth >= HALVINGS {
                 return false;
             }
-            open.push(([p, (tip, a, c)], depth + 1));
-            open.push(([(tip, a, c), q], depth + 1));
+            open.push(([p, middle], depth + 1));
+            open.push(([middle, q], depth + 1));
         }
         true
     }

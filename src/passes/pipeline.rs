@@ -64,7 +64,7 @@ pub const PASSES: &[(&str, &str, &str)] = &[
     ("plan-channel", "streamlines on the hub between the fillets", "drive surfaces only, no axis yet"),
     ("orient-tool", "tip and axis of every station", "first value with an axis"),
     ("avoid-collision", "axes turned until tool, shank and holder are clear", "needs axes; before anything is thinned"),
-    ("smooth-axis", "A and C run smoothly inside the corridor of clear axes", "needs the way through it"),
+    ("smooth-axis", "the rotary axes run smoothly inside the corridor of clear axes", "needs the way through it"),
     ("fit-curves", "dual NURBS of the finishing passes", "after the last change of an axis, before stations go"),
     (
         "sample-to-tolerance",

@@ -14,11 +14,10 @@ use super::link_moves::ClearanceSphere;
 use crate::collide::{Cutter, ToolSolid};
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, Operation, Program};
-use crate::kin::{inverse, transform::axis_at};
+use crate::kin::{Angles, Machine, between};
 use crate::progress::{Progress, Work};
 use crate::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
 use crate::units::trim;
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Cells where a thick rest would allow larger ones, mm: those of the usual verification.
@@ -92,7 +91,7 @@ fn rounding(solid: &ToolSolid) -> f64 {
 /// Takes the cuts of an operation off the stock.
 fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
     let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
-    send(field, &solid, steps(&planned.passes, StepKind::Cut, 0.0), work);
+    send(field, &solid, steps(&program.machine, &planned.passes, StepKind::Cut, 0.0), work);
 }
 
 /// Sends a tool through the stock; what it must not touch and does. `work` counts passes.
@@ -131,29 +130,28 @@ fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
 #[derive(Clone, Copy)]
 struct Station {
     point: ClPoint,
-    a: f64,
-    c: f64,
+    rotary: Angles,
     /// False for those put in between.
     planned: bool,
 }
 
 /// Stations of a pass so near to each other that two of them bound a step of the stock: the machine runs the tip
 /// straight between the planned ones and both rotary angles evenly with it.
-fn stations(pass: &ClPass) -> Vec<Station> {
+fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
     let mut found: Vec<Station> = Vec::with_capacity(pass.points.len());
     for point in &pass.points {
-        let before = found.last().map_or(0.0, |s| s.c);
-        let [(a, c), _] = inverse(&point.axis, before);
-        let to = Station { point: *point, a, c: c - TAU * ((c - before) / TAU).round(), planned: true };
+        let before = found.last().map_or(0.0, |s| s.rotary[1]);
+        let to = Station { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
-            let turn = libm::hypot(to.a - from.a, to.c - from.c);
+            let turn = machine.turn(from.rotary, to.rotary);
             let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;
-                let (a, c) = (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
-                let point = ClPoint { tip: from.point.tip + way * t, axis: axis_at(a, c), contact: None };
-                Station { point, a, c, planned: false }
+                let rotary = between(from.rotary, to.rotary, t);
+                let axis = machine.chain.tool_axis(rotary);
+                let point = ClPoint { tip: from.point.tip + way * t, axis, contact: None };
+                Station { point, rotary, planned: false }
             }));
         }
         found.push(to);
@@ -163,18 +161,23 @@ fn stations(pass: &ClPass) -> Vec<Station> {
 
 /// The steps of passes, numbered through, each with the index of its pass, of a cutter whose tip lies lower on its axis by
 /// `lowered`.
-fn steps(passes: &[ClPass], kind: StepKind, lowered: f64) -> impl Iterator<Item = (usize, Step)> {
+fn steps<'a>(
+    machine: &'a Machine,
+    passes: &'a [ClPass],
+    kind: StepKind,
+    lowered: f64,
+) -> impl Iterator<Item = (usize, Step)> + 'a {
     passes
         .iter()
         .enumerate()
         .flat_map(move |(i, pass)| {
-            let stations = stations(pass);
+            let stations = stations(machine, pass);
             let pairs: Vec<(usize, [Station; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
             pairs
         })
         .enumerate()
         .map(move |(n, (pass, [from, to]))| {
-            let axes = [0.0, 0.5, 1.0].map(|t| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t));
+            let axes = [0.0, 0.5, 1.0].map(|t| machine.chain.tool_axis(between(from.rotary, to.rotary, t)));
             let tips = [from.point.tip - axes[0] * lowered, to.point.tip - axes[2] * lowered];
             (pass, Step { block: u32::try_from(n).unwrap_or(u32::MAX), kind, tips, axes })
         })
@@ -193,7 +196,7 @@ fn reduce(
     let grown_by = field.cell() * field.cell() / (4.0 * rounding(solid));
     let grown = cutter_alone(solid, grown_by);
     // At rapid the engine tells what the cutter meets, and removes nothing.
-    let looks = steps(&planned.passes, StepKind::Rapid, grown_by);
+    let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
     let met = send(field, &grown, looks, work);
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
@@ -201,7 +204,7 @@ fn reduce(
         Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program, solid), program };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
-        let stations = stations(pass);
+        let stations = stations(&program.machine, pass);
         let steps = stations.len().saturating_sub(1);
         let mut cuts = vec![false; steps];
         while let Some(n) = deep.next_if(|n| *n < before + steps) {

@@ -1,13 +1,12 @@
 //! `sample-to-tolerance`: stations that the machine's own interpolation makes needless go.
 //!
-//! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, A and C
-//! linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
+//! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, rotary
+//! axes linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
 
 use super::pipeline::PassContext;
 use crate::ir::{ClPlan, ClPoint, OperationKind};
-use crate::kin::{inverse, transform::axis_at};
+use crate::kin::{Angles, Chain, between};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Longest run of stations that one block may replace: bounds the work of the greedy search.
 const LONGEST_RUN: usize = 200;
@@ -16,8 +15,7 @@ const LONGEST_RUN: usize = 200;
 #[derive(Clone, Copy)]
 struct Station {
     point: ClPoint,
-    a: f64,
-    c: f64,
+    rotary: Angles,
 }
 
 /// Thins all passes.
@@ -44,22 +42,24 @@ pub(super) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
             }
         };
         let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());
-        planned.passes.par_iter_mut().for_each(|pass| pass.points = work.step(thin(&pass.points, &heights)));
+        planned
+            .passes
+            .par_iter_mut()
+            .for_each(|pass| pass.points = work.step(thin(&program.machine.chain, &pass.points, &heights)));
     }
 }
 
-fn thin(points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
+fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
     let mut stations: Vec<Station> = Vec::with_capacity(points.len());
     for point in points {
-        let before = stations.last().map_or(0.0, |s| s.c);
-        let [(a, c), _] = inverse(&point.axis, before);
-        stations.push(Station { point: *point, a, c: c - TAU * ((c - before) / TAU).round() });
+        let before = stations.last().map_or(0.0, |s| s.rotary[1]);
+        stations.push(Station { point: *point, rotary: chain.unwound(&point.axis, 0, before) });
     }
     let mut kept: Vec<ClPoint> = points.first().copied().into_iter().collect();
     let mut from = 0;
     while from + 1 < stations.len() {
         let mut to = from + 1;
-        while to + 1 < stations.len() && to - from < LONGEST_RUN && replaces(&stations[from..=to + 1], heights) {
+        while to + 1 < stations.len() && to - from < LONGEST_RUN && replaces(chain, &stations[from..=to + 1], heights) {
             to += 1;
         }
         kept.push(stations[to].point);
@@ -69,7 +69,7 @@ fn thin(points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
 }
 
 /// True when the interpolation between the ends passes all stations in between within tolerance.
-fn replaces(run: &[Station], heights: &[(f64, f64)]) -> bool {
+fn replaces(chain: &Chain, run: &[Station], heights: &[(f64, f64)]) -> bool {
     let [from, middle @ .., to] = run else { return true };
     let chord = to.point.tip - from.point.tip;
     let length = chord.norm_squared();
@@ -82,7 +82,7 @@ fn replaces(run: &[Station], heights: &[(f64, f64)]) -> bool {
             return false;
         }
         let tip = from.point.tip + chord * t;
-        let axis = axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+        let axis = chain.tool_axis(between(from.rotary, to.rotary, t));
         heights.iter().all(|(height, tolerance)| {
             let gap = (tip - s.point.tip) + (axis - s.point.axis) * *height;
             gap.norm_squared() <= tolerance * tolerance

@@ -1,7 +1,7 @@
-//! `smooth-axis`: axes of `method corridor` as a smooth run of A and C inside the corridor of clear axes.
+//! `smooth-axis`: axes of `method corridor` as a smooth run of the rotary axes inside the corridor of clear axes.
 //!
 //! Before: the best way through clear axes, station by station, with corners. After: at stations even apart along the
-//! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; A and C that stay in the cones
+//! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; rotary angles that stay in the cones
 //! with the least turn a mm and the least second and third differences; every station of the pass on a cubic curve
 //! through these. The clearance over the continuous motion between stations is proved; where it is not, the cones keep
 //! more distance and it is tried again. At most three times; then it is an error with the last residuals.
@@ -10,13 +10,12 @@ use super::axis_room::AxisRoom;
 use super::pipeline::PassContext;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
-use crate::kin::{inverse, transform::axis_at};
+use crate::kin::{Angles, Chain, RotaryPose, between};
 use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
 use crate::orient::{Corridor, Residual, Weights};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Distance of the stations of the corridor, mm.
 const SPACING: f64 = 1.5;
@@ -62,8 +61,12 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         // The part looks the same from every sector.
         let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), per_sector);
-        let first: Vec<Result<Vec<ClPoint>, Fault>> =
-            oriented.passes.par_iter().take(per_sector).map(|pass| work.step(smooth(&room, pass))).collect();
+        let first: Vec<Result<Vec<ClPoint>, Fault>> = oriented
+            .passes
+            .par_iter()
+            .take(per_sector)
+            .map(|pass| work.step(smooth(&room, &program.machine.chain, pass)))
+            .collect();
         let mut smoothed = Vec::with_capacity(first.len());
         for (pass, result) in oriented.passes.iter().zip(first) {
             match result {
@@ -76,38 +79,40 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             }
         }
         super::avoid_collision::repeat(program, operation, &smoothed, &mut oriented.passes);
-        let peak =
-            smoothed.iter().map(|points| turning(points)).fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
+        let peak = smoothed
+            .iter()
+            .map(|points| turning(&program.machine.chain, points))
+            .fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
         oriented.notes.push(format!(
-            "axes by corridor: A turns by at most {:.2} deg a mm, C by at most {:.2}; clear between stations by proof",
+            "axes by corridor: {} turns by at most {:.2} deg a mm, {} by at most {:.2}; clear between stations by proof",
+            program.machine.rotary[0].name,
             peak[0].to_degrees(),
+            program.machine.rotary[1].name,
             peak[1].to_degrees()
         ));
     }
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
-/// Largest turns of A and C a mm of the tip's way.
-fn turning(points: &[ClPoint]) -> [f64; 2] {
-    let angles = rotary(points.iter().map(|p| p.axis));
+/// Largest turns of both rotary axes a mm of the tip's way.
+fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
+    let angles = rotary(chain, points.iter().map(|p| p.axis));
     let mut most = [0.0_f64; 2];
     for (pair, angle) in points.windows(2).zip(angles.windows(2)) {
         let way = (pair[1].tip - pair[0].tip).norm();
         if way > 1e-3 {
-            most[0] = most[0].max((angle[1].0 - angle[0].0).abs() / way);
-            most[1] = most[1].max((angle[1].1 - angle[0].1).abs() / way);
+            most = [0, 1].map(|k| most[k].max((angle[1][k] - angle[0][k]).abs() / way));
         }
     }
     most
 }
 
-/// A and C of axes in a row, C on one winding.
-pub(super) fn rotary(axes: impl Iterator<Item = Vector3<f64>>) -> Vec<(f64, f64)> {
-    let mut angles: Vec<(f64, f64)> = Vec::new();
+/// Angles of tool axes in a row, on one branch and winding.
+pub(super) fn rotary(chain: &Chain, axes: impl Iterator<Item = Vector3<f64>>) -> Vec<Angles> {
+    let mut angles: Vec<Angles> = Vec::new();
     for axis in axes {
-        let before = angles.last().map_or(0.0, |q| q.1);
-        let [(a, c), _] = inverse(&axis, before);
-        angles.push((a, c - TAU * ((c - before) / TAU).round()));
+        let before = angles.last().map_or(0.0, |q| q[1]);
+        angles.push(chain.unwound(&axis, 0, before));
     }
     angles
 }
@@ -129,7 +134,7 @@ pub(super) fn stretch(table: &[f64], value: f64) -> (usize, f64) {
     (i, if length > 0.0 { ((value - table[i]) / length).clamp(0.0, 1.0) } else { 0.0 })
 }
 
-fn smooth(room: &AxisRoom<'_>, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
+fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
     let radius = room.radius();
     let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
     let table = lengths(&centres);
@@ -139,35 +144,34 @@ fn smooth(room: &AxisRoom<'_>, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
     }
     let count = ((whole / SPACING).ceil() as usize).max(FEWEST);
     let spacing = whole / count as f64;
-    let angles = rotary(pass.points.iter().map(|p| p.axis));
+    let angles = rotary(chain, pass.points.iter().map(|p| p.axis));
     let at = |s: f64| {
         let (i, t) = stretch(&table, s);
-        let angle =
-            (angles[i].0 + (angles[i + 1].0 - angles[i].0) * t, angles[i].1 + (angles[i + 1].1 - angles[i].1) * t);
+        let angle = between(angles[i], angles[i + 1], t);
         (centres[i] + (centres[i + 1] - centres[i]) * t, angle)
     };
-    let (places, start): (Vec<Point3<f64>>, Vec<(f64, f64)>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
+    let (places, start): (Vec<Point3<f64>>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
     let mut fault = Fault::NotProved(centres[0]);
     for round in 1..=ROUNDS {
         let margin = MARGIN * round as f64;
         let mut run = start.clone();
         for _ in 0..LAYINGS {
             let mut cones = Vec::with_capacity(run.len());
-            for (place, (a, c)) in places.iter().zip(&run) {
-                let wanted = axis_at(*a, *c);
+            for (place, angles) in places.iter().zip(&run) {
+                let wanted = chain.tool_axis(*angles);
                 let cone = room.cone(place, &wanted, Proof::Rays, margin);
                 cones.push(cone.ok_or(Fault::NoAxis(*place, wanted))?);
             }
             let corridor = Corridor { cones, spacing };
-            match corridor.smooth(&run, &WEIGHTS, &axis_at) {
+            match corridor.smooth(&run, &WEIGHTS, &|angles| chain.tool_axis(angles)) {
                 Ok(next) => run = next,
                 Err(residual) => return Err(Fault::NoRun(places[residual.station], residual)),
             }
         }
-        let points = on_curve(&pass.points, &centres, &table, &run, spacing, radius);
-        let exact = rotary(points.iter().map(|p| p.axis));
+        let points = on_curve(chain, &pass.points, &centres, &table, &run, spacing, radius);
+        let exact = rotary(chain, points.iter().map(|p| p.axis));
         let unproved = (1..points.len()).find(|i| {
-            let end = |k: usize| (points[k].tip, exact[k].0, exact[k].1);
+            let end = |k: usize| RotaryPose { tip: points[k].tip, rotary: exact[k] };
             !room.proved(&[end(i - 1), end(*i)])
         });
         match unproved {
@@ -178,12 +182,13 @@ fn smooth(room: &AxisRoom<'_>, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
     Err(fault)
 }
 
-/// The stations of a pass with axes on the cubic curve through A and C at even lengths.
+/// The stations of a pass with axes on the cubic curve through the rotary angles at even lengths.
 fn on_curve(
+    chain: &Chain,
     points: &[ClPoint],
     centres: &[Point3<f64>],
     table: &[f64],
-    run: &[(f64, f64)],
+    run: &[Angles],
     spacing: f64,
     radius: f64,
 ) -> Vec<ClPoint> {
@@ -204,7 +209,7 @@ fn on_curve(
         .zip(table)
         .map(|((point, centre), s)| {
             let x = s / spacing;
-            let axis = axis_at(cubic(x, &|k| run[k].0), cubic(x, &|k| run[k].1));
+            let axis = chain.tool_axis([0, 1].map(|axis| cubic(x, &|k| run[k][axis])));
             ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
         })
         .collect()

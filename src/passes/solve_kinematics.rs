@@ -4,12 +4,12 @@
 //! without unwinding; branch and winding change only on the way over the clearance sphere, which is put in here since it
 //! depends on both.
 
-use super::link_moves::{ClearanceSphere, Place};
+use super::link_moves::ClearanceSphere;
 use super::pipeline::PassContext;
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClMove, ClOperation, ClPlan, JointMove, Motion, MoveKind};
-use crate::kin::{Machine, RotaryAxis, inverse};
+use crate::kin::{Angles, Machine, RotaryPose};
 use nalgebra::Point3;
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 pub(super) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
     let mut motion = Motion::default();
     let mut failed = false;
-    let mut at = (0.0, 0.0);
+    let mut at = [0.0; 2];
     for operation in &cl.operations {
         let mut solved = MotionOperation {
             operation: operation.operation,
@@ -76,7 +76,7 @@ fn contiguous(moves: &[ClMove]) -> Vec<&[ClMove]> {
 /// Why no joints were found.
 struct OutOfTravel {
     index: usize,
-    axis: &'static str,
+    axis: String,
     value: f64,
     range: [f64; 2],
     unit: &'static str,
@@ -84,33 +84,34 @@ struct OutOfTravel {
 
 /// True when some branch and winding keep a run within the travel of all axes, with a tool of a length (mm).
 pub(super) fn within_travel(machine: &Machine, run: &[ClMove], length: f64) -> bool {
-    solve_run(machine, run, length, (0.0, 0.0)).is_ok()
+    solve_run(machine, run, length, [0.0; 2]).is_ok()
 }
 
 /// Rotary angles of a run.
-fn solve_run(machine: &Machine, run: &[ClMove], length: f64, at: (f64, f64)) -> Result<Vec<(f64, f64)>, OutOfTravel> {
-    let mut best: Option<(f64, Vec<(f64, f64)>)> = None;
+fn solve_run(machine: &Machine, run: &[ClMove], length: f64, at: Angles) -> Result<Vec<Angles>, OutOfTravel> {
+    let mut best: Option<(f64, Vec<Angles>)> = None;
+    let [_, last] = &machine.rotary;
     let mut nearest_miss: Option<OutOfTravel> = None;
     for branch in 0..2 {
-        let mut angles: Vec<(f64, f64)> = Vec::with_capacity(run.len());
+        let mut angles: Vec<Angles> = Vec::with_capacity(run.len());
         for m in run {
-            let before = angles.last().map_or(at.1, |x| x.1);
-            let (a, c) = inverse(&m.to.axis, before)[branch];
-            angles.push((a, c - TAU * ((c - before) / TAU).round()));
+            let before = angles.last().map_or(at[1], |x| x[1]);
+            angles.push(machine.chain.unwound(&m.to.axis, branch, before));
         }
-        let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x.1), h.max(x.1)));
+        let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[1]), h.max(x[1])));
         // Whole turns that bring the run into the travel, those near the middle of the travel included.
-        let middle = 0.5 * (machine.turn.min.max(-1e3) + machine.turn.max.min(1e3));
+        let middle = 0.5 * (last.min.max(-1e3) + last.max.min(1e3));
         let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
-            let moved: Vec<(f64, f64)> = angles.iter().map(|(a, c)| (*a, c + turns)).collect();
+            let moved: Vec<Angles> = angles.iter().map(|[first, second]| [*first, second + turns]).collect();
             if let Some(miss) = out_of_travel(machine, run, length, &moved) {
                 if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
                     nearest_miss = Some(miss);
                 }
                 continue;
             }
-            let cost = (moved[0].1 - at.1).abs() / machine.turn.speed + (moved[0].0 - at.0).abs() / machine.tilt.speed;
+            let time = |k: usize| (moved[0][k] - at[k]).abs() / machine.rotary[k].speed;
+            let cost = time(1) + time(0);
             if best.as_ref().is_none_or(|b| cost < b.0) {
                 best = Some((cost, moved));
             }
@@ -123,48 +124,25 @@ fn solve_run(machine: &Machine, run: &[ClMove], length: f64, at: (f64, f64)) -> 
     }
 }
 
-/// The first place where an axis leaves its travel.
-fn out_of_travel(machine: &Machine, run: &[ClMove], length: f64, angles: &[(f64, f64)]) -> Option<OutOfTravel> {
-    let rotary = |index: usize, axis: &'static str, value: f64, limits: &RotaryAxis| {
-        (value < limits.min || value > limits.max).then(|| OutOfTravel {
-            index,
-            axis,
-            value: value.to_degrees(),
-            range: [limits.min.to_degrees(), limits.max.to_degrees()],
-            unit: "deg",
-        })
-    };
-    run.iter().zip(angles).enumerate().find_map(|(i, (m, (a, c)))| {
-        let mut linear = machine.joints(&m.to.tip, *a, *c).xyz;
-        linear.z += length;
-        rotary(i, "A", *a, &machine.tilt).or_else(|| rotary(i, "C", *c, &machine.turn)).or_else(|| {
-            ["X", "Y", "Z"].into_iter().enumerate().find_map(|(k, axis)| {
-                let limits = &machine.linear[k];
-                (linear[k] < limits.min || linear[k] > limits.max).then(|| OutOfTravel {
-                    index: i,
-                    axis,
-                    value: linear[k],
-                    range: [limits.min, limits.max],
-                    unit: "mm",
-                })
-            })
-        })
+/// The first place where an axis leaves its travel: the rotary axes are asked first.
+fn out_of_travel(machine: &Machine, run: &[ClMove], length: f64, angles: &[Angles]) -> Option<OutOfTravel> {
+    let travel = machine.travel();
+    run.iter().zip(angles).enumerate().find_map(|(index, (m, rotary))| {
+        let positions = machine.positions(&machine.joints(&m.to.tip, *rotary), length);
+        let k = [3, 4, 0, 1, 2].into_iter().find(|k| !(travel[*k][0]..=travel[*k][1]).contains(&positions[*k]))?;
+        let (unit, scale) = if k < 3 { ("mm", 1.0) } else { ("deg", 1.0_f64.to_degrees()) };
+        let axis = machine.names()[k].to_owned();
+        Some(OutOfTravel { index, axis, value: positions[k] * scale, range: travel[k].map(|x| x * scale), unit })
     })
 }
 
 /// Appends the moves of a run, and in front of them the way over the sphere.
-fn append(
-    machine: &Machine,
-    sphere: &ClearanceSphere,
-    run: &[ClMove],
-    rotary: &[(f64, f64)],
-    out: &mut Vec<JointMove>,
-) {
-    let (Some(first), Some((a, c))) = (run.first(), rotary.first().copied()) else { return };
-    let push = |m: &ClMove, tip: &Point3<f64>, (a, c): (f64, f64), out: &mut Vec<JointMove>| {
+fn append(machine: &Machine, sphere: &ClearanceSphere, run: &[ClMove], rotary: &[Angles], out: &mut Vec<JointMove>) {
+    let (Some(first), Some(start)) = (run.first(), rotary.first().copied()) else { return };
+    let push = |m: &ClMove, tip: &Point3<f64>, rotary: Angles, out: &mut Vec<JointMove>| {
         out.push(JointMove {
             kind: m.kind,
-            joints: machine.joints(tip, a, c),
+            joints: machine.joints(tip, rotary),
             feed: m.feed,
             time: 0.0,
             pass: m.pass,
@@ -172,9 +150,9 @@ fn append(
         });
     };
     if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
-        let from = Place { tip: machine.forward(&last).tip, a: last.a, c: last.c };
-        for place in sphere.around(&from, &Place { tip: first.to.tip, a, c }) {
-            push(first, &place.tip, (place.a, place.c), out);
+        let from = RotaryPose { tip: machine.forward(&last).tip, rotary: last.rotary };
+        for place in sphere.around(&machine.chain, &from, &RotaryPose { tip: first.to.tip, rotary: start }) {
+            push(first, &place.tip, place.rotary, out);
         }
     }
     for (m, angles) in run.iter().zip(rotary) {
@@ -184,6 +162,7 @@ fn append(
 
 fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[ClMove], miss: &OutOfTravel) {
     let declared = &cx.program.operations[operation.operation];
+    let names = cx.program.machine.names();
     let (label, tip) = run.get(miss.index).map_or((String::new(), Point3::origin()), |m| {
         (operation.passes.get(m.pass as usize).map_or(String::new(), |p| p.label.clone()), m.to.tip)
     });
@@ -203,7 +182,7 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[ClMove], mis
         )
         .label(declared.span, "in this operation")
         .place(label, tip)
-        .note("both branches of A and all windings of C were tried")
+        .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
         .help("take a machine with more travel, or mount the part elsewhere on the table"),
     );
 }

@@ -9,7 +9,7 @@
 
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
-use crate::kin::{Joints, Machine};
+use crate::kin::{Joints, Machine, between};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -28,14 +28,15 @@ pub(super) fn run(program: &Program, motion: &mut Motion) {
     motion.operations.par_iter_mut().for_each(|operation| {
         let declared = &program.operations[operation.operation];
         let (finishing, t) = (declared.kind.finishes(), &program.tolerances);
+        let tool = &program.tools[declared.tool];
         let rounding = Rounding {
             tolerance: if finishing { t.chord.get() } else { t.chord_rough.get() },
-            height: program.tools[declared.tool].solid.flute_length,
+            height: tool.solid.flute_length,
         };
         let reached = reached_feeds(machine, &rounding, &operation.moves);
         let mut before: Option<Joints> = None;
         for (m, reached) in operation.moves.iter_mut().zip(reached) {
-            time_move(machine, before, m, reached);
+            time_move(machine, tool.length(), before, m, reached);
             before = Some(m.joints);
         }
     });
@@ -44,21 +45,20 @@ pub(super) fn run(program: &Program, motion: &mut Motion) {
 /// Largest feed of each move in the fastest run through all of them, mm/min; nothing where the tip stands.
 fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
     let Some(first) = moves.first() else { return Vec::new() };
-    let joints = |j: &Joints| -> [f64; AXES] { [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c] };
     let mut tip = machine.forward(&first.joints).tip;
-    let mut stations = vec![Station { joints: joints(&first.joints), tip: tip.coords.into(), time: 1.0 }];
+    let mut stations = vec![Station { joints: first.joints.all(), tip: tip.coords.into(), time: 1.0 }];
     // Move of each station.
     let mut of: Vec<usize> = vec![0];
     for (i, pair) in moves.windows(2).enumerate() {
         let (from, to) = (&pair[0].joints, &pair[1].joints);
         let next = machine.forward(to).tip;
-        let count = (libm::hypot(to.a - from.a, to.c - from.c) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
+        let count = (machine.turn(from.rotary, to.rotary) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
         for k in 1..=count as usize {
             let t = k as f64 / count;
             let at = tip + (next - tip) * t;
-            let j = machine.joints(&at, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+            let j = machine.joints(&at, between(from.rotary, to.rotary, t));
             let last = stations[stations.len() - 1];
-            let here = Station { joints: joints(&j), tip: at.coords.into(), time: 0.0 };
+            let here = Station { joints: j.all(), tip: at.coords.into(), time: 0.0 };
             // The process feed, or the axes where the tip stands.
             let feed = pair[1].feed.map_or(machine.rapid, |f| f / 60.0);
             let speeds = machine.planned_speeds();
@@ -85,12 +85,12 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
     feeds
 }
 
-fn time_move(machine: &Machine, before: Option<Joints>, m: &mut JointMove, reached: Option<f64>) {
+fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: &mut JointMove, reached: Option<f64>) {
     // The first move positions from an unknown place: its time is the tool change's.
     let Some(before) = before else { return };
     let tips = [before, m.joints].map(|j| machine.forward(&j).tip);
     let length = (tips[1] - tips[0]).norm();
-    let least = machine.planned_time(&before, &m.joints);
+    let least = machine.planned_time(&before, &m.joints, length_of_tool);
     m.time = match (m.kind, m.feed) {
         (MoveKind::Rapid, _) | (_, None) => least.max(length / machine.rapid),
         (_, Some(feed)) => {

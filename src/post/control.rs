@@ -207,9 +207,10 @@ impl Block {
         store(&mut self.vector[axis], ["A3", "B3", "C3"][axis], value, FARTHEST)
     }
 
-    /// A or C, in degrees of the word. A word beyond the travel of the axis is refused here: nothing is measured on it.
-    pub(super) fn angle(&mut self, axis: usize, degrees: f64, machine: &Machine) -> Result<(), String> {
-        let (name, limits) = [("A", &machine.tilt), ("C", &machine.turn)][axis];
+    /// A rotary axis, in degrees of the word. A word beyond the travel of the axis is refused here: nothing is measured on it.
+    pub(super) fn angle(&mut self, name: &str, degrees: f64, machine: &Machine) -> Result<(), String> {
+        let Some(axis) = machine.rotary_axis(name) else { return Err(format!("the machine has no axis {name}")) };
+        let limits = &machine.rotary[axis];
         let angle = degrees.to_radians() * limits.word_sign;
         once(&mut self.rotary[axis], name, angle)?;
         if angle < limits.min - ROUNDING.1 || angle > limits.max + ROUNDING.1 {

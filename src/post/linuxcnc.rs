@@ -46,7 +46,8 @@ impl Post for LinuxCnc {
                     .help("a machine file that says `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post"),
             );
         }
-        for (name, axis) in [("A", &machine.tilt), ("C", &machine.turn)] {
+        for axis in &machine.rotary {
+            let name = &axis.name;
             if axis.word_sign > 0.0 {
                 sink.push(
                     Diag::error(
@@ -54,7 +55,7 @@ impl Post for LinuxCnc {
                         format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC has the opposite", machine.name),
                     )
                     .note("under xyzac-trt kinematics a positive word turns the work right-handed")
-                    .help("a machine file that says `sense = \"opposite\"` for A and C, as it is at the machine, or another post"),
+                    .help("a machine file that says `sense = \"opposite\"` for both rotary axes, as it is at the machine, or another post"),
                 );
             }
         }
@@ -193,5 +194,9 @@ fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
 /// Rotary words in the sense of the machine.
 fn rotary(machine: &Machine, joints: &Joints) -> String {
     let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
-    format!("A{} C{}", w(joints.a, machine.tilt.word_sign), w(joints.c, machine.turn.word_sign))
+    let [first, second] = [0, 1].map(|k| {
+        let axis = &machine.rotary[k];
+        format!("{}{}", axis.name, w(joints.rotary[k], axis.word_sign))
+    });
+    format!("{first} {second}")
 }

@@ -19,7 +19,7 @@ pub use read_back::{ReadBack, read_back};
 
 use crate::diag::Sink;
 use crate::ir::{Motion, Program};
-use crate::kin::Machine;
+use crate::kin::{Angles, Machine};
 use crate::verify::Verified;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
@@ -128,8 +128,8 @@ impl NcProgram {
 pub enum Direction {
     /// Vector from the tip to the holder, part frame.
     Axis(Vector3<f64>),
-    /// A and C in the ISO sense, radians.
-    Rotary(f64, f64),
+    /// Both rotary axes in the ISO sense, radians.
+    Rotary(Angles),
 }
 
 /// A tool as a text calls it.
@@ -148,10 +148,8 @@ pub struct Station {
     pub line: usize,
     /// X and Y, and Z of the gauge line of the spindle, machine frame, mm.
     pub xyz: Vector3<f64>,
-    /// Radians, ISO sense.
-    pub a: f64,
-    /// Radians, ISO sense.
-    pub c: f64,
+    /// The rotary axes, radians, ISO sense.
+    pub rotary: Angles,
 }
 
 /// Moves between switching the transformation on and off.

@@ -9,7 +9,7 @@ use super::read_back::says_tool;
 use super::{Direction, NcMove, NcSection};
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Joints, Machine, inverse, linuxcnc};
+use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -168,28 +168,36 @@ impl Interpreter<'_> {
         let machine = &self.program.machine;
         let length = self.program.tools[operation.tool].length();
         let start = &section.start;
+        let names = machine.names();
         let mut made =
             MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.moves.len() + 2) };
         let mut lines = Vec::with_capacity(section.moves.len() + 2);
         let station = |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false };
         let xyz = start.xyz - Vector3::z() * length;
-        made.moves.push(station(Joints { xyz, a: start.a, c: start.c }));
+        made.moves.push(station(Joints { xyz, rotary: start.rotary }));
         lines.push(start.line);
-        let mut before = (start.a, start.c);
+        let mut before = start.rotary;
         let mut last: Option<&NcMove> = None;
         let mut widest = 0.0;
         // Where its planner comes to rest is looked at for this control alone.
         let stops = machine.planning == Planning::LinuxCnc;
         for m in &section.moves {
-            let (a, c) = match m.direction {
-                Direction::Rotary(a, c) => (a, c),
-                Direction::Axis(axis) => nearest(&axis, before),
+            let rotary = match m.direction {
+                Direction::Rotary(angles) => angles,
+                Direction::Axis(axis) => match nearest(&machine.chain, &axis, before) {
+                    Some(angles) => angles,
+                    None => {
+                        let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
+                        self.fatal(post::NC_POSITIONING, m.line, text, "a direction that the rotary axes reach");
+                        before
+                    }
+                },
             };
             // A block that moves nothing.
-            if last.is_some_and(|l| l.tip == m.tip && (a, c) == before) {
+            if last.is_some_and(|l| l.tip == m.tip && rotary == before) {
                 continue;
             }
-            self.check_turn(m, last.is_none(), before, (a, c));
+            self.check_turn(m, last.is_none(), before, rotary);
             if last.is_none_or(|l| m.rapid && !l.rapid) {
                 made.labels.push(format!("blocks from line {}", m.line));
             }
@@ -197,10 +205,10 @@ impl Interpreter<'_> {
                 self.check_smoothing(m, operation);
                 widest = m.smoothing;
             }
-            let joints = machine.joints(&m.tip, a, c);
+            let joints = machine.joints(&m.tip, rotary);
             let start = made.moves.last().map_or(joints, |from| from.joints);
             let tips = [last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
-            let way = Way { machine, tips, joints: [start, joints] };
+            let way = Way { machine, length_of_tool: length, tips, joints: [start, joints] };
             let (kind, mut feed) = self.kind(m, operation, last.is_none(), &way);
             let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
             let time = match (m.time, feed) {
@@ -208,7 +216,7 @@ impl Interpreter<'_> {
                 (None, Some(feed)) => way.time(feed),
                 (None, None) => way.rapid_time(),
             };
-            let turn = (a - start.a).abs().max((c - start.c).abs());
+            let turn = most_turn(start.rotary, rotary);
             if kind != MoveKind::Rapid && way.length() < STILL.1 && turn > STILL.0 {
                 let text = "a block at feed turns the tool without moving its tip".to_owned();
                 let diag = self.fault(
@@ -226,14 +234,14 @@ impl Interpreter<'_> {
             }
             made.moves.push(JointMove { kind, joints, feed, time, pass, stop: stops });
             lines.push(m.line);
-            before = (a, c);
+            before = rotary;
             last = Some(m);
         }
         if let (Some((line, z)), Some(from)) = (section.retract, made.moves.last().copied()) {
             let mut joints = from.joints;
             joints.xyz.z = z - length;
             // With the transformation off each axis keeps its own speed.
-            let time = machine.least_time(&from.joints, &joints);
+            let time = machine.least_time(&from.joints, &joints, length);
             made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
             lines.push(line);
         }
@@ -241,19 +249,25 @@ impl Interpreter<'_> {
     }
 
     /// Rotary positions that nobody can be sure of, and turns while the tool comes down.
-    fn check_turn(&mut self, m: &NcMove, first: bool, before: (f64, f64), to: (f64, f64)) {
-        if first && (to.0 - before.0).abs().max((to.1 - before.1).abs()) > PARKED {
+    fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles) {
+        let names = self.program.machine.names();
+        if first && most_turn(before, to) > PARKED {
             let text = "the table turns while the tool comes down to the first position".to_owned();
-            let help = "turn A and C to the positions of the first move before the transformation is switched on";
-            let diag = self.fault(post::NC_POSITIONING, m.line, text, help);
+            let help = format!(
+                "turn {} and {} to the positions of the first move before the transformation is switched on",
+                names[3], names[4]
+            );
+            let diag = self.fault(post::NC_POSITIONING, m.line, text, &help);
             self.tell(diag);
         }
-        let unsure = (to.1 - before.1).abs() >= FRAC_PI_2 || to.0 * before.0 < 0.0;
+        let unsure = (to[1] - before[1]).abs() >= FRAC_PI_2 || to[0] * before[0] < 0.0;
         if matches!(m.direction, Direction::Axis(_)) && unsure {
-            let turn = (to.1 - before.1).to_degrees().abs();
-            let text = format!("this direction turns C by {turn:.1} deg in one block, or runs through the pole");
+            let turn = (to[1] - before[1]).to_degrees().abs();
+            let [.., first, second] = names;
+            let text = format!("this direction turns {second} by {turn:.1} deg in one block, or runs through the pole");
+            let help = format!("more blocks between the directions, or {first}= {second}= at rapid");
             let diag = self
-                .fault(post::AMBIGUOUS_VECTOR, m.line, text, "more blocks between the directions, or A= C= at rapid")
+                .fault(post::AMBIGUOUS_VECTOR, m.line, text, &help)
                 .note("a direction vector fits two rotary positions; the control takes the nearer one");
             self.tell(diag);
         }
@@ -318,15 +332,23 @@ impl Interpreter<'_> {
 }
 
 /// The rotary position of a direction that the control takes: of both that fit, with any whole turns, the nearest.
-fn nearest(axis: &Vector3<f64>, before: (f64, f64)) -> (f64, f64) {
-    let way = |p: &(f64, f64)| libm::hypot(p.0 - before.0, p.1 - before.1);
-    let [one, other] = inverse(axis, before.1).map(|(a, c)| (a, c + TAU * ((before.1 - c) / TAU).round()));
-    if way(&other) < way(&one) { other } else { one }
+fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
+    let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
+    let [one, other] = chain
+        .inverse(axis, before[1])?
+        .map(|[first, second]| [first, second + TAU * ((before[1] - second) / TAU).round()]);
+    Some(if way(&other) < way(&one) { other } else { one })
+}
+
+/// Largest turn of a rotary axis, radians.
+fn most_turn(from: Angles, to: Angles) -> f64 {
+    (to[0] - from[0]).abs().max((to[1] - from[1]).abs())
 }
 
 /// The way of one move.
 struct Way<'a> {
     machine: &'a Machine,
+    length_of_tool: f64,
     tips: [Point3<f64>; 2],
     joints: [Joints; 2],
 }
@@ -338,16 +360,19 @@ impl Way<'_> {
 
     /// Least time at rapid within the speeds of the axes, s.
     fn least_time(&self) -> f64 {
-        self.machine.least_time(&self.joints[0], &self.joints[1]).max(self.length() / self.machine.rapid)
+        self.machine
+            .least_time(&self.joints[0], &self.joints[1], self.length_of_tool)
+            .max(self.length() / self.machine.rapid)
     }
 
     /// Whether a move takes the time that planning gives to a way at rapid. Blocks in inverse time are nothing else for
     /// their words.
     fn is_rapid(&self, time: f64) -> bool {
         let machine = self.machine;
-        let planned = machine.planned_time(&self.joints[0], &self.joints[1]).max(self.length() / machine.rapid);
-        let [x, y, z, a, c] = machine.speeds();
-        let digits = QUANTUM.0 / x.min(y).min(z) + QUANTUM.1 / a.min(c);
+        let planned = machine.planned_time(&self.joints[0], &self.joints[1], self.length_of_tool);
+        let planned = planned.max(self.length() / machine.rapid);
+        let [x, y, z, first, second] = machine.speeds();
+        let digits = QUANTUM.0 / x.min(y).min(z) + QUANTUM.1 / first.min(second);
         (time - planned).abs() <= RAPID_ROUNDING * planned + digits
     }
 
@@ -363,9 +388,9 @@ impl Way<'_> {
     /// what the last digits of the words make is not held against the text.
     fn time(&self, feed: f64) -> f64 {
         let (machine, length) = (self.machine, self.length());
-        let least = machine.least_time(&self.joints[0], &self.joints[1]);
+        let least = machine.least_time(&self.joints[0], &self.joints[1], self.length_of_tool);
         let wanted = length / feed * 60.0;
-        let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.tilt.speed.min(machine.turn.speed);
+        let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.rotary[0].speed.min(machine.rotary[1].speed);
         if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
     }
 }
@@ -373,18 +398,18 @@ impl Way<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kin::transform::axis_at;
     use proptest::prelude::*;
 
     proptest! {
-        /// Within a quarter turn of C, and away from the pole, a vector leads to the position that was meant.
+        /// Within a quarter turn of axis 2, and away from the pole, a vector leads to the position that was meant.
         #[test]
         fn a_vector_comes_back_as_the_near_position(
             a in 0.1..1.6_f64, c in -9.0..9.0_f64, da in -0.05..0.05_f64, dc in -1.4..1.4_f64, branch in any::<bool>()
         ) {
             let a = if branch { -a } else { a };
-            let (found_a, found_c) = nearest(&axis_at(a + da, c + dc), (a, c));
-            prop_assert!((found_a - a - da).abs() < 1e-9 && (found_c - c - dc).abs() < 1e-8);
+            let chain = Chain::tilting_table();
+            let found = nearest(&chain, &chain.tool_axis([a + da, c + dc]), [a, c]).unwrap();
+            prop_assert!((found[0] - a - da).abs() < 1e-9 && (found[1] - c - dc).abs() < 1e-8);
         }
     }
 }

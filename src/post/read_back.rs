@@ -4,7 +4,7 @@ use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, INVERSE_DECIMALS, LENGTH_DECIM
 use super::{Direction, NcMove, NcSection, NcTool, Post};
 use crate::diag::{Diag, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
-use crate::kin::transform::axis_at;
+use crate::kin::Angles;
 use crate::verify::Verified;
 
 /// What reading back found.
@@ -86,7 +86,7 @@ fn stations(
     if off > half_step(LENGTH_DECIMALS) {
         return Err((false, format!("the axes stand {off:.6} mm beside the first station")));
     }
-    let turned = (section.start.a - first.joints.a).abs().max((section.start.c - first.joints.c).abs()).to_degrees();
+    let turned = most_turn(section.start.rotary, first.joints.rotary).to_degrees();
     if turned > half_step(ANGLE_DECIMALS) {
         return Err((false, format!("a rotary axis stands {turned:.7} deg beside the first station")));
     }
@@ -94,10 +94,10 @@ fn stations(
     if off > half_step(LENGTH_DECIMALS) {
         return Err((true, format!("the retract is off by {off:.6} mm")));
     }
-    // Above the last target, where the text says nothing of X, Y, A and C.
+    // Above the last target, where the text says nothing of any axis but Z.
     let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
     let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
-    let turned = (last.joints.a - over.joints.a).abs().max((last.joints.c - over.joints.c).abs());
+    let turned = most_turn(last.joints.rotary, over.joints.rotary);
     if beside > half_step(LENGTH_DECIMALS) || turned > 0.0 {
         return Err((true, "the last station does not stand over the last target".to_owned()));
     }
@@ -117,6 +117,11 @@ fn differs(line: usize, why: String) -> Diag {
         .help("report the job file: this is a fault of the compiler")
 }
 
+/// Largest difference of a rotary axis, radians.
+fn most_turn(from: Angles, to: Angles) -> f64 {
+    (to[0] - from[0]).abs().max((to[1] - from[1]).abs())
+}
+
 fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {
     let pose = program.machine.forward(&meant.joints);
     let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
@@ -128,15 +133,15 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         return Err(format!("the tip is off by {tip:.6} mm"));
     }
     result.tip = result.tip.max(tip);
-    let angles = |a: f64, c: f64| {
-        let off = (a - meant.joints.a).abs().max((c - meant.joints.c).abs()).to_degrees();
+    let close = |angles: Angles| {
+        let off = most_turn(angles, meant.joints.rotary).to_degrees();
         if off > half_step(ANGLE_DECIMALS) { Err(format!("a rotary axis is off by {off:.7} deg")) } else { Ok(()) }
     };
     let axis = match read.direction {
         Direction::Axis(axis) => axis,
-        Direction::Rotary(a, c) => {
-            angles(a, c)?;
-            axis_at(a, c)
+        Direction::Rotary(angles) => {
+            close(angles)?;
+            program.machine.chain.tool_axis(angles)
         }
     };
     let off = (axis - pose.axis).norm();

@@ -394,8 +394,9 @@ fn word(
         'X' => block.coordinate(0, value()?),
         'Y' => block.coordinate(1, value()?),
         'Z' => block.coordinate(2, value()?),
-        'A' => block.angle(0, value()?, machine),
-        'C' => block.angle(1, value()?, machine),
+        'A'..='C' if machine.rotary_axis(letter.encode_utf8(&mut [0; 4])).is_some() => {
+            block.angle(letter.encode_utf8(&mut [0; 4]), value()?, machine)
+        }
         'F' => block.set_feed(value()?),
         'S' => block.set_speed(value()?),
         'T' => once(&mut block.tool, "T", NcTool::Number(number_of()?)),

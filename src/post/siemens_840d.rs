@@ -41,8 +41,8 @@ impl Post for Siemens840d {
         for operation in &motion.operations {
             let declared = &program.operations[operation.operation];
             let unsure = operation.moves.windows(2).find(|m| {
-                let (a, b) = (&m[0].joints, &m[1].joints);
-                m[1].kind != MoveKind::Rapid && (a.a * b.a < 0.0 || (a.c - b.c).abs() >= CERTAIN_TURN)
+                let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
+                m[1].kind != MoveKind::Rapid && (a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN)
             });
             if let Some(m) = unsure {
                 let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
@@ -50,9 +50,10 @@ impl Post for Siemens840d {
                     Diag::error(
                         post::AMBIGUOUS_VECTOR,
                         format!(
-                            "`{}` turns C by {:.1} deg in one block, or runs through the pole",
+                            "`{}` turns {} by {:.1} deg in one block, or runs through the pole",
                             declared.name,
-                            (m[0].joints.c - m[1].joints.c).to_degrees().abs()
+                            program.machine.rotary[1].name,
+                            (m[0].joints.rotary[1] - m[1].joints.rotary[1]).to_degrees().abs()
                         ),
                     )
                     .label(declared.span, "in this operation")
@@ -163,5 +164,9 @@ fn vector(program: &Program, m: &JointMove) -> String {
 
 fn rotary(machine: &Machine, joints: &Joints) -> String {
     let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
-    format!("A={} C={}", w(joints.a, machine.tilt.word_sign), w(joints.c, machine.turn.word_sign))
+    let [first, second] = [0, 1].map(|k| {
+        let axis = &machine.rotary[k];
+        format!("{}={}", axis.name, w(joints.rotary[k], axis.word_sign))
+    });
+    format!("{first} {second}")
 }

@@ -63,7 +63,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
     let parts: [(&'static str, Distance); 3] =
         [("cutter", ToolSolid::cutter_distance), ("shank", shank_distance), ("holder", holder_distance)];
     let solids = program.machine.carried.iter().map(|solid| {
-        let (points, half_spacing) = samples(solid, program.machine.turn_axis());
+        let (points, half_spacing) = samples(solid, program.machine.table_axis());
         let cloud = Cloud::new(points);
         let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
         for (o, operation) in motion.operations.iter().enumerate() {

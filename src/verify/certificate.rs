@@ -6,7 +6,7 @@ use super::carried::{CarriedReport, SEARCH};
 use super::clamping::ClampingReport;
 use super::clearance::Clearance;
 use super::kept::KeptSurfaces;
-use super::machine::MachineReport;
+use super::machine::{AXIS_UNITS, MachineReport};
 use super::perimeter::PerimeterReport;
 use super::rest::RestReport;
 use super::stock::StockReport;
@@ -338,8 +338,7 @@ impl Certificate {
             t,
             "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached"
         )?;
-        for a in &self.machine.axes {
-            let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
+        for (a, unit) in self.machine.axes.iter().zip(AXIS_UNITS) {
             writeln!(
                 t,
                 "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
@@ -359,15 +358,16 @@ impl Certificate {
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
         }
         let p = &self.perimeter;
+        let [.., first, second] = program.machine.names();
         writeln!(
             t,
-            "  X, Y, A and C move without tool centre point control at Z {:.3} of the gauge line only, with every tip at least {}",
+            "  X, Y, {first} and {second} move without tool centre point control at Z {:.3} of the gauge line only, with every tip at least {}",
             p.retract,
             length(p.clearance)
         )?;
         writeln!(
             t,
-            "  over Z {:.3}, which the {} does not pass under any A and C; required {}",
+            "  over Z {:.3}, which the {} does not pass under any {first} and {second}; required {}",
             p.height,
             p.highest,
             length(p.required)
@@ -384,7 +384,7 @@ impl Certificate {
             }
         }
         writeln!(t)?;
-        self.write_runs(t)?;
+        self.write_runs(program, t)?;
         if !self.contracts.is_empty() {
             writeln!(t)?;
             writeln!(t, "contracts")?;
@@ -411,10 +411,11 @@ impl Certificate {
         Ok(())
     }
 
-    fn write_runs(&self, t: &mut String) -> std::fmt::Result {
+    fn write_runs(&self, program: &Program, t: &mut String) -> std::fmt::Result {
+        let [.., first, second] = program.machine.names();
         writeln!(
             t,
-            "motion between blocks: tip straight, A and C linear, within accelerations and jerks of the axes. Slowest cutting block"
+            "motion between blocks: tip straight, {first} and {second} linear, within accelerations and jerks of the axes. Slowest cutting block"
         )?;
         writeln!(
             t,

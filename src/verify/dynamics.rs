@@ -22,7 +22,7 @@ mod jerk;
 
 use super::sweep::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine, linuxcnc};
+use crate::kin::{Chain, Joints, Machine, between, linuxcnc};
 use crate::method::Planning;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -65,7 +65,7 @@ pub struct Run {
     pub programmed: [f64; 3],
     /// Share of the programmed feed with which the slowest cutting block is run through, and that block.
     pub slowest: Peak,
-    /// Largest speed of X, Y, Z, A, C that is reached, as a share of the limit.
+    /// Largest speed of X, Y, Z and the rotary axes that is reached, as a share of the limit.
     pub speed: [Peak; 5],
     /// Largest acceleration of the axes inside of blocks that the programmed feed would take, as a share of the limit:
     /// above 1 the control slows down.
@@ -79,7 +79,7 @@ pub struct Run {
     /// How far tip or flutes leave the programmed motion in all: the larger corner of a block and its cycle, mm.
     pub contour: Departure,
     /// How far the tool axis leaves that of the programmed motion where corners are rounded, degrees. Inside of a block
-    /// A and C are even in the way of the tip, so that the cycle does not tilt the axis.
+    /// the rotary axes are even in the way of the tip, so that the cycle does not tilt the axis.
     pub orientation: Departure,
 }
 
@@ -183,13 +183,10 @@ pub(super) struct Limits {
     jerk: [f64; 5],
     chord: f64,
     height: f64,
+    chain: Chain,
 }
 
 pub(super) type Joint5 = [f64; 5];
-
-fn joints5(j: &Joints) -> Joint5 {
-    [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
-}
 
 /// A block as it begins and ends.
 struct Block {
@@ -222,6 +219,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let declared = &program.operations[moves.operation];
     let (machine, t) = (&program.machine, &program.tolerances);
     let limits = Limits {
+        chain: machine.chain,
         speed: machine.speeds(),
         acceleration: machine.accelerations(),
         jerk: machine.jerks(),
@@ -368,13 +366,13 @@ fn block(
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     let at = |t: f64| {
         let tip = tips[0] + (tips[1] - tips[0]) * t;
-        joints5(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t))
+        machine.joints(&tip, between(from.rotary, to.rotary, t)).all()
     };
-    let count = (libm::hypot(to.a - from.a, to.c - from.c) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
+    let count = (machine.turn(from.rotary, to.rotary) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
     let width = time / count;
     let first = cells.len();
     let mut ends = [[0.0; 5]; 2];
-    let mut q0 = joints5(from);
+    let mut q0 = from.all();
     for cell in 0..count as usize {
         let (middle, end) = (at((cell as f64 + 0.5) / count), at((cell as f64 + 1.0) / count));
         let each =
@@ -428,13 +426,13 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
         return;
     }
     let jump: Joint5 = std::array::from_fn(|k| v2[k] * ratio - v1[k]);
+    let turn = limits.chain.turn([0.0; 2], [jump[3], jump[4]]);
     let rounded = (0..5).map(|k| jump[k].abs() / limits.acceleration[k]).fold(0.0, f64::max);
-    let flutes = (block.tip * ratio - before.tip).norm() + limits.height * libm::hypot(jump[3], jump[4]);
+    let flutes = (block.tip * ratio - before.tip).norm() + limits.height * turn;
     let cell = &mut cells[at];
     cell.ratio = ratio;
     cell.rounding = rounded * flutes / 8.0;
-    // A and C turn about axes at right angles: the tool turns by no more.
-    cell.tilting = rounded * libm::hypot(jump[3], jump[4]) / 8.0;
+    cell.tilting = rounded * turn / 8.0;
     cell.flutes = flutes;
     cell.room = 0.5 * (before.time + block.time / ratio);
     if rounded > 0.0 {

@@ -332,7 +332,8 @@ mod tests {
 
     use super::*;
     use crate::collide::{Cutter, tool::tool_coordinates};
-    use crate::verify::sweep::RotaryPose;
+    use crate::kin::{AxisLine, Carries, Chain, RotaryPose};
+    use nalgebra::Unit;
 
     fn solids() -> Vec<ToolSolid> {
         let cutters = [
@@ -347,13 +348,24 @@ mod tests {
         cutters.map(solid).to_vec()
     }
 
+    /// Axes at a right angle, and at 45 deg.
+    fn chains() -> [Chain; 2] {
+        let line = |carries, direction: [f64; 3]| AxisLine {
+            carries,
+            direction: Unit::new_normalize(Vector3::from(direction)),
+            point: Point3::origin(),
+        };
+        let nutating = [line(Carries::Tool, [1.0, 0.0, 1.0]), line(Carries::Part, [0.0, 0.0, 1.0])];
+        [Chain::tilting_table(), Chain::new(nutating).unwrap()]
+    }
+
     /// Lines of a swaying tool, and long ways between them.
     fn poses() -> Vec<RotaryPose> {
         (0..240)
             .map(|k| {
                 let (line, x) = (f64::from(k / 24), f64::from(k % 24));
                 let tip = Point3::new(x, 1.5 * line + (0.3 * x).sin(), (0.4 * x).cos());
-                RotaryPose { tip, a: 0.4 + 0.5 * (0.2 * x + line).sin(), c: 0.3 * line + 0.05 * x }
+                RotaryPose { tip, rotary: [0.4 + 0.5 * (0.2 * x + line).sin(), 0.3 * line + 0.05 * x] }
             })
             .collect()
     }
@@ -372,8 +384,8 @@ mod tests {
     #[test]
     fn bounds_of_nodes_against_poses() {
         let mut close = 0;
-        for solid in solids() {
-            let sweep = Sweep::through(&solid, &poses()).unwrap();
+        for (solid, chain) in solids().iter().flat_map(|s| chains().map(|c| (s.clone(), c))) {
+            let sweep = Sweep::through(&solid, &chain, &poses()).unwrap();
             for p in points() {
                 for node in &sweep.hierarchy.nodes {
                     let floor = sweep.floor(node, &p, 2.0, f64::INFINITY);
@@ -401,8 +413,8 @@ mod tests {
     /// What the hierarchy finds nearest is the nearest of all pieces one by one.
     #[test]
     fn nearest_against_all_pieces() {
-        for solid in solids() {
-            let sweep = Sweep::through(&solid, &poses()).unwrap();
+        for (solid, chain) in solids().iter().flat_map(|s| chains().map(|c| (s.clone(), c))) {
+            let sweep = Sweep::through(&solid, &chain, &poses()).unwrap();
             let count = sweep.hierarchy.nodes[0].range.1;
             for p in points() {
                 let one_by_one = (0..count).filter_map(|k| sweep.least(k, &p, f64::INFINITY, TURN_SLACK));

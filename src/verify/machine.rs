@@ -4,7 +4,7 @@
 use super::dynamics::{self, Peak, Run};
 use super::sweep::At;
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Interpolation, Joints, Machine};
+use crate::kin::{Chain, Interpolation, Joints, Machine, between};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,14 +17,17 @@ const PLACES: usize = 16;
 /// Excess over a travel that is rounding of the way from joints to the part and back, mm and radians.
 const TRAVEL_ROUNDING: f64 = 1e-9;
 
+/// Units of X, Y, Z and the rotary axes in reports.
+pub const AXIS_UNITS: [&str; 5] = ["mm", "mm", "mm", "deg", "deg"];
+
 /// Excess of an axis speed over its limit that is rounding of times and feeds.
 const SPEED_ROUNDING: f64 = 1e-3;
 
 /// Range of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisRange {
-    /// Letter.
-    pub axis: char,
+    /// Name.
+    pub axis: String,
     /// Least and largest position used, mm or deg.
     pub used: [f64; 2],
     /// Travel, mm or deg.
@@ -41,8 +44,8 @@ pub struct AxisRange {
 /// What an axis does wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisFault {
-    /// Letter.
-    pub axis: char,
+    /// Name.
+    pub axis: String,
     /// Position (mm or deg), or the speed as a share of the limit.
     pub value: f64,
     /// Bound that it breaks.
@@ -56,8 +59,8 @@ pub struct AxisFault {
 /// An axis speed of one move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FastestAxis {
-    /// Letter.
-    pub axis: char,
+    /// Name.
+    pub axis: String,
     /// Largest speed as a share of the limit.
     pub share: f64,
     /// Move.
@@ -79,7 +82,7 @@ pub struct OtherRules {
 /// Figures of the machine check.
 #[derive(Clone, Debug, Serialize)]
 pub struct MachineReport {
-    /// X, Y, Z, A, C.
+    /// X, Y, Z and both rotary axes.
     pub axes: Vec<AxisRange>,
     /// Least angle between the tool axis and the axis of C while cutting, degrees.
     pub pole_distance: f64,
@@ -93,33 +96,16 @@ pub struct MachineReport {
     pub other_rules: Vec<OtherRules>,
 }
 
-const LETTERS: [char; 5] = ['X', 'Y', 'Z', 'A', 'C'];
-
-/// Positions of the axes; Z is that of the gauge line, `length` over the tip.
-fn coordinates(j: &Joints, length: f64) -> [f64; 5] {
-    [j.xyz.x, j.xyz.y, j.xyz.z + length, j.a, j.c]
-}
-
-/// Travel in the units of the joints.
-fn travel(machine: &Machine) -> [[f64; 2]; 5] {
-    let l = &machine.linear;
-    [
-        [l[0].min, l[0].max],
-        [l[1].min, l[1].max],
-        [l[2].min, l[2].max],
-        [machine.tilt.min, machine.tilt.max],
-        [machine.turn.min, machine.turn.max],
-    ]
-}
-
 /// Checks every move.
 pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let machine = &program.machine;
-    let (travel, speed) = (travel(machine), machine.speeds());
+    let (travel, speed) = (machine.travel(), machine.speeds());
+    let name = |k: usize| machine.names()[k].to_owned();
     let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
-    // No axis is farther from the pole.
+    // None is farther from the pole.
     let mut pole = FRAC_PI_2;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
+    let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
     for (o, operation) in motion.operations.iter().enumerate() {
         let length = program.tools[program.operations[operation.operation].tool].length();
         let mut before: Option<&Joints> = None;
@@ -127,7 +113,8 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             let at =
                 At { operation: u32::try_from(o).unwrap_or(u32::MAX), index: u32::try_from(i).unwrap_or(u32::MAX) };
             if m.kind == MoveKind::Cut {
-                pole = pole.min(to_pole(before.map_or(m.joints.a, |b| b.a), m.joints.a));
+                let first = |j: &Joints| j.rotary[0];
+                pole = pole.min(to_pole(&machine.chain, before.map_or(first(&m.joints), first), first(&m.joints)));
             }
             let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some(), length);
             for k in 0..5 {
@@ -137,7 +124,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
                     let worse = faults[k].as_ref().is_none_or(|f| beyond > (f.value - f.bound).abs());
                     if beyond > TRAVEL_ROUNDING && worse {
                         let bound = if q[k] > travel[k][1] { travel[k][1] } else { travel[k][0] };
-                        faults[k] = Some(AxisFault { axis: LETTERS[k], value: q[k], bound, speed: false, at });
+                        faults[k] = Some(AxisFault { axis: name(k), value: q[k], bound, speed: false, at });
                     }
                 }
                 if m.time > 0.0 {
@@ -146,25 +133,25 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
                         .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / m.time / speed[k])
                         .fold(0.0, f64::max);
                     if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
-                        faults[5 + k] =
-                            Some(AxisFault { axis: LETTERS[k], value: fastest, bound: 1.0, speed: true, at });
+                        faults[5 + k] = Some(AxisFault { axis: name(k), value: fastest, bound: 1.0, speed: true, at });
                     }
                 }
             }
             before = Some(&m.joints);
         }
     }
-    let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
-    let mut faults: Vec<AxisFault> = faults.into_iter().flatten().collect();
-    for f in faults.iter_mut().filter(|f| !f.speed && matches!(f.axis, 'A' | 'C')) {
-        (f.value, f.bound) = (f.value.to_degrees(), f.bound.to_degrees());
-    }
     let count = motion.operations.len();
     let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o)).collect();
     for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
-        let worse = peak.value > 1.0 + SPEED_ROUNDING && faults.iter().all(|f| !(f.speed && f.axis == LETTERS[k]));
+        // Of blocks that are too fast by themselves the block is the fault; the run adds those that are so together.
+        let worse = peak.value > 1.0 + SPEED_ROUNDING && faults[5 + k].is_none();
         if let Some(at) = peak.at.filter(|_| worse) {
-            faults.push(AxisFault { axis: LETTERS[k], value: peak.value, bound: 1.0, speed: true, at });
+            faults[5 + k] = Some(AxisFault { axis: name(k), value: peak.value, bound: 1.0, speed: true, at });
+        }
+    }
+    for (k, fault) in faults.iter_mut().take(5).enumerate() {
+        if let Some(f) = fault {
+            (f.value, f.bound) = (shown(k, f.value), shown(k, f.bound));
         }
     }
     let other_rules = (0..count).into_par_iter().map(|o| other_rules(program, motion, o)).collect();
@@ -172,7 +159,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     MachineReport {
         axes: (0..5)
             .map(|k| AxisRange {
-                axis: LETTERS[k],
+                axis: name(k),
                 used: used[k].map(|x| shown(k, x)),
                 travel: travel[k].map(|x| shown(k, x)),
                 speed_share: most(&|r| r.speed[k]),
@@ -181,29 +168,31 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
             })
             .collect(),
         pole_distance: pole.to_degrees(),
-        faults,
+        faults: faults.into_iter().flatten().collect(),
         fastest: runs.iter().map(|run| fastest(program, motion, run)).collect(),
         runs,
         other_rules,
     }
 }
 
-/// Least angle to the pole between two positions of A, radians.
-fn to_pole(from: f64, to: f64) -> f64 {
-    let half_turns = |a: f64| (a / std::f64::consts::PI).floor();
-    if half_turns(from) != half_turns(to) {
+/// Least angle between the tool and rotary axis 2 while axis 1 turns from one position to another, radians. Either sense of
+/// the tool counts.
+fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
+    if chain.poles_between(from, to) {
         return 0.0;
     }
-    libm::asin(libm::sin(from).abs()).min(libm::asin(libm::sin(to).abs()))
+    let angle = |first: f64| libm::asin(libm::sin(chain.lean(first)).abs());
+    angle(from).min(angle(to))
 }
 
 /// The axis of a run that comes nearest to its limit.
 fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
-    let (axis, peak) = LETTERS.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+    let names = program.machine.names();
+    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
     let at = peak.at?;
     let end = motion.operations.get(at.operation as usize)?.moves.get(at.index as usize)?;
     let tip = program.machine.forward(&end.joints).tip;
-    Some(FastestAxis { axis, share: peak.value, at, tip: [tip.x, tip.y, tip.z] })
+    Some(FastestAxis { axis: axis.to_owned(), share: peak.value, at, tip: [tip.x, tip.y, tip.z] })
 }
 
 fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRules {
@@ -225,14 +214,14 @@ fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRul
 /// Positions of the axes along a move; only its end when it positions from an unknown place.
 fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64) -> Vec<[f64; 5]> {
     if !moves {
-        return vec![coordinates(to, length)];
+        return vec![machine.positions(to, length)];
     }
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     (0..=PLACES)
         .map(|k| {
             let t = k as f64 / PLACES as f64;
             let tip = tips[0] + (tips[1] - tips[0]) * t;
-            coordinates(&machine.joints(&tip, from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t), length)
+            machine.positions(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
         })
         .collect()
 }

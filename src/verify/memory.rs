@@ -57,10 +57,10 @@ impl Counted {
         let (mut counted, mut before) = (Self::default(), [0.0; AXES]);
         sweep::each_move(&program.machine, motion, operation, |at, _, ends| {
             counted.blocks += 1.0;
-            counted.pieces += sweep::piece_count(&ends);
+            counted.pieces += sweep::piece_count(&program.machine.chain, &ends);
             let [from, to] = &ends;
             let way = to.tip - from.tip;
-            let turns = [to.a - from.a, to.c - from.c].map(|turn| ARM * turn);
+            let turns = [0, 1].map(|k| ARM * (to.rotary[k] - from.rotary[k]));
             let time = motion.operations[operation].moves[at.index as usize].time;
             let speed = [way.x, way.y, way.z, turns[0], turns[1]].map(|way| way / time);
             let size = |v: &[f64; AXES]| v.iter().map(|x| x * x).sum::<f64>().sqrt();

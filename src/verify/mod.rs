@@ -14,7 +14,7 @@
 //! | | how near to chuck and table that only the job knows of? | [`clamping`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what happens to the stock, block by block? | [`stock`] |
-//! | | does the tool stand over everything while X, Y, A and C move without tool centre point control? | [`perimeter`] |
+//! | | does the tool stand over everything while all axes but Z move without tool centre point control? | [`perimeter`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
 //! | | what feed is reached within accelerations and jerks, how far does the real motion leave the verified one? | [`dynamics`] |
 

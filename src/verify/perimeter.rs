@@ -1,8 +1,8 @@
 //! The perimeter of a program: what the machine does before the first and behind the last move of an operation.
 //!
-//! There X, Y, A and C move with tool centre point control off, from wherever they stand, with the tool of this operation or
+//! There all axes but Z move with tool centre point control off, from wherever they stand, with the tool of this operation or
 //! of the one before in the spindle. Nothing is known of their way but the height: so the tip of every tool must stand higher
-//! than part, stock, table and fixtures can come under any A and C of their travel. The ways down to the first target and up
+//! than part, stock, table and fixtures can come under any angles of the rotary axes within their travel. The ways down to the first target and up
 //! behind the last one are moves of the motion, which all other checks judge.
 
 use super::sweep::At;
@@ -21,9 +21,9 @@ pub struct PerimeterReport {
     pub retract: f64,
     /// What comes highest: `stock`, `table` or `fixture`.
     pub highest: &'static str,
-    /// Its largest height under any A and C of their travel.
+    /// Its largest height under any angles of the rotary axes within their travel.
     pub height: f64,
-    /// Least distance of a tool tip over that height while X, Y, A or C move.
+    /// Least distance of a tool tip over that height while any axis but Z moves.
     pub clearance: f64,
     /// Where the tool comes nearest: the first or the last move of an operation.
     pub at: Option<At>,
@@ -64,12 +64,13 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let lack = found.required - found.clearance;
+    let [.., first, second] = program.machine.names();
     let Some(station) = operation.moves.get(at.index as usize) else { return };
     sink.push(
         Diag::error(
             verification::RETRACT_TOO_LOW,
             format!(
-                "the tip of {} stands {} over the height that the {} can reach while X, Y, A and C move; required {}",
+                "the tip of {} stands {} over the height that the {} can reach while X, Y, {first} and {second} move; required {}",
                 tool.name,
                 length(found.clearance),
                 found.highest,
@@ -83,14 +84,14 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
         )
         .block(at.operation, at.index)
         .note(format!(
-            "Z {:.3} of the gauge line, less {:.3} mm of tool; the {} reaches Z {:.3} under some A and C",
+            "Z {:.3} of the gauge line, less {:.3} mm of tool; the {} reaches Z {:.3} under some {first} and {second}",
             station.joints.xyz.z + tool.length(),
             tool.length(),
             found.highest,
             found.height
         ))
         .help(format!(
-            "a retract {} higher, a shorter tool or holder, or a part that stands lower or nearer to the axis of A",
+            "a retract {} higher, a shorter tool or holder, or a part that stands lower or nearer to the axis of {first}",
             length(lack)
         )),
     );

@@ -102,8 +102,8 @@ impl Sweep<'_> {
 
 /// Two pieces of a sweep, one after the other.
 struct Pair<'a> {
-    first: &'a Piece,
-    second: &'a Piece,
+    first: &'a Piece<'a>,
+    second: &'a Piece<'a>,
     /// Share of the second piece in those of the first, so that poses pass the joint at one pace.
     stretch: f64,
 }
@@ -121,7 +121,7 @@ struct Run {
 
 impl<'a> Pair<'a> {
     /// `arm` is about how far points of the cutter lie from the tip.
-    fn new(first: &'a Piece, second: &'a Piece, arm: f64) -> Self {
+    fn new(first: &'a Piece<'a>, second: &'a Piece<'a>, arm: f64) -> Self {
         let pace = |piece: &Piece| {
             let (tip, axis) = piece.speed();
             tip.norm() + arm * axis.norm()
@@ -130,7 +130,7 @@ impl<'a> Pair<'a> {
         Self { first, second, stretch: if a > 0.0 && b > 0.0 { b / a } else { 1.0 } }
     }
 
-    fn piece(&self, later: bool) -> &'a Piece {
+    fn piece(&self, later: bool) -> &'a Piece<'a> {
         if later { self.second } else { self.first }
     }
 

@@ -7,7 +7,7 @@ use super::sweep::At;
 use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
-use crate::kin::transform::axis_at;
+use crate::kin::between;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Step, StepKind, Touched};
 use crate::units::length;
@@ -464,10 +464,9 @@ fn steps<'a>(
     let (kind, time) = (pair[1].kind, pair[1].time);
     let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
     let way = tips[1] - tips[0];
-    // A and C turn about axes at right angles: the turn of the tool is at most this.
-    let turn = libm::hypot(to.a - from.a, to.c - from.c);
+    let turn = program.machine.turn(from.rotary, to.rotary);
     let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
-    let axis = move |t: f64| axis_at(from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
+    let axis = move |t: f64| program.machine.chain.tool_axis(between(from.rotary, to.rotary, t));
     (0..count as usize).map(move |k| {
         let (a, b) = (k as f64 / count, (k + 1) as f64 / count);
         let ends = [tips[0] + way * a, tips[0] + way * b];

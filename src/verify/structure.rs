@@ -34,7 +34,7 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
         }
         for (i, m) in operation.moves.iter().enumerate() {
             let j = &m.joints;
-            let finite = j.xyz.iter().chain([&j.a, &j.c, &m.time]).all(|x| x.is_finite());
+            let finite = j.all().iter().chain([&m.time]).all(|x| x.is_finite());
             let limit = match m.kind {
                 MoveKind::Cut => declared.feed.get(),
                 MoveKind::Link | MoveKind::Rapid => declared.link_feed.get(),

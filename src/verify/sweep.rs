@@ -5,15 +5,15 @@
 //!
 //! Seen from the tool, a fixed point p runs on a path q(t) with q' and q''. The signed distance f to a convex cutter is
 //! convex, so at any time s the tangent bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2 (t - s)^2 max|q''|. With
-//! the turn w of a piece and the way v of its tip, |q''| <= 3/2 w^2 |q| + 2 w v: A and C stand at right angles, so that
-//! their angular velocities add by Pythagoras, and their angular acceleration is at most their product. The first term
-//! vanishes at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
+//! the turn w of a piece and the way v of its tip, |q''| <= k w^2 |q| + 2 w v, where k follows from the angle between the
+//! rotary axes ([`Turning`](crate::kin::chain::Turning): 3/2 where they stand at a right angle). The first term vanishes
+//! at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
 use crate::collide::{Slope, ToolSolid};
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine, transform::axis_at};
+use crate::kin::{Angles, Chain, Joints, Machine, RotaryPose, between};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -32,9 +32,6 @@ const FLAT: f64 = 1e-6;
 /// Steps of the search for a minimum: bisection alone would need 30.
 const STEPS: usize = 60;
 
-/// Bound of a second derivative under [`Piece::twist`], (1 + sqrt 5) / 2 and a little.
-const GOLDEN: f64 = 1.6181;
-
 /// Where in the program something happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct At {
@@ -46,13 +43,14 @@ pub struct At {
 
 /// A part of one move.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece {
+pub struct Piece<'a> {
+    chain: &'a Chain,
     /// Move that it belongs to.
     pub at: At,
     /// Kind of that move.
     pub kind: MoveKind,
     tips: [Point3<f64>; 2],
-    rotary: [(f64, f64); 2],
+    rotary: [Angles; 2],
     /// Middle pose.
     middle: (Point3<f64>, Vector3<f64>),
     /// Parabola through the axis at both ends and in the middle: value, and factors of the share and of its square.
@@ -63,16 +61,18 @@ pub struct Piece {
     order: u32,
 }
 
-impl Piece {
+impl<'a> Piece<'a> {
     /// Tip and axis at a share of the piece.
     pub fn pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
-        let [(a0, c0), (a1, c1)] = self.rotary;
-        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis_at(a0 + (a1 - a0) * t, c0 + (c1 - c0) * t))
+        let axis = self.chain.tool_axis(between(self.rotary[0], self.rotary[1], t));
+        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis)
     }
 
-    fn new(at: At, kind: MoveKind, tips: [Point3<f64>; 2], rotary: [(f64, f64); 2]) -> Self {
-        let [first, last] = rotary.map(|(a, c)| axis_at(a, c));
+    fn new(chain: &'a Chain, at: At, kind: MoveKind, ends: [RotaryPose; 2]) -> Self {
+        let (tips, rotary) = (ends.map(|e| e.tip), ends.map(|e| e.rotary));
+        let [first, last] = rotary.map(|angles| chain.tool_axis(angles));
         let mut piece = Self {
+            chain,
             at,
             kind,
             tips,
@@ -85,7 +85,7 @@ impl Piece {
         piece.middle = piece.pose(0.5);
         let middle = piece.middle.1;
         piece.curve = [first, middle * 4.0 - first * 3.0 - last, (first + last) * 2.0 - middle * 4.0];
-        piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * turn(rotary));
+        piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * chain.turn(rotary[0], rotary[1]));
         piece
     }
 
@@ -106,16 +106,16 @@ impl Piece {
     }
 
     /// Bound of the distance between the parabola of the axis and the axis: the largest |t (t - 1/2) (t - 1)| / 6 times
-    /// the third derivative, which for two even turns at right angles stays below 3 w^3.
+    /// the third derivative.
     fn parabola_error(&self) -> f64 {
         let turn = 2.0 * self.reach.1;
-        0.0081 * 3.0 * turn * turn * turn
+        0.0081 * self.chain.turning().third * turn * turn * turn
     }
 
     /// The same for the change of the axis over the share: at most a twelfth of the third derivative.
     fn parabola_slope_error(&self) -> f64 {
         let turn = 2.0 * self.reach.1;
-        0.25 * turn * turn * turn
+        self.chain.turning().third / 12.0 * turn * turn * turn
     }
 
     /// How the way of the touched point, and of all within a radius about it, may bend over the piece.
@@ -123,7 +123,7 @@ impl Piece {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
         // Farthest that any of the points gets from the tip.
         let arm = touch.arm() + way + radius;
-        let bend = 1.5 * turn * turn * arm + 2.0 * turn * way;
+        let bend = self.chain.turning().second * turn * turn * arm + 2.0 * turn * way;
         Drift { bend, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
     }
 
@@ -137,7 +137,7 @@ impl Piece {
     pub fn ball_drift(&self, radius: f64) -> Drift {
         let turn = 2.0 * self.reach.1;
         let (flaw, slope_flaw) = (self.parabola_error() * radius, self.parabola_slope_error() * radius);
-        Drift { bend: 1.5 * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
+        Drift { bend: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
     }
 
     /// How a tangent at a touch moves with the share, see [`Twist`]; it is to hold for points within a radius.
@@ -147,7 +147,7 @@ impl Piece {
         let arm = touch.arm() + way + radius;
         Twist {
             change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
-            bend: GOLDEN * turn * turn * arm + 2.0 * turn * way,
+            bend: self.chain.turning().shortest * turn * turn * arm + 2.0 * turn * way,
             // In the change of the axis, and twice in that of the gradient.
             slope_flaw: 3.0 * self.parabola_slope_error() * arm,
             flaw: self.parabola_error() * arm,
@@ -161,13 +161,10 @@ impl Piece {
 
     /// The two halves.
     pub fn halves(&self) -> [Self; 2] {
-        let [(a0, c0), (a1, c1)] = self.rotary;
-        let rotary = (0.5 * (a0 + a1), 0.5 * (c0 + c1));
-        let tip = self.middle.0;
-        [
-            Self::new(self.at, self.kind, [self.tips[0], tip], [self.rotary[0], rotary]),
-            Self::new(self.at, self.kind, [tip, self.tips[1]], [rotary, self.rotary[1]]),
-        ]
+        let [from, to] = [0, 1].map(|k| RotaryPose { tip: self.tips[k], rotary: self.rotary[k] });
+        let rotary = [0, 1].map(|k| 0.5 * (from.rotary[k] + to.rotary[k]));
+        let middle = RotaryPose { tip: self.middle.0, rotary };
+        [[from, middle], [middle, to]].map(|ends| Self::new(self.chain, self.at, self.kind, ends))
     }
 
     /// Half of the tip's way, and half of the turn, radians.
@@ -186,15 +183,10 @@ impl Piece {
     }
 }
 
-/// Upper bound of the turn of the axis between rotary positions: A and C turn about axes at right angles.
-fn turn([(a0, c0), (a1, c1)]: [(f64, f64); 2]) -> f64 {
-    libm::hypot(a1 - a0, c1 - c0)
-}
-
 /// Pieces of the moves of an operation, in order.
-pub fn pieces(machine: &Machine, motion: &Motion, operation: usize) -> Vec<Piece> {
+pub fn pieces<'a>(machine: &'a Machine, motion: &Motion, operation: usize) -> Vec<Piece<'a>> {
     let mut pieces = Vec::new();
-    each_move(machine, motion, operation, |at, kind, ends| divide(at, kind, ends, &mut pieces));
+    each_move(machine, motion, operation, |at, kind, ends| divide(&machine.chain, at, kind, ends, &mut pieces));
     pieces
 }
 
@@ -211,37 +203,24 @@ pub(super) fn each_move(
             operation: u32::try_from(operation).unwrap_or(u32::MAX),
             index: u32::try_from(i + 1).unwrap_or(u32::MAX),
         };
-        let pose = |joints: &Joints| RotaryPose { tip: machine.forward(joints).tip, a: joints.a, c: joints.c };
+        let pose = |joints: &Joints| RotaryPose { tip: machine.forward(joints).tip, rotary: joints.rotary };
         act(at, pair[1].kind, [pose(&pair[0].joints), pose(&pair[1].joints)]);
     }
 }
 
-/// A pose of a tool by tip and rotary axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RotaryPose {
-    /// Tip, part frame.
-    pub tip: Point3<f64>,
-    /// Tilt axis, radians.
-    pub a: f64,
-    /// Turning axis, radians.
-    pub c: f64,
-}
-
 /// Number of pieces of a move.
-pub(super) fn piece_count([from, to]: &[RotaryPose; 2]) -> f64 {
-    let turns = turn([(from.a, from.c), (to.a, to.c)]) / PIECE_TURN;
+pub(super) fn piece_count(chain: &Chain, [from, to]: &[RotaryPose; 2]) -> f64 {
+    let turns = chain.turn(from.rotary, to.rotary) / PIECE_TURN;
     turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0)
 }
 
 /// Divides a move into pieces.
-fn divide(at: At, kind: MoveKind, ends: [RotaryPose; 2], pieces: &mut Vec<Piece>) {
-    let count = piece_count(&ends);
+fn divide<'a>(chain: &'a Chain, at: At, kind: MoveKind, ends: [RotaryPose; 2], pieces: &mut Vec<Piece<'a>>) {
+    let count = piece_count(chain, &ends);
     let [from, to] = ends;
-    let tip = |t: f64| from.tip + (to.tip - from.tip) * t;
-    let rotary = |t: f64| (from.a + (to.a - from.a) * t, from.c + (to.c - from.c) * t);
     for k in 0..count as usize {
         let (t0, t1) = (k as f64 / count, (k + 1) as f64 / count);
-        pieces.push(Piece::new(at, kind, [tip(t0), tip(t1)], [rotary(t0), rotary(t1)]));
+        pieces.push(Piece::new(chain, at, kind, [from.towards(&to, t0), from.towards(&to, t1)]));
     }
 }
 
@@ -249,7 +228,7 @@ fn divide(at: At, kind: MoveKind, ends: [RotaryPose; 2], pieces: &mut Vec<Piece>
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     solid: &'a ToolSolid,
-    pieces: Vec<Piece>,
+    pieces: Vec<Piece<'a>>,
     /// Index of each piece in the order of time.
     in_order: Vec<u32>,
     /// What lies where.
@@ -277,17 +256,17 @@ impl<'a> Sweep<'a> {
     }
 
     /// A cutter that passes poses in turn; each move counts as one of operation 0.
-    pub fn through(solid: &'a ToolSolid, poses: &[RotaryPose]) -> Option<Self> {
+    pub fn through(solid: &'a ToolSolid, chain: &'a Chain, poses: &[RotaryPose]) -> Option<Self> {
         let mut pieces = Vec::new();
         for (i, pair) in poses.windows(2).enumerate() {
             let at = At { operation: 0, index: u32::try_from(i + 1).unwrap_or(u32::MAX) };
-            divide(at, MoveKind::Cut, [pair[0], pair[1]], &mut pieces);
+            divide(chain, at, MoveKind::Cut, [pair[0], pair[1]], &mut pieces);
         }
         Self::over(solid, pieces)
     }
 
     /// Builds the hierarchy over pieces in the order of time.
-    fn over(solid: &'a ToolSolid, mut pieces: Vec<Piece>) -> Option<Self> {
+    fn over(solid: &'a ToolSolid, mut pieces: Vec<Piece<'a>>) -> Option<Self> {
         if pieces.is_empty() {
             return None;
         }
@@ -406,7 +385,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// A piece, by its index here.
-    pub fn piece(&self, index: u32) -> &Piece {
+    pub fn piece(&self, index: u32) -> &Piece<'a> {
         &self.pieces[index as usize]
     }
 
@@ -464,8 +443,9 @@ impl Touch {
 /// Let R(t) turn the axis at the touch into that at t, the shortest way at any time, and n be the gradient there. The
 /// cutter is a convex body about its axis, so that f(p, t) >= f* + (R n) . (p - tip) - n . (p* - tip*). The right side is
 /// n . (p - p*) + (t - t*) (rate + change . (p - p*)) up to half its second derivative, with change = w x n and
-/// w = a x a' for the axis a. With (R n)'' at most |w'| + |w|^2, where |w'|^2 = K (Q + 4 P) and |w|^2 = P + Q for the squares P
-/// of the turn in A, Q of that in C across the axis and K of that along it: at most (1 + sqrt 5) / 2 (P + Q + K).
+/// w = a x a' for the axis a. (R n)'' is at most |w'| + |w|^2. For rotary axes at a right angle |w'|^2 = K (Q + 4 P) and
+/// |w|^2 = P + Q, with the squares P of the turn of axis 1, Q of that of axis 2 across the tool and K of that along it: at most
+/// (1 + sqrt 5) / 2 (P + Q + K). For others [`Turning`](crate::kin::chain::Turning) has a wider bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     /// Change of the gradient over the share.

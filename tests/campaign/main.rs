@@ -227,7 +227,7 @@ fn faults_are_found_with_size_and_line() {
         let plan = pipeline::run(&program, &mut outcome.sink).unwrap();
         let (motion, _) = verify(&program, plan.motion, &mut outcome.sink).unwrap();
         // A whole turn of C too far is a motion to be measured here, not a word beyond travel.
-        (program.machine.turn.min, program.machine.turn.max) = (-20.0, 20.0);
+        (program.machine.rotary[1].min, program.machine.rotary[1].max) = (-20.0, 20.0);
         let design = Design::new(&program.part);
         let text = post::find(dialect.name()).unwrap().emit(&program, &motion, &[]).text();
         let original = Original::new(dialect, &text, &program);

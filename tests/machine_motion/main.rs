@@ -9,7 +9,7 @@ mod times;
 
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
-use impellerc::kin::{Interpolation, Joints, Machine};
+use impellerc::kin::{Chain, Interpolation, Joints, Machine};
 use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::units::Mm;
 use impellerc::verify::dynamics::{Run, run};
@@ -36,7 +36,7 @@ fn program(machine: Machine) -> Program {
 }
 
 fn motion(program: &Program, kind: MoveKind, stops: &[Stop]) -> Motion {
-    let joint = |s: &Stop| program.machine.joints(&Point3::from(s.0), s.1, s.2);
+    let joint = |s: &Stop| program.machine.joints(&Point3::from(s.0), [s.1, s.2]);
     let moves = stops
         .iter()
         .map(|s| JointMove { kind, joints: joint(s), feed: None, time: s.3, pass: 0, stop: false })
@@ -167,8 +167,7 @@ fn a_tip_on_a_line_under_a_turning_table_takes_the_time_of_a_dense_run() {
             let q = |s: f64| {
                 let t = s / time;
                 let tip = Point3::from(std::array::from_fn::<f64, 3, _>(|k| from[k] + (to[k] - from[k]) * t));
-                let j = program.machine.joints(&tip, 0.0, c0 + turn * t);
-                [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c]
+                program.machine.joints(&tip, [0.0, c0 + turn * t]).all()
             };
             let h = 1e-4;
             let (a, b, c) = (q(tau - h), q(tau), q(tau + h));
@@ -226,7 +225,7 @@ fn the_control_cycle_leaves_the_arc_by_its_sag() {
 #[test]
 fn a_turn_that_comes_back_is_rounded_as_its_arc() {
     let program = program(support::machine());
-    let (chord, turning) = (program.tolerances.chord.get(), program.machine.turn.acceleration);
+    let (chord, turning) = (program.tolerances.chord.get(), program.machine.rotary[1].acceleration);
     let height = program.tools[program.operations.iter().next().unwrap().1.tool].solid.flute_length;
     // The tip on the axis of C: the table turns to and fro, and nothing else moves.
     let to_and_fro = |radius: f64| {
@@ -281,8 +280,7 @@ fn slower_axes_take_longer() {
     for share in [8.0, 1.0, 0.25] {
         let mut machine = support::machine();
         machine.linear.iter_mut().for_each(|l| l.acceleration *= share);
-        machine.tilt.acceleration *= share;
-        machine.turn.acceleration *= share;
+        machine.rotary.iter_mut().for_each(|r| r.acceleration *= share);
         let program = program(machine);
         let place = |k: i32| {
             let t = f64::from(k) * 0.05;
@@ -299,7 +297,7 @@ fn slower_axes_take_longer() {
 fn with_jerk(linear: f64, rotary: f64) -> Program {
     let mut machine = support::machine();
     machine.linear.iter_mut().for_each(|l| l.jerk = linear);
-    (machine.tilt.jerk, machine.turn.jerk) = (rotary, rotary);
+    machine.rotary.iter_mut().for_each(|r| r.jerk = rotary);
     program(machine)
 }
 
@@ -386,7 +384,7 @@ fn less_jerk_takes_longer() {
 #[test]
 fn other_rules_leave_the_motion_by_their_closed_forms() {
     let machine = support::machine();
-    let joints = |tip: [f64; 3], a: f64, c: f64| -> Joints { machine.joints(&Point3::from(tip), a, c) };
+    let joints = |tip: [f64; 3], a: f64, c: f64| -> Joints { machine.joints(&Point3::from(tip), [a, c]) };
     // A stays, C turns: the axis runs on a small circle, the great circle through its ends leaves it most in the middle.
     let (a, turn, height) = (0.7_f64, 0.4_f64, 30.0);
     let (from, to) = (joints([40.0, 0.0, 0.0], a, 0.1), joints([41.0, 0.0, 0.0], a, 0.1 + turn));
@@ -416,25 +414,25 @@ proptest! {
         tilt in -2.0..2.0_f64, turn in -7.0..7.0_f64, share in 0.0..1.0_f64,
     ) {
         let machine = Machine {
-            tilt_point: Point3::new(3.0, 20.0, 10.0),
-            turn_point: Point3::new(-2.0, 1.0, 0.0),
+            chain: support::shifted(&Chain::tilting_table(), [[3.0, 20.0, 10.0], [-2.0, 1.0, 0.0]]),
             ..support::machine()
         };
         let (tip, way) = (Point3::from(tip), Vector3::from(way) * length);
-        let at = |s: f64| machine.joints(&(tip + way * s), a + tilt * share * s, c + turn * share * s);
-        let found = machine.largest_rates(&at(0.0), &at(1.0));
+        let at = |s: f64| machine.joints(&(tip + way * s), [a + tilt * share * s, c + turn * share * s]);
+        let found = machine.largest_rates(&at(0.0), &at(1.0), 0.0);
         let mut most = [0.0_f64; 5];
         let places = 4000;
         for k in 0..places {
             let [p, q] = [k, k + 1].map(|k| at(f64::from(k) / f64::from(places)));
             let d = (q.xyz - p.xyz).abs() * f64::from(places);
-            let [a, c] = [q.a - p.a, q.c - p.c].map(|d| d.abs() * f64::from(places));
+            let [a, c] = [0, 1].map(|k| (q.rotary[k] - p.rotary[k]).abs() * f64::from(places));
             for (most, d) in most.iter_mut().zip([d.x, d.y, d.z, a, c]) {
                 *most = most.max(d);
             }
         }
         // What the speeds of the joints add up from; they may cancel.
-        let arm = |s: f64| (at(s).xyz - machine.tilt_point.coords).norm() + (machine.turn_point - machine.tilt_point).norm();
+        let [tilting, turning] = machine.chain.axes().map(|axis| axis.point);
+        let arm = |s: f64| (at(s).xyz - tilting.coords).norm() + (turning - tilting).norm();
         let parts = way.norm() + (tilt.abs() + turn.abs()) * share * arm(0.0).max(arm(1.0)) + 1e-9;
         for (found, most) in found.iter().zip(most) {
             prop_assert!(most <= found + 1e-9 * parts, "{found} {most}");

@@ -23,7 +23,7 @@ fn limited(speed: f64, acceleration: f64, jerk: f64, planning: Planning) -> Prog
     for axis in &mut machine.linear {
         (axis.speed, axis.acceleration, axis.jerk) = (speed, acceleration, jerk);
     }
-    for axis in [&mut machine.tilt, &mut machine.turn] {
+    for axis in &mut machine.rotary {
         (axis.speed, axis.acceleration, axis.jerk) = (0.01 * speed, 0.01 * acceleration, 0.01 * jerk);
     }
     (machine.planning, machine.cycle) = (planning, 0.001);
@@ -36,9 +36,9 @@ fn timed(program: &Program, moves: &mut [JointMove], feeds: &[f64]) {
     let speeds = machine.speeds();
     for i in 1..moves.len() {
         let [a, b] = [&moves[i - 1].joints, &moves[i].joints];
-        let turn = [b.a - a.a, b.c - a.c];
         let way = (machine.forward(b).tip - machine.forward(a).tip).norm();
-        let axes = [b.xyz.x - a.xyz.x, b.xyz.y - a.xyz.y, b.xyz.z - a.xyz.z, turn[0], turn[1]];
+        let (from, to) = (a.all(), b.all());
+        let axes: [f64; 5] = std::array::from_fn(|k| to[k] - from[k]);
         let least = (0..5).map(|k| axes[k].abs() / speeds[k]).fold(way / feeds[i % feeds.len()], f64::max);
         moves[i].time = least;
     }
@@ -92,8 +92,8 @@ fn over_speed(program: &Program, ends: &[Stop; 2], time: f64) -> Option<f64> {
 }
 
 fn least_time(program: &Program, [from, to]: &[Stop; 2]) -> f64 {
-    let joints = |s: &Stop| program.machine.joints(&Point3::from(s.0), s.1, s.2);
-    program.machine.least_time(&joints(from), &joints(to))
+    let joints = |s: &Stop| program.machine.joints(&Point3::from(s.0), [s.1, s.2]);
+    program.machine.least_time(&joints(from), &joints(to), 0.0)
 }
 
 /// A rapid of 200 mm with a turn: at the time that the planner gives it no axis is over its limit by the measure of the

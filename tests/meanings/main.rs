@@ -183,7 +183,7 @@ fn same(a: &Motion, b: &Motion) -> bool {
                     a.kind == b.kind
                         && (a.time - b.time).abs() <= 1e-6 * b.time
                         && (p.xyz - q.xyz).amax() < 1e-6
-                        && (p.a - q.a).abs().max((p.c - q.c).abs()) < 1e-8
+                        && [0, 1].iter().all(|k: &usize| (p.rotary[*k] - q.rotary[*k]).abs() < 1e-8)
                         && (a.feed.unwrap_or(0.0) - b.feed.unwrap_or(0.0)).abs() < 1e-6
                 })
         })

@@ -487,14 +487,24 @@ fn wrong() -> Vec<Kind> {
     vec![
         (
             C,
-            Machine("A opposite", |m| m.tilt.word_sign = -1.0),
+            Machine("A opposite", |m| m.rotary[0].word_sign = -1.0),
             Refused,
             "the vectors of the path are those of the other side",
         ),
         (C, Machine("tools are changed higher", |m| m.retract += 50.0), Refused, "lower than where tools are changed"),
         (C, Machine("Z ends lower", |m| m.linear[2].max -= 50.0), Refused, "beyond the travel"),
-        (C, Machine("A ends earlier", |m| (m.tilt.min, m.tilt.max) = (-0.1, 0.1)), Refused, "beyond the travel"),
-        (C, Machine("C ends earlier", |m| (m.turn.min, m.turn.max) = (-0.1, 0.1)), Refused, "beyond the travel"),
+        (
+            C,
+            Machine("A ends earlier", |m| (m.rotary[0].min, m.rotary[0].max) = (-0.1, 0.1)),
+            Refused,
+            "beyond the travel",
+        ),
+        (
+            C,
+            Machine("C ends earlier", |m| (m.rotary[1].min, m.rotary[1].max) = (-0.1, 0.1)),
+            Refused,
+            "beyond the travel",
+        ),
         (
             C,
             Machine("X ends earlier", |m| (m.linear[0].min, m.linear[0].max) = (-1.0, 1.0)),

@@ -11,7 +11,7 @@ use impellerc::ir::{
     DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
     Stock, Tolerances, Tool, ToolId,
 };
-use impellerc::kin::{LinearAxis, Machine, RotaryAxis};
+use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
@@ -95,7 +95,8 @@ pub fn wei_data() -> Vec<DataCurve> {
 pub fn machine() -> Machine {
     let linear =
         |half: f64| LinearAxis { min: -half, max: half, speed: 500.0, acceleration: 5000.0, jerk: f64::INFINITY };
-    let rotary = |min: f64, max: f64, rpm: f64| RotaryAxis {
+    let rotary = |name: &str, min: f64, max: f64, rpm: f64| RotaryAxis {
+        name: name.to_owned(),
         min: min.to_radians(),
         max: max.to_radians(),
         speed: rpm * std::f64::consts::TAU / 60.0,
@@ -106,10 +107,8 @@ pub fn machine() -> Machine {
     Machine {
         name: "5mc850-c".to_owned(),
         linear: [linear(400.0), linear(250.0), linear(350.0)],
-        tilt: rotary(-100.0, 100.0, 16.0),
-        turn: rotary(-180.0, 180.0, 30.0),
-        tilt_point: Point3::origin(),
-        turn_point: Point3::origin(),
+        rotary: [rotary("A", -100.0, 100.0, 16.0), rotary("C", -180.0, 180.0, 30.0)],
+        chain: Chain::tilting_table(),
         part_origin: Vector3::new(0.0, 0.0, 80.0),
         retract: 350.0,
         spindle: [100.0, 18000.0],
@@ -121,14 +120,28 @@ pub fn machine() -> Machine {
     }
 }
 
+/// Tool axis on an A/C table, in the closed form of textbooks.
+pub fn axis_at(a: f64, c: f64) -> Vector3<f64> {
+    Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos())
+}
+
+/// Moves the axes of a chain: that next to the tool and that next to the part, mm.
+pub fn shifted(chain: &Chain, by: [[f64; 3]; 2]) -> Chain {
+    let mut axes = *chain.axes();
+    for (axis, by) in axes.iter_mut().zip(by) {
+        axis.point += Vector3::from(by);
+    }
+    Chain::new(axes).unwrap()
+}
+
 /// A machine with the control of a dialect: LinuxCNC turns the part with a positive word as a right-hand screw, and plans
 /// speeds in its own way.
 pub fn machine_for(dialect: &str, machine: &Machine) -> Machine {
     let linuxcnc = dialect == "linuxcnc";
     let word_sign = if linuxcnc { -1.0 } else { 1.0 };
     let planning = if linuxcnc { Planning::LinuxCnc } else { Planning::Joints };
-    let with_sense = |axis: RotaryAxis| RotaryAxis { word_sign, ..axis };
-    Machine { tilt: with_sense(machine.tilt), turn: with_sense(machine.turn), planning, ..machine.clone() }
+    let with_sense = |axis: &RotaryAxis| RotaryAxis { word_sign, ..axis.clone() };
+    Machine { rotary: machine.rotary.each_ref().map(with_sense), planning, ..machine.clone() }
 }
 
 /// A program for [`machine_for`] a dialect.

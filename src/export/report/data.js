@@ -57,20 +57,24 @@ function loadPart() {
 
 const machine = data.machine;
 
-/** Tool tip in the part frame at joints X Y Z (mm), A C (rad). */
-function tipAt(x, y, z, a, c) {
-  const [tx, ty, tz] = machine.tilt_point, [ux, uy, uz] = machine.turn_point, o = machine.part_origin;
-  x -= tx; y -= ty; z -= tz;
-  const ca = Math.cos(a), sa = Math.sin(a);
-  [y, z] = [y * ca - z * sa, y * sa + z * ca];
-  x += tx - ux; y += ty - uy; z += tz - uz;
-  const cc = Math.cos(c), sc = Math.sin(c);
-  [x, y] = [x * cc - y * sc, x * sc + y * cc];
-  return [x + ux - o[0], y + uy - o[1], z + uz - o[2]];
+/** A vector turned about a unit vector by an angle. */
+function turnedAbout(k, v, angle) {
+  const c = Math.cos(angle), s = Math.sin(angle), along = k[0] * v[0] + k[1] * v[1] + k[2] * v[2];
+  const cross = [k[1] * v[2] - k[2] * v[1], k[2] * v[0] - k[0] * v[2], k[0] * v[1] - k[1] * v[0]];
+  return [0, 1, 2].map(i => k[i] * along * (1 - c) + v[i] * c + cross[i] * s);
+}
+
+/** Tool tip in the part frame at joints X Y Z (mm) and rotary axes (rad), next to the tool first. */
+function tipAt(x, y, z, ...angles) {
+  const tip = machine.rotary.reduce((p, [direction, point, table], k) => {
+    // A table turns the part against its word: seen from the part the tip turns with it.
+    return table ? turnedAbout(direction, p.map((q, i) => q - point[i]), angles[k]).map((q, i) => q + point[i]) : p;
+  }, [x, y, z]);
+  return tip.map((q, i) => q - machine.part_origin[i]);
 }
 
 /** Axis of the tool from its tip to the holder. */
-const axisAt = (a, c) => [Math.sin(a) * Math.sin(c), -Math.sin(a) * Math.cos(c), Math.cos(a)];
+const axisAt = (...angles) => machine.rotary.reduce((v, [direction], k) => turnedAbout(direction, v, angles[k]), [0, 0, 1]);
 
 /** All moves: joints, tips, times, operation of each. */
 function loadMoves() {

@@ -17,6 +17,7 @@ use crate::diag::Diag;
 use crate::ir::chart::{Shape, charts};
 use crate::ir::design::{self, Sample, SurfaceId};
 use crate::ir::{Motion, Program, Tool};
+use crate::kin::Carries;
 use crate::verify::Certificate;
 use crate::verify::surface::{self, PatchCorners};
 use serde::Serialize;
@@ -151,11 +152,13 @@ impl ToolData {
 
 /// Limits and transformation of the machine.
 #[derive(Serialize)]
-struct MachineData {
-    tilt_point: [f64; 3],
-    turn_point: [f64; 3],
+struct MachineData<'a> {
+    /// Names of the axes.
+    names: [&'a str; 5],
+    /// Direction and a point of the rotary axes, next to the tool first; true where it carries the part.
+    rotary: [([f64; 3], [f64; 3], bool); 2],
     part_origin: [f64; 3],
-    /// Largest speeds of X Y Z (mm/s), A C (rad/s).
+    /// Largest speeds of X Y Z (mm/s) and the rotary axes (rad/s).
     speeds: [f64; 5],
 }
 
@@ -167,7 +170,7 @@ struct Data<'a> {
     scale: [f64; 2],
     part: &'a part::PartData,
     paths: &'a paths::PathData,
-    machine: MachineData,
+    machine: MachineData<'a>,
     tools: Vec<ToolData>,
     places: &'a [places::PlaceData],
     blank: Vec<[f64; 2]>,
@@ -186,17 +189,18 @@ pub fn report(input: &Input<'_>) -> String {
     let paths = paths::paths(program, input.motion, input.certificate.stock.as_ref(), input.lines);
     let places = places::places(input);
     let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
-    let l = &machine.linear;
     let data = Data {
         name: &program.name,
         scale,
         part: &part,
         paths: &paths,
         machine: MachineData {
-            tilt_point: machine.tilt_point.coords.into(),
-            turn_point: machine.turn_point.coords.into(),
+            names: machine.names(),
+            rotary: machine.chain.axes().map(|axis| {
+                (axis.direction.into_inner().into(), axis.point.coords.into(), axis.carries == Carries::Part)
+            }),
             part_origin: machine.part_origin.into(),
-            speeds: [l[0].speed, l[1].speed, l[2].speed, machine.tilt.speed, machine.turn.speed],
+            speeds: machine.speeds(),
         },
         tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),
         places: &places.list,

@@ -53,7 +53,7 @@ pub(super) struct PathData {
     pub(super) nameless: bool,
     /// Whether `removal` and `arcs` hold something.
     simulated: bool,
-    /// X Y Z (mm), A C (rad), time of the move (s): 6 floats a move.
+    /// X Y Z (mm), rotary axes (rad), time of the move (s): 6 floats a move.
     #[serde(skip)]
     pub(super) joints: Bytes,
     /// Index of the move in its operation; empty when nothing was thinned.
@@ -192,7 +192,7 @@ pub(super) fn paths(
                 passes.push([data.kept, m.pass as usize]);
             }
             let j = &m.joints;
-            [j.xyz.x, j.xyz.y, j.xyz.z, j.a, j.c, time].into_iter().for_each(|v| data.joints.f32(v));
+            j.all().into_iter().chain([time]).for_each(|v| data.joints.f32(v));
             if tolerance > 0.0 {
                 data.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
             }

@@ -2,7 +2,7 @@
 const plots = $('plots');
 const pen = plots.getContext('2d');
 const span = { from: 0, to: Math.max(moves.total, 1e-6) };
-const AXES = [['X', '#d9480f'], ['Y', '#2b8a3e'], ['Z', '#1971c2'], ['A', '#c2255c'], ['C', '#7048e8']];
+const AXES = ['#d9480f', '#2b8a3e', '#1971c2', '#c2255c', '#7048e8'].map((colour, k) => [machine.names[k], colour]);
 const DEGREES = 180 / Math.PI;
 
 /** Value of each move: of joint k at its end in mm or degrees. */

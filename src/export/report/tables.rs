@@ -6,6 +6,7 @@ use super::places::{Places, figure, proved};
 use crate::contract::clock;
 use crate::diag::Severity;
 use crate::verify::clearance::Clearance;
+use crate::verify::machine::AXIS_UNITS;
 use crate::verify::stock::Peak;
 
 /// Sum of the times of all operations, s.
@@ -306,8 +307,8 @@ fn axes(input: &Input<'_>) -> String {
     let rows: Vec<Vec<Cell>> = machine
         .axes
         .iter()
-        .map(|a| {
-            let unit = if matches!(a.axis, 'A' | 'C') { "deg" } else { "mm" };
+        .zip(AXIS_UNITS)
+        .map(|(a, unit)| {
             vec![
                 Cell::words(format!("{}, {unit}", a.axis)),
                 Cell::figure(format!("{:.3} .. {:.3}", a.used[0], a.used[1])),

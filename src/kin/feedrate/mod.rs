@@ -25,7 +25,7 @@ use path::{Path, Span};
 use ramp::{Creep, Even, Most, Ramp};
 use rayon::prelude::*;
 
-/// Axes: X, Y, Z, A, C.
+/// Axes: X, Y, Z and both rotary axes.
 pub const AXES: usize = 5;
 
 /// A value for each axis: mm or radians, with seconds in speeds, accelerations and jerks.

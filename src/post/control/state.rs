@@ -41,8 +41,6 @@ enum Length {
     Of(NcTool, usize),
 }
 
-const AXES: [&str; 5] = ["X", "Y", "Z", "A", "C"];
-
 /// State of the control. Nothing is taken for granted at its start.
 struct State<'a> {
     control: &'a Control,
@@ -87,7 +85,7 @@ impl<'a> State<'a> {
             axes: [Place::Unknown; 5],
             placed: 0,
             tip: [None; 3],
-            direction: Direction::Rotary(0.0, 0.0),
+            direction: Direction::Rotary([0.0; 2]),
             motion: None,
             feed: None,
             ready: None,
@@ -277,13 +275,14 @@ impl<'a> State<'a> {
             Transformation::Off => {}
         }
         if self.transformation != Transformation::On && !self.is_retracted() {
+            let [.., first, second] = self.machine.names();
             self.fault_apart(format!(
-                "the transformation is switched on at an unknown height: write {} before, then A and C, then X and Y",
+                "the transformation is switched on at an unknown height: write {} before, then {first} and {second}, then X and Y",
                 self.retract_words()
             ));
         } else if let Some(k) = (0..5).find(|k| self.axes[*k].known().is_none()) {
             let Control { machine_frame, behind, .. } = self.control;
-            let axis = AXES[k];
+            let axis = self.machine.names()[k];
             self.fault(format!(
                 "the way to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
                  block, `{machine_frame} {axis}...{behind}`"
@@ -316,12 +315,13 @@ impl<'a> State<'a> {
 
     /// A section begins where the axes stand.
     fn begin(&mut self) {
-        let [x, y, z, a, c] = self.axes.map(|p| p.known().unwrap_or(0.0));
+        let [x, y, z, first, second] = self.axes.map(|p| p.known().unwrap_or(0.0));
+        let rotary = [first, second];
         self.transformation = Transformation::On;
         self.tip = [None; 3];
-        self.direction = Direction::Rotary(a, c);
+        self.direction = Direction::Rotary(rotary);
         if self.faults.is_empty() {
-            let start = Station { line: self.placed, xyz: Vector3::new(x, y, z), a, c };
+            let start = Station { line: self.placed, xyz: Vector3::new(x, y, z), rotary };
             self.sections.push(NcSection { start, moves: Vec::new(), retract: None });
         }
         self.open = true;

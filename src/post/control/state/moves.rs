@@ -1,6 +1,6 @@
 //! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
 
-use super::{AXES, Length, Place, State, Transformation};
+use super::{Length, Place, State, Transformation};
 use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
 use crate::post::modal::{Group, Setting};
 use crate::post::{Direction, NcMove, NcTool};
@@ -68,13 +68,13 @@ impl State<'_> {
             self.fault(format!(
                 "{} and Z move together with the transformation off: the way is not known to be clear; write {} in a block \
                  before",
-                AXES[k],
+                self.machine.names()[k],
                 self.retract_words()
             ));
         } else if let (Some(k), false) = (sideways, self.is_retracted()) {
             self.fault(format!(
                 "{} moves with the transformation off at an unknown height: write {} before this block",
-                AXES[k],
+                self.machine.names()[k],
                 self.retract_words()
             ));
         }
@@ -109,7 +109,7 @@ impl State<'_> {
             if x < axis.min - ROUNDING.0 || x > axis.max + ROUNDING.0 {
                 self.fault(format!(
                     "{} goes to {} in the machine frame; its travel is {} to {}",
-                    AXES[k],
+                    self.machine.names()[k],
                     figure(x),
                     figure(axis.min),
                     figure(axis.max)
@@ -153,7 +153,8 @@ impl State<'_> {
         if let Some(k) = (0..3).find(|k| self.tip[*k].is_none()) {
             self.fault(format!(
                 "the first move after {} needs X Y Z, since their values change there: {} is missing",
-                self.control.transformation[0], AXES[k]
+                self.control.transformation[0],
+                self.machine.names()[k]
             ));
         }
         let [x, y, z] = self.tip.map(|x| x.unwrap_or(0.0));
@@ -227,8 +228,8 @@ impl State<'_> {
         let feed = (tip - Point3::new(x, y, z)).norm() * word;
         // The control counts degrees where the tip stands.
         let turn = match (self.direction, *direction) {
-            (Direction::Rotary(a, c), Direction::Rotary(to_a, to_c)) if feed == 0.0 => {
-                libm::hypot(to_a - a, to_c - c).to_degrees() * word
+            (Direction::Rotary(from), Direction::Rotary(to)) if feed == 0.0 => {
+                libm::hypot(to[0] - from[0], to[1] - from[1]).to_degrees() * word
             }
             _ => 0.0,
         };
@@ -252,16 +253,22 @@ impl State<'_> {
                     before
                 }
             },
-            ([None, None, None], [a, c]) => match (a, c, before) {
-                (Some(a), Some(c), _) => Direction::Rotary(a, c),
-                (a, c, Direction::Rotary(a0, c0)) => Direction::Rotary(a.unwrap_or(a0), c.unwrap_or(c0)),
+            ([None, None, None], [first, second]) => match (first, second, before) {
+                (Some(first), Some(second), _) => Direction::Rotary([first, second]),
+                (first, second, Direction::Rotary(at)) => {
+                    Direction::Rotary([first.unwrap_or(at[0]), second.unwrap_or(at[1])])
+                }
                 _ => {
-                    self.fault("only one of A and C after a direction vector: write both");
+                    let [.., first, second] = self.machine.names();
+                    self.fault(format!("only one of {first} and {second} after a direction vector: write both"));
                     before
                 }
             },
             _ => {
-                self.fault("an incomplete direction: A3= B3= C3= must stand together, and not beside A= C=");
+                let [.., first, second] = self.machine.names();
+                self.fault(format!(
+                    "an incomplete direction: A3= B3= C3= must stand together, and not beside {first}= {second}="
+                ));
                 before
             }
         }

@@ -1,0 +1,492 @@
+//! The two rotary axes of a five-axis machine as a chain between tool and part.
+//!
+//! Axis 1 is the one next to the tool, axis 2 the one next to the part. Each carries the tool (head) or the part (table), so
+//! that there are three kinds of chain:
+//!
+//! | kind | axis 1 | axis 2 |
+//! |---|---|---|
+//! | table-table | carries axis 2 and the part | carries the part |
+//! | head-table | carries the tool | carries the part |
+//! | head-head | carries the tool | carries axis 1 and the tool |
+//!
+//! Angles are in radians. A positive angle turns the tool relative to the part as a right-hand screw along the direction of the
+//! axis; a table turns the other way. So in all three kinds the tool axis in the part frame is R(k2, q2) R(k1, q1) z, where z
+//! is the tool axis with both angles at zero, and one solution by subproblems (Paden and Kahan; Murray, Li and Sastry, A
+//! Mathematical Introduction to Robotic Manipulation, 1994, 3.3) fits any two directions that are not parallel.
+
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// Angles of both rotary axes, radians: axis 1 next to the tool, axis 2 next to the part.
+pub type Angles = [f64; 2];
+
+/// What a rotary axis carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carries {
+    /// The tool: it is part of the head.
+    Tool,
+    /// The part: it is a table.
+    Part,
+}
+
+/// Where a rotary axis lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLine {
+    /// What it carries.
+    pub carries: Carries,
+    /// Direction, machine frame, with all rotary axes at zero.
+    pub direction: Unit<Vector3<f64>>,
+    /// A point on it, machine frame, with all axes at zero, mm.
+    pub point: Point3<f64>,
+}
+
+/// Largest sine of an angle between directions that count as parallel.
+const PARALLEL: f64 = 1e-6;
+
+/// Distance of a unit vector from a direction below which the azimuth about that direction is rounding noise.
+const POLE: f64 = 1e-12;
+
+/// By how much the square of a sine may fall below zero through rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Two rotary axes with what follows from their directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chain {
+    axes: [AxisLine; 2],
+    /// Cosine of the angle between both directions; exactly zero at a right angle.
+    cosine: f64,
+    /// Part of the tool axis at zero along axis 1, across it, and the change of the latter for a small turn.
+    along: Vector3<f64>,
+    across: Vector3<f64>,
+    aside: Vector3<f64>,
+    /// Component of the tool axis along axis 2 over the angle q of axis 1: `mean + swing * cos(q - start)`.
+    mean: f64,
+    swing: f64,
+    start: f64,
+    /// Two directions across axis 2, from which azimuths about it count.
+    basis: [Vector3<f64>; 2],
+    turning: Turning,
+}
+
+/// Bounds of how the tool axis moves while both rotary axes turn evenly, as factors of powers of [`Chain::turn`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turning {
+    /// Of the second derivative of a direction that turns with the tool, factor of its square: 3/2 at a right angle.
+    pub second: f64,
+    /// Of its third derivative, factor of its cube: 3 at a right angle.
+    pub third: f64,
+    /// Of the second derivative of the turn that takes the tool axis along by the shortest way, factor of its square.
+    pub shortest: f64,
+}
+
+impl Turning {
+    /// For a cosine of the angle between both axes.
+    ///
+    /// With the angular velocity w and the angular acceleration w', a direction bends by at most w^2 + |w'|. The acceleration is
+    /// the cross product of both angular velocities; for a given rate it is largest where both are equal and work against
+    /// each other: sin / (2 (1 - |cos|)) w^2. The third derivative is at most the cube of the sum of both rates, which is at
+    /// most sqrt(2 / (1 - |cos|)) w.
+    fn new(cosine: f64) -> Self {
+        /// (1 + sqrt 5) / 2 and a little: `Twist` in `verify/sweep.rs` says why.
+        const GOLDEN: f64 = 1.6181;
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let narrow = 1.0 - cosine.abs();
+        let acceleration = 0.5 * sine / narrow;
+        Self {
+            second: 1.0 + acceleration,
+            third: 3.0 / (narrow * narrow.sqrt()),
+            // The axis across w changes by at most half of w^2 and by the acceleration.
+            shortest: if cosine == 0.0 { GOLDEN } else { 1.5 + acceleration },
+        }
+    }
+}
+
+/// Why two axes make no chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChainFault {
+    /// The axes are parallel: the tool could not take any direction.
+    Parallel,
+    /// Axis 1 is parallel to the tool: it would turn the tool about itself.
+    AlongTool,
+    /// The part is carried by the axis next to the tool and the tool by the axis next to the part.
+    Order,
+}
+
+/// A vector turned about a unit vector by an angle.
+fn turned(about: &Vector3<f64>, v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let (sine, cosine) = libm::sincos(angle);
+    let along = about * about.dot(v);
+    along + (v - along) * cosine + about.cross(v) * sine
+}
+
+impl Chain {
+    /// Chain of the axis next to the tool and the axis next to the part.
+    ///
+    /// # Errors
+    /// The axes cannot direct the tool.
+    pub fn new(axes: [AxisLine; 2]) -> Result<Self, ChainFault> {
+        let [first, second] = axes.map(|a| a.direction.into_inner());
+        if axes[0].carries == Carries::Part && axes[1].carries == Carries::Tool {
+            return Err(ChainFault::Order);
+        }
+        let tool = Vector3::z();
+        if first.cross(&second).norm() < PARALLEL {
+            return Err(ChainFault::Parallel);
+        }
+        if first.cross(&tool).norm() < PARALLEL {
+            return Err(ChainFault::AlongTool);
+        }
+        Ok(Self::of(axes))
+    }
+
+    /// The chain of axes that direct the tool.
+    fn of(axes: [AxisLine; 2]) -> Self {
+        let [first, second] = axes.map(|a| a.direction.into_inner());
+        let tool = Vector3::z();
+        let aside = first.cross(&tool);
+        let along = first * first.dot(&tool);
+        let across = tool - along;
+        let e1 = {
+            // The tool turns aside along this direction first; where that is along axis 2, any direction across it does.
+            let level = |v: &Vector3<f64>| v - second * second.dot(v);
+            let e = level(&aside);
+            if e.norm() < PARALLEL { level(&across).normalize() } else { e.normalize() }
+        };
+        let (level, slope) = (second.dot(&across), second.dot(&aside));
+        Self {
+            axes,
+            cosine: first.dot(&second),
+            along,
+            across,
+            aside,
+            mean: second.dot(&along),
+            swing: libm::hypot(level, slope),
+            start: libm::atan2(slope, level),
+            basis: [e1, second.cross(&e1)],
+            turning: Turning::new(first.dot(&second)),
+        }
+    }
+
+    /// A table that turns about Z on a table that tilts about X; both axes run through the origin of the machine frame.
+    pub fn tilting_table() -> Self {
+        let line = |direction| AxisLine { carries: Carries::Part, direction, point: Point3::origin() };
+        let axes = [line(Vector3::x_axis()), line(Vector3::z_axis())];
+        Self::of(axes)
+    }
+
+    /// The axes, first the one next to the tool.
+    pub fn axes(&self) -> &[AxisLine; 2] {
+        &self.axes
+    }
+
+    /// True when an axis carries the tool.
+    pub fn has_head(&self) -> bool {
+        self.axes[0].carries == Carries::Tool
+    }
+
+    /// Tool axis after the turn of axis 1 alone.
+    fn tilted(&self, first: f64) -> Vector3<f64> {
+        let (sine, cosine) = libm::sincos(first);
+        self.along + self.across * cosine + self.aside * sine
+    }
+
+    /// Unit vector from the tool tip to the holder in the part frame.
+    pub fn tool_axis(&self, [first, second]: Angles) -> Vector3<f64> {
+        turned(&self.axes[1].direction, &self.tilted(first), second)
+    }
+
+    /// Turn that brings the tool axis at zero to the one at the angles, in the part frame.
+    pub fn rotation(&self, [first, second]: Angles) -> Rotation3<f64> {
+        let [k1, k2] = self.axes.map(|a| a.direction);
+        Rotation3::from_axis_angle(&k2, second) * Rotation3::from_axis_angle(&k1, first)
+    }
+
+    /// Both pairs of angles that give a tool axis, `None` when no pair does. Axis 2 lies in (-pi, pi]. At a pole, where
+    /// axis 2 is free, it takes `free`.
+    pub fn inverse(&self, tool_axis: &Vector3<f64>, free: f64) -> Option<[Angles; 2]> {
+        let (square, angles) = self.solve(tool_axis, free);
+        (square >= -ROUNDING).then_some(angles)
+    }
+
+    /// The same; where no angles give the tool axis, those that come nearest to it.
+    pub fn nearest(&self, tool_axis: &Vector3<f64>, free: f64) -> [Angles; 2] {
+        self.solve(tool_axis, free).1
+    }
+
+    /// The angles nearest to a tool axis on a branch, axis 2 on the winding that is nearest to where it was.
+    pub fn unwound(&self, tool_axis: &Vector3<f64>, branch: usize, before: f64) -> Angles {
+        let [first, second] = self.nearest(tool_axis, before)[branch];
+        [first, second - TAU * ((second - before) / TAU).round()]
+    }
+
+    /// Angles for a tool axis on both branches, and the square of the sine that gives axis 1: below zero there are none, and
+    /// these come nearest.
+    fn solve(&self, tool_axis: &Vector3<f64>, free: f64) -> (f64, [Angles; 2]) {
+        let second = &self.axes[1].direction;
+        let azimuth = |v: &Vector3<f64>| libm::atan2(v.dot(&self.basis[1]), v.dot(&self.basis[0]));
+        let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1]));
+        let height = second.dot(tool_axis);
+        // swing^2 - (height - mean)^2, in which the square of the sine of a small angle keeps its digits.
+        let rest = self.swing * self.swing - 1.0 - self.mean * self.mean + 2.0 * height * self.mean;
+        let square = radial * radial + rest;
+        let sine = if rest == 0.0 { radial } else { square.max(0.0).sqrt() };
+        let apart = libm::atan2(sine, height - self.mean);
+        let to = azimuth(tool_axis);
+        let angles = [apart, -apart].map(|apart| {
+            let first = self.start + apart;
+            if radial < POLE {
+                return [first, free];
+            }
+            let from = azimuth(&self.tilted(first));
+            let turn = to - from;
+            let turn = if turn <= -PI {
+                to - (from - TAU)
+            } else if turn > PI {
+                to - (from + TAU)
+            } else {
+                turn
+            };
+            [first, turn]
+        });
+        (square, angles)
+    }
+
+    /// The angles of the first branch for a tool axis, and how each changes with the tool axis.
+    pub fn gradients(&self, tool_axis: &Vector3<f64>) -> [(f64, Vector3<f64>); 2] {
+        /// Below this the tool lies along axis 2, which then is free.
+        const ALONG: f64 = 1e-6;
+        let [[first, second], _] = self.nearest(tool_axis, 0.0);
+        let k2 = self.axes[1].direction.into_inner();
+        let height = k2.dot(tool_axis);
+        let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG);
+        let outward = (tool_axis - k2 * height) / radial;
+        // Axis 1 changes the height, whatever axis 2 does; axis 2 turns the rest.
+        let lean = outward * height - k2 * radial;
+        let around = k2.cross(&outward) / radial;
+        if self.swings_straight() {
+            return [(first, lean), (second, around)];
+        }
+        // d(height) = -swing sin(first - start) d(first), and axis 2 takes back what axis 1 turns the tool around.
+        let slope = -self.swing * libm::sin(first - self.start);
+        let slope = if slope.abs() < ALONG { ALONG.copysign(slope) } else { slope };
+        let of_first = lean * (-radial / slope);
+        let tilted = self.tilted(first);
+        let moved = self.axes[0].direction.cross(&tilted);
+        let turned = k2.cross(&tilted).dot(&moved) / (radial * radial);
+        [(first, of_first), (second, around - of_first * turned)]
+    }
+
+    /// True when the tool lies along axis 2 at zero, and axis 1 turns it straight away from there.
+    fn swings_straight(&self) -> bool {
+        self.mean == 0.0 && self.swing == 1.0 && self.start == 0.0
+    }
+
+    /// Angle between the tool axis and axis 2 at an angle of axis 1, radians.
+    pub fn lean(&self, first: f64) -> f64 {
+        // Where the tool lies along axis 2 at zero and turns straight away from it, the angle is that of axis 1.
+        if self.swings_straight() && first.abs() <= PI {
+            return first.abs();
+        }
+        let axis = self.tilted(first);
+        let second = &self.axes[1].direction;
+        libm::atan2(axis.cross(second).norm(), axis.dot(second))
+    }
+
+    /// Whether the tool passes through the direction of axis 2 or its opposite while axis 1 turns from one angle to another.
+    pub fn poles_between(&self, from: f64, to: f64) -> bool {
+        // There `mean + swing cos(q - start)` is 1 or -1.
+        let poles = [1.0, -1.0].map(|height| (height - self.mean) / self.swing);
+        poles.into_iter().filter(|cosine| cosine.abs() <= 1.0 + POLE).any(|cosine| {
+            let apart = libm::acos(cosine.clamp(-1.0, 1.0));
+            [self.start + apart, self.start - apart].into_iter().any(|pole| {
+                let turns = |q: f64| ((q - pole) / TAU).floor();
+                turns(from) != turns(to)
+            })
+        })
+    }
+
+    /// By how much the tool turns against the part while both axes turn evenly, radians: exact for the rate, an upper bound
+    /// for the angle between the ends.
+    pub fn turn(&self, from: Angles, to: Angles) -> f64 {
+        let [first, second] = [to[0] - from[0], to[1] - from[1]];
+        if self.cosine == 0.0 {
+            return libm::hypot(first, second);
+        }
+        (first * first + second * second + 2.0 * self.cosine * first * second).max(0.0).sqrt()
+    }
+
+    /// Bounds of how the tool axis moves.
+    pub fn turning(&self) -> &Turning {
+        &self.turning
+    }
+
+    /// Motion of the part at the angles: from the part's place at zero to its place, machine frame.
+    pub(super) fn part(&self, angles: Angles) -> Isometry3<f64> {
+        let mut motion: Option<Isometry3<f64>> = None;
+        for (axis, angle) in self.axes.iter().zip(angles) {
+            if axis.carries == Carries::Part {
+                let next = axis.turned(-angle);
+                motion = Some(motion.map_or(next, |m| m * next));
+            }
+        }
+        motion.unwrap_or_else(Isometry3::identity)
+    }
+
+    /// Motion of the tool at the angles: from the tool's place at zero to its place, machine frame, linear axes at zero.
+    pub(super) fn tool(&self, angles: Angles) -> Isometry3<f64> {
+        let mut motion: Option<Isometry3<f64>> = None;
+        for (axis, angle) in self.axes.iter().zip(angles) {
+            if axis.carries == Carries::Tool {
+                let next = axis.turned(angle);
+                motion = Some(motion.map_or(next, |m| next * m));
+            }
+        }
+        motion.unwrap_or_else(Isometry3::identity)
+    }
+}
+
+impl AxisLine {
+    /// The turn about the line by an angle.
+    fn turned(&self, angle: f64) -> Isometry3<f64> {
+        let rotation = Rotation3::from_axis_angle(&self.direction, angle);
+        let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
+        Translation3::from(self.point.coords) * rotation * Translation3::from(-self.point.coords)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn line(carries: Carries, direction: [f64; 3], point: [f64; 3]) -> AxisLine {
+        AxisLine { carries, direction: Unit::new_normalize(Vector3::from(direction)), point: Point3::from(point) }
+    }
+
+    /// A tilted by C: the closed form that textbooks have.
+    #[test]
+    fn orthogonal_tables_have_the_known_closed_form() {
+        let chain = Chain::new([
+            line(Carries::Part, [1.0, 0.0, 0.0], [0.0; 3]),
+            line(Carries::Part, [0.0, 0.0, 1.0], [0.0; 3]),
+        ])
+        .unwrap();
+        for k in 0..1000 {
+            let (a, c) = (0.003 * f64::from(k) - 1.4, 0.0061 * f64::from(k) - 3.0);
+            let known = Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos());
+            assert!((chain.tool_axis([a, c]) - known).norm() < 1e-15);
+            let [one, other] = chain.inverse(&known, 0.7).unwrap();
+            let nearest = if a >= 0.0 { one } else { other };
+            assert!((nearest[0] - a).abs() < 1e-14 && (a.abs() < 1e-9 || (nearest[1] - c).abs() < 1e-12), "{a} {c}");
+        }
+        assert_eq!(chain.inverse(&Vector3::z(), 0.7), Some([[0.0, 0.7], [-0.0, 0.7]]));
+        assert_eq!((chain.turning().second, chain.turning().third), (1.5, 3.0));
+    }
+
+    #[test]
+    fn axes_that_cannot_direct_the_tool_are_refused() {
+        let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let fault = |axes: [(Carries, [f64; 3]); 2]| Chain::new(axes.map(|(c, d)| line(c, d, [0.0; 3]))).unwrap_err();
+        assert_eq!(fault([(Carries::Part, x), (Carries::Part, x)]), ChainFault::Parallel);
+        assert_eq!(fault([(Carries::Part, z), (Carries::Part, x)]), ChainFault::AlongTool);
+        assert_eq!(fault([(Carries::Part, x), (Carries::Tool, z)]), ChainFault::Order);
+    }
+
+    /// Directions of the shops: orthogonal and nutating, and any others that are not nearly parallel.
+    fn direction() -> impl Strategy<Value = [f64; 3]> {
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        prop_oneof![
+            Just([1.0, 0.0, 0.0]),
+            Just([0.0, 1.0, 0.0]),
+            Just([0.0, 0.0, 1.0]),
+            Just([h, 0.0, h]),
+            Just([0.0, h, h]),
+            Just([0.0, -h, h]),
+            [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0].prop_filter("a direction", |d| Vector3::from(*d).norm() > 0.2),
+        ]
+    }
+
+    fn chain() -> impl Strategy<Value = Chain> {
+        use Carries::{Part, Tool};
+        let kinds = prop_oneof![Just([Part, Part]), Just([Tool, Part]), Just([Tool, Tool])];
+        let point = || [-300.0..300.0_f64, -300.0..300.0, -300.0..300.0];
+        (kinds, [direction(), direction()], [point(), point()]).prop_filter_map(
+            "the axes direct the tool well",
+            |(kind, directions, points)| {
+                let [k1, k2] = directions.map(|d| Vector3::from(d).normalize());
+                let well = k1.cross(&k2).norm() > 0.2 && k1.cross(&Vector3::z()).norm() > 0.2;
+                let axes = [0, 1].map(|i| line(kind[i], directions[i], points[i]));
+                well.then(|| Chain::new(axes).ok()).flatten()
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// Angles of the inverse give the axis back to 1e-12, on both branches; one of the branches is the angles it came from.
+        #[test]
+        fn chains_go_forward_and_back(chain in chain(), angles in [-3.0..3.0_f64, -3.1..3.1]) {
+            let axis = chain.tool_axis(angles);
+            prop_assert!((axis.norm() - 1.0).abs() < 1e-14);
+            let found = chain.inverse(&axis, angles[1]);
+            prop_assert!(found.is_some());
+            let found = found.unwrap();
+            for pair in found {
+                prop_assert!((chain.tool_axis(pair) - axis).norm() < 1e-12, "{pair:?}");
+            }
+            let same = |pair: &Angles| [0, 1].iter().all(|k| {
+                let off = (pair[*k] - angles[*k]) / TAU;
+                // Near a turning point of axis 1 the square root takes half of the digits of the angle.
+                (off - off.round()).abs() < 1e-6
+            });
+            let pole = axis.cross(&chain.axes()[1].direction).norm() < 1e-4;
+            prop_assert!(pole || found.iter().any(|p| same(p)), "{found:?} for {angles:?}");
+        }
+
+        /// How the angles change with the tool axis, by differences.
+        #[test]
+        fn gradients_are_those_of_the_inverse(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0], aside in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0]) {
+            let axis = chain.tool_axis(angles);
+            let [k1, k2] = chain.axes().map(|a| a.direction);
+            let regular = k1.cross(&chain.tilted(angles[0])).cross(&k2.cross(&chain.tilted(angles[0]))).norm();
+            prop_assume!(regular > 0.05 && axis.cross(&k2).norm() > 0.05);
+            let aside = Vector3::from(aside);
+            let aside = aside - axis * axis.dot(&aside);
+            let h = 1e-6;
+            let [p, q] = [h, -h].map(|h| chain.unwound(&(axis + aside * h).normalize(), 0, chain.nearest(&axis, 0.0)[0][1]));
+            for (k, (_, gradient)) in chain.gradients(&axis).iter().enumerate() {
+                let change = (p[k] - q[k]) / (2.0 * h);
+                prop_assert!((change - gradient.dot(&aside)).abs() < 1e-3 * (1.0 + change.abs()), "{k}: {change} {}", gradient.dot(&aside));
+            }
+        }
+
+        /// The turn is the angular speed, and bounds of the derivatives of the axis hold, by differences of the true rotation.
+        #[test]
+        fn turns_bound_what_the_tool_axis_does(
+            chain in chain(), from in [-3.0..3.0_f64, -3.0..3.0], rate in [-1.0..1.0_f64, -1.0..1.0]
+        ) {
+            let [k1, k2] = chain.axes().map(|a| a.direction);
+            let at = |t: f64| {
+                Rotation3::from_axis_angle(&k2, from[1] + rate[1] * t) * Rotation3::from_axis_angle(&k1, from[0] + rate[0] * t)
+            };
+            let turn = chain.turn([0.0; 2], rate);
+            let h = 1e-3;
+            let spin = (at(h) * at(-h).inverse()).scaled_axis().norm() / (2.0 * h);
+            prop_assert!((spin - turn).abs() < 1e-5 * (1.0 + turn), "{spin} {turn}");
+            let axis = |t: f64| chain.tool_axis([from[0] + rate[0] * t, from[1] + rate[1] * t]);
+            let second = (axis(h) - axis(0.0) * 2.0 + axis(-h)).norm() / (h * h);
+            let third = (axis(2.0 * h) - axis(h) * 2.0 + axis(-h) * 2.0 - axis(-2.0 * h)).norm() / (2.0 * h * h * h);
+            let bounds = chain.turning();
+            prop_assert!(second <= bounds.second * turn * turn + 1e-5, "{second}");
+            prop_assert!(third <= bounds.third * turn.powi(3) + 1e-4, "{third}");
+        }
+
+        /// The angle to axis 2, by vectors.
+        #[test]
+        fn lean_is_the_angle_to_axis_2(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0]) {
+            let angle = chain.tool_axis(angles).angle(&chain.axes()[1].direction);
+            prop_assert!((chain.lean(angles[0]) - angle).abs() < 1e-7);
+        }
+    }
+}
