@@ -110,6 +110,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
 
+    analysis::machine_kind::check(&program, sink)?;
     let post = find_post(&program, sink)?;
     // Told before the minute that planning takes, not after it.
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];

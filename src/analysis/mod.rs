@@ -7,6 +7,7 @@ pub mod cost;
 pub mod ends;
 pub mod flank;
 pub mod flank_room;
+pub mod machine_kind;
 pub mod outliers;
 pub mod reach;
 mod retract;

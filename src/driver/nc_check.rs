@@ -4,6 +4,7 @@ use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, reading, report, rest_stock,
     save, shown_path,
 };
+use crate::analysis;
 use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink, printable};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
@@ -75,7 +76,9 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
 
 fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outcome) -> Result<Program, Aborted> {
     let options = Options { job: job.to_path_buf(), run: check.run.clone(), ..Options::default() };
-    front(&options, stages, outcome)?.ok_or(Aborted)
+    let program = front(&options, stages, outcome)?.ok_or(Aborted)?;
+    analysis::machine_kind::check(&program, &mut outcome.sink)?;
+    Ok(program)
 }
 
 /// Measures the text against the job; the certificate as measured becomes the text of the outcome.

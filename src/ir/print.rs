@@ -2,6 +2,7 @@
 
 use super::design::SurfaceKind;
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program, Side};
+use crate::kin::{Carries, Machine};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -90,7 +91,7 @@ pub fn program(program: &Program) -> String {
     for a in &program.allowed {
         let _ = writeln!(t, "allow {}{} {:?}", a.kind.name(), a.scope.text(name), a.reason);
     }
-    let _ = writeln!(t, "machine {}", program.machine.name);
+    machine(&mut t, &program.machine);
     let _ = writeln!(
         t,
         "tolerance chord {} rough {}, clearance {}",
@@ -200,6 +201,24 @@ pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
         }
     }
     t
+}
+
+/// The chain of the rotary axes from the tool to the part.
+fn machine(t: &mut String, machine: &Machine) {
+    let _ = writeln!(t, "machine {}", machine.name);
+    for (limits, axis) in machine.rotary.iter().zip(machine.chain.axes()) {
+        let carries = match axis.carries {
+            Carries::Tool => "tool",
+            Carries::Part => "part",
+        };
+        let [x, y, z] = axis.direction.into_inner().into();
+        let _ = writeln!(
+            t,
+            "  {} carries the {carries} about ({x:.4}, {y:.4}, {z:.4}) at {}",
+            limits.name,
+            at(&axis.point)
+        );
+    }
 }
 
 fn word(kind: MoveKind) -> &'static str {

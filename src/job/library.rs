@@ -5,11 +5,10 @@ use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineKind, MachineSpec
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
-use crate::kin::chain::{AxisLine, Chain, ChainFault};
 use crate::method::Planning;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -330,35 +329,6 @@ impl Reader<'_> {
         }
     }
 
-    /// The chain of two rotary axes.
-    fn chain(&mut self, kind: MachineKind, rotary: &[RotarySpec; 2], at: Span) -> Option<Chain> {
-        let lines = [0, 1].map(|k| {
-            let spec = &rotary[k];
-            AxisLine {
-                carries: kind.carries()[k],
-                direction: Unit::new_unchecked(Vector3::from(spec.direction)),
-                point: Point3::from(spec.point.map(Mm::get)),
-            }
-        });
-        let [first, second] = rotary.each_ref().map(|spec| spec.name.as_str());
-        let (message, help) = match Chain::new(lines) {
-            Ok(chain) => return Some(chain),
-            Err(ChainFault::Parallel) => {
-                (format!("the axes {first} and {second} are parallel"), "correct `direction` of one of them")
-            }
-            Err(ChainFault::AlongTool) => (
-                format!("axis {first}, next to the tool, turns the tool about itself"),
-                "correct its `direction`, or name the other axis first in `order`",
-            ),
-            Err(ChainFault::Order) => (
-                format!("axis {first} carries the part and {second} the tool"),
-                "name the axis of the head first in `order`",
-            ),
-        };
-        self.fault(at, message, "these axes cannot direct the tool".to_owned(), help);
-        None
-    }
-
     fn rotary(&mut self, name: &str, table: &RotaryTable) -> RotarySpec {
         let iso = match table.sense.get_ref().as_str() {
             "iso" => true,
@@ -488,14 +458,12 @@ pub(super) fn machine(
         }
     };
     let rotary = axes.map(|(name, table)| reader.rotary(name, table));
-    let chain = reader.chain(kind, &rotary, reader.span(&table.kind))?;
     let spec = MachineSpec {
         name: name.to_owned(),
         linear,
         retract,
-        kind,
+        kind: (kind, reader.span(&table.kind)),
         rotary,
-        chain,
         part_origin: reader.point(&table.part.origin),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),

@@ -2,7 +2,6 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
-use crate::kin::{Carries, Chain};
 use crate::method::Planning;
 use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
 use crate::source::Span;
@@ -59,15 +58,6 @@ impl MachineKind {
             Self::HeadHead => "head-head",
         }
     }
-
-    /// What the axis next to the tool and the axis next to the part carry.
-    pub fn carries(self) -> [Carries; 2] {
-        match self {
-            Self::TableTable => [Carries::Part, Carries::Part],
-            Self::HeadTable => [Carries::Tool, Carries::Part],
-            Self::HeadHead => [Carries::Tool, Carries::Tool],
-        }
-    }
 }
 
 /// A machine file.
@@ -77,12 +67,10 @@ pub struct MachineSpec {
     pub name: String,
     /// X, Y, Z.
     pub linear: [LinearSpec; 3],
-    /// Which rotary axis carries what.
-    pub kind: MachineKind,
+    /// Which rotary axis carries what, and where the file says it.
+    pub kind: (MachineKind, Span),
     /// The rotary axes in the sense of the machine's own words: next to the tool, and next to the part.
     pub rotary: [RotarySpec; 2],
-    /// How they lie.
-    pub chain: Chain,
     /// Origin of the part in the machine frame, with the rotary axes at zero.
     pub part_origin: [Mm; 3],
     /// Height of the gauge line at which tools are changed and all axes but Z may move.

@@ -80,6 +80,12 @@ pub struct Turning {
 }
 
 impl Turning {
+    /// Of axes at a right angle.
+    pub const RIGHT_ANGLE: Self = Self { second: 1.5, third: 3.0, shortest: Self::GOLDEN };
+
+    /// (1 + sqrt 5) / 2 and a little: `Twist` in `verify/sweep.rs` says why.
+    const GOLDEN: f64 = 1.6181;
+
     /// For a cosine of the angle between both axes.
     ///
     /// With the angular velocity w and the angular acceleration w', a direction bends by at most w^2 + |w'|. The acceleration is
@@ -87,8 +93,9 @@ impl Turning {
     /// each other: sin / (2 (1 - |cos|)) w^2. The third derivative is at most the cube of the sum of both rates, which is at
     /// most sqrt(2 / (1 - |cos|)) w.
     fn new(cosine: f64) -> Self {
-        /// (1 + sqrt 5) / 2 and a little: `Twist` in `verify/sweep.rs` says why.
-        const GOLDEN: f64 = 1.6181;
+        if cosine == 0.0 {
+            return Self::RIGHT_ANGLE;
+        }
         let sine = (1.0 - cosine * cosine).sqrt();
         let narrow = 1.0 - cosine.abs();
         let acceleration = 0.5 * sine / narrow;
@@ -96,7 +103,7 @@ impl Turning {
             second: 1.0 + acceleration,
             third: 3.0 / (narrow * narrow.sqrt()),
             // The axis across w changes by at most half of w^2 and by the acceleration.
-            shortest: if cosine == 0.0 { GOLDEN } else { 1.5 + acceleration },
+            shortest: 1.5 + acceleration,
         }
     }
 }
@@ -380,7 +387,11 @@ mod tests {
             assert!((nearest[0] - a).abs() < 1e-14 && (a.abs() < 1e-9 || (nearest[1] - c).abs() < 1e-12), "{a} {c}");
         }
         assert_eq!(chain.inverse(&Vector3::z(), 0.7), Some([[0.0, 0.7], [-0.0, 0.7]]));
-        assert_eq!((chain.turning().second, chain.turning().third), (1.5, 3.0));
+        assert_eq!(*chain.turning(), Turning::RIGHT_ANGLE);
+        let near = Turning::new(1e-9);
+        assert!(
+            (near.second - 1.5).abs() < 1e-8 && (near.third - 3.0).abs() < 1e-7 && near.shortest >= Turning::GOLDEN
+        );
     }
 
     #[test]

@@ -5,7 +5,8 @@ mod curves;
 
 use crate::collide::{Cutter, Section, ToolSolid};
 use crate::contract::Scope;
-use crate::diag::{Aborted, Sink};
+use crate::diag::codes::job::LIBRARY;
+use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::NurbsCurve;
 use crate::ir::design::SurfaceKind;
@@ -14,11 +15,14 @@ use crate::ir::{
     Allowed, Clamping, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice,
     Program, RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
 };
-use crate::job::model::{self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineSpec, RotarySpec, ToolSpec};
-use crate::kin::{Carried, LinearAxis, Machine, RotaryAxis};
+use crate::job::model::{
+    self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec,
+};
+use crate::kin::chain::ChainFault;
+use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::method::VaneSurface;
 use crate::units::Mm;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 /// Lowers a job. Faults of the geometry go to the sink.
 ///
@@ -45,6 +49,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     for spec in &job.operations {
         operations.push(operation(spec));
     }
+    let machine = machine(&job.machine, chain(&job.machine, sink)?);
     let program = Program {
         name: job.part.name.clone(),
         part,
@@ -53,7 +58,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         operations,
         contracts: job.contracts.iter().map(contract).collect(),
         allowed: job.allowed.iter().map(allowed).collect(),
-        machine: machine(&job.machine),
+        machine,
         post: PostChoice { name: job.post.0.clone(), span: Some(job.post.1) },
         tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
         clearance: job.clearance,
@@ -213,8 +218,43 @@ fn scope(spec: &Scope<usize>) -> Scope<OperationId> {
     }
 }
 
+/// The chain of the rotary axes of a machine.
+///
+/// # Errors
+/// The axes cannot direct the tool; the reason is in the sink.
+fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
+    let (kind, span) = spec.kind;
+    let carries = match kind {
+        MachineKind::TableTable => [Carries::Part, Carries::Part],
+        MachineKind::HeadTable => [Carries::Tool, Carries::Part],
+        MachineKind::HeadHead => [Carries::Tool, Carries::Tool],
+    };
+    let lines = [0, 1].map(|k| AxisLine {
+        carries: carries[k],
+        direction: Unit::new_unchecked(Vector3::from(spec.rotary[k].direction)),
+        point: Point3::from(spec.rotary[k].point.map(Mm::get)),
+    });
+    let [first, second] = spec.rotary.each_ref().map(|axis| axis.name.as_str());
+    let (message, help) = match Chain::new(lines) {
+        Ok(chain) => return Ok(chain),
+        Err(ChainFault::Parallel) => {
+            (format!("the axes {first} and {second} are parallel"), "correct `direction` of one of them")
+        }
+        Err(ChainFault::AlongTool) => (
+            format!("axis {first}, next to the tool, turns the tool about itself"),
+            "correct its `direction`, or name the other axis first in `order`",
+        ),
+        Err(ChainFault::Order) => (
+            format!("axis {first} carries the part and {second} the tool"),
+            "name the axis of the head first in `order`",
+        ),
+    };
+    sink.push(Diag::error(LIBRARY, message).label(span, "these axes cannot direct the tool").help(help));
+    Err(Aborted)
+}
+
 /// The machine with its rotary axes in the ISO sense.
-fn machine(spec: &MachineSpec) -> Machine {
+fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
     Machine {
         name: spec.name.clone(),
         linear: spec.linear.map(|axis: LinearSpec| LinearAxis {
@@ -225,7 +265,7 @@ fn machine(spec: &MachineSpec) -> Machine {
             jerk: axis.jerk,
         }),
         rotary: [0, 1].map(|k| rotary(&spec.rotary[k])),
-        chain: spec.chain,
+        chain,
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
         retract: spec.retract.get(),
         spindle: spec.spindle.map(crate::units::Rpm::get),

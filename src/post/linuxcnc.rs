@@ -26,6 +26,9 @@ pub(super) struct LinuxCnc;
 /// Longest line that the interpreter takes.
 const LONGEST_LINE: usize = 252;
 
+/// Rotary axes of the kinematics xyzac-trt.
+const ROTARY: [&str; 2] = ["A", "C"];
+
 /// Largest tool number of the standard tool table.
 const LARGEST_TOOL: u32 = 99_999;
 
@@ -44,6 +47,19 @@ impl Post for LinuxCnc {
                 Diag::error(post::CONTROL, format!("the machine {} does not say that LinuxCNC plans its speeds", machine.name))
                     .note("speeds of joints, times and departures from the path would be those of another control")
                     .help("a machine file that says `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post"),
+            );
+        }
+        let [.., first, second] = machine.names();
+        if [first, second] != ROTARY {
+            sink.push(
+                Diag::error(
+                    post::CONTROL,
+                    format!(
+                        "the machine {} turns {first} and {second}; this post writes for xyzac-trt kinematics",
+                        machine.name
+                    ),
+                )
+                .help("a machine file whose table tilts about A and turns about C, or another post"),
             );
         }
         for axis in &machine.rotary {

@@ -13,11 +13,12 @@ use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
 use crate::collide::{Slope, ToolSolid};
 use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::chain::Turning;
 use crate::kin::{Angles, Chain, Joints, Machine, RotaryPose, between};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Largest turn of a piece.
+/// Largest turn of a piece where the rotary axes stand at a right angle.
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
 /// Longest way of the tip in a piece, mm: long links would lie in one node with everything that they pass.
@@ -210,7 +211,9 @@ pub(super) fn each_move(
 
 /// Number of pieces of a move.
 pub(super) fn piece_count(chain: &Chain, [from, to]: &[RotaryPose; 2]) -> f64 {
-    let turns = chain.turn(from.rotary, to.rotary) / PIECE_TURN;
+    // Where the axes stand at a sharper angle the tool axis bends more for the same turn: the error of a piece stays.
+    let sharper = libm::cbrt(chain.turning().third / Turning::RIGHT_ANGLE.third);
+    let turns = chain.turn(from.rotary, to.rotary) / PIECE_TURN * sharper;
     turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0)
 }
 
