@@ -51,8 +51,8 @@ fn run(program: &Program) -> (usize, bool) {
     for d in sink.diags() {
         println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
     }
-    for pass in &plan.cl.operations[0].passes {
-        let path = pass.path.as_ref().expect("dual NURBS");
+    for (pass, planned) in plan.cl.operations[0].passes.iter().zip(&plan.cc.operations[0].passes) {
+        let path = planned.path.as_ref().expect("dual NURBS");
         // The stations lie on the curves that are kept.
         let [_, inner @ .., _] = pass.points.as_slice() else { panic!("a pass") };
         for point in inner {
@@ -196,7 +196,7 @@ fn lean_and_distance(program: &Program) -> (f64, f64) {
     let plan = plan.unwrap_or_else(|_| panic!("{:?}", sink.diags()));
     let obstacles = Obstacles::new(&program.part, &program.machine);
     let solid = &program.tools.iter().next().unwrap().1.solid;
-    let path = plan.cl.operations[0].passes[0].path.clone().unwrap();
+    let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
     let stations = (0..=400).map(|i| path.at(f64::from(i) / 400.0));
     stations.fold((0.0, f64::INFINITY), |(lean, least), at| {
         let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
@@ -233,7 +233,7 @@ fn the_path_keeps_the_holder_clear() {
         free.tools = program.tools.clone();
         let obstacles = Obstacles::new(&free.part, &free.machine);
         let solid = &free.tools.iter().next().unwrap().1.solid;
-        let path = plan.cl.operations[0].passes[0].path.clone().unwrap();
+        let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
         let at = |i: u32| path.at(f64::from(i) / 400.0);
         let near = |at: impellerc::geom::AxisAt| {
             let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);

@@ -122,6 +122,33 @@ fn modules_name_only_what_lies_below_them() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// Where letters of rotary axes may stand: kinematics of named controls, machine files, texts for people and for machines.
+const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/diag/codes/"];
+
+#[test]
+fn rotary_axes_have_no_letters_outside_of_texts() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let mut faults = Vec::new();
+    for path in all.iter().filter(|p| !LETTERS.iter().any(|l| p.starts_with(l))) {
+        let text = std::fs::read_to_string(path).unwrap();
+        // Tests of a file choose a machine.
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for (i, line) in code.lines().enumerate() {
+            let named = ["A", "B", "C"].into_iter().any(|letter| {
+                [format!("\"{letter}\""), format!("'{letter}'"), format!("axis {letter} "), format!(" of {letter} ")]
+                    .into_iter()
+                    .chain(["A", "C"].into_iter().map(|other| format!(" {letter} and {other} ")))
+                    .any(|words| line.contains(&words))
+            });
+            if named {
+                faults.push(format!("{}:{}: {}", path.display(), i + 1, line.trim()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
 #[test]
 fn files_have_headers_and_stay_short() {
     let mut all = Vec::new();

@@ -30,12 +30,6 @@ impl DualCurve {
     /// squares. `None` for fewer pairs than control points, or fewer than four of these.
     pub fn through(pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
         let last = pairs.len().saturating_sub(1).max(1) as f64;
-        let parameters: Vec<f64> = (0..pairs.len()).map(|i| i as f64 / last).collect();
-        Self::fitted(&parameters, pairs, control)
-    }
-
-    /// The same at parameters of their own. `None` as well where a span of the knots has too few of them.
-    pub fn fitted(parameters: &[f64], pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
         if control <= DEGREE || pairs.len() < control {
             return None;
         }
@@ -45,8 +39,8 @@ impl DualCurve {
         knots.extend([1.0; DEGREE]);
         let mut normal = nalgebra::DMatrix::<f64>::zeros(control, control);
         let mut right = nalgebra::DMatrix::<f64>::zeros(control, 6);
-        for (t, pair) in parameters.iter().zip(pairs) {
-            let basis = basis::evaluate(&knots, DEGREE, *t, 0);
+        for (i, pair) in pairs.iter().enumerate() {
+            let basis = basis::evaluate(&knots, DEGREE, i as f64 / last, 0);
             for (j, a) in basis.values[0].iter().enumerate() {
                 for (k, b) in basis.values[0].iter().enumerate() {
                     normal[(basis.first + j, basis.first + k)] += a * b;

@@ -1,6 +1,5 @@
 //! Cutter location plan: tip and axis of every move in the part frame.
 
-use crate::geom::DualCurve;
 use crate::ir::program::OperationId;
 use nalgebra::{Point3, Vector3};
 
@@ -33,9 +32,6 @@ pub struct ClPass {
     pub sector: u32,
     /// Stations in cutting order.
     pub points: Vec<ClPoint>,
-    /// The pass as dual NURBS, where it has them: path of the tip, and of a point of the axis. A pass that was found as
-    /// such goes on beyond both ends along straight leads.
-    pub path: Option<DualCurve>,
 }
 
 /// Tip and axis of the tool, and where it touches.

@@ -189,10 +189,7 @@ pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
             }
             Detail::Summary => {
                 for pass in &operation.passes {
-                    let path = pass.path.as_ref();
-                    let path =
-                        path.map_or_else(String::new, |p| format!(", dual NURBS of {} points", p.control_count()));
-                    let _ = writeln!(t, "  pass {}: {} points{path}", pass.label, pass.points.len());
+                    let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
                     for i in shown(pass.points.len(), detail) {
                         let _ = writeln!(t, "    {i} {}", location(&pass.points[i]));
                     }

@@ -42,7 +42,7 @@ pub(super) struct AxisRoom<'a> {
     solid: &'a ToolSolid,
     /// Distances of side of the cutter, shank and holder, mm.
     asked: [f64; 3],
-    /// Largest angle between tool axis and axis of the table that the travel of A has, radians.
+    /// Largest angle between tool axis and axis of the table that the travel of rotary axis 1 has, radians.
     most_lean: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a path of flank milling leaves free beside its cut: clearance of shank and holder, travel of A.
+//! What a path of flank milling leaves free beside its cut: clearance of shank and holder, travel of rotary axis 1.
 
 use super::obstacles::Obstacles;
 use crate::collide::Section;
@@ -20,7 +20,7 @@ const LOOKS_ON_LINE: usize = 30;
 /// What is kept beyond each clearance, for what lies between samples and between stations, mm.
 const SPARE: f64 = 0.05;
 
-/// What is kept of the travel of A, radians.
+/// What is kept of the travel of rotary axis 1, radians.
 const LEAN_KEPT: f64 = 1e-3;
 
 /// What has no more to spare than this joins the bounds of the path, mm: about what a change of it moves.

@@ -27,7 +27,7 @@ const BODY_GAP: f64 = 5.0;
 /// each of which the control slows down.
 const SPHERE_STEP: f64 = 0.35;
 
-/// Sphere around the stock on which rapids run, about a point of the axis of C. A tool with its tip on it and its axis
+/// Sphere around the stock on which rapids run, about a point of the axis of the table. A tool with its tip on it and its axis
 /// not inward has all of its points outside of the sphere of the stock's farthest corner.
 pub(super) struct ClearanceSphere {
     centre: Point3<f64>,

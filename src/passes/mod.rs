@@ -20,7 +20,6 @@ mod way_out;
 
 pub mod assign_feeds;
 pub mod avoid_collision;
-pub mod fit_curves;
 pub mod hop;
 mod link_moves;
 pub mod orient_tool;

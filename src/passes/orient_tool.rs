@@ -37,7 +37,6 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
         .passes
         .par_iter()
         .map(|pass| ClPass {
-            path: pass.path.clone(),
             label: pass.label.clone(),
             sector: pass.sector,
             points: match pass.drive {

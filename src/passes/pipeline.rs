@@ -2,9 +2,9 @@
 
 use super::layers::Roughing;
 use super::{
-    Obstacles, assign_feeds, avoid_collision, exact_stops, fit_curves, link_moves, orient_tool, plan_channel,
-    plan_expand, plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis,
-    solve_kinematics, time_feeds,
+    Obstacles, assign_feeds, avoid_collision, exact_stops, link_moves, orient_tool, plan_channel, plan_expand,
+    plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics,
+    time_feeds,
 };
 use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
@@ -55,30 +55,6 @@ pub struct Plan {
     pub motion: Motion,
 }
 
-/// Name, meaning and reason of the place of each pass, in order.
-pub const PASSES: &[(&str, &str, &str)] = &[
-    ("plan-groove", "one line in the middle of each channel, layer by layer", "opens the channel for all others"),
-    ("plan-expand", "inverted V lines on both sides of the groove", "needs the level that the groove reached"),
-    ("plan-flank", "bands along the rulings of the vane faces", "drive surfaces only, no axis yet"),
-    ("plan-point", "lines of constant scallop on vane faces and fillets", "drive surfaces only, no axis yet"),
-    ("plan-channel", "streamlines on the hub between the fillets", "drive surfaces only, no axis yet"),
-    ("orient-tool", "tip and axis of every station", "first value with an axis"),
-    ("avoid-collision", "axes turned until tool, shank and holder are clear", "needs axes; before anything is thinned"),
-    ("smooth-axis", "the rotary axes run smoothly inside the corridor of clear axes", "needs the way through it"),
-    ("fit-curves", "dual NURBS of the finishing passes", "after the last change of an axis, before stations go"),
-    (
-        "sample-to-tolerance",
-        "stations that the machine's interpolation makes needless go",
-        "after the last change of an axis",
-    ),
-    ("rest-machining", "cuts that would meet no rest stock go", "the ways are final, their ends are not yet linked"),
-    ("link-moves", "short ways between passes, or over a clearance sphere", "needs the final ends of all passes"),
-    ("assign-feeds", "process feeds", "needs the kinds of all moves"),
-    ("solve-kinematics", "joint positions, branch and winding", "first value with a machine"),
-    ("time-feeds", "feeds that the axes can follow, and times", "needs the joints of both ends of a move"),
-    ("exact-stops", "stops where the control would leave the path too far", "needs the speeds of all moves"),
-];
-
 /// Runs all passes.
 ///
 /// # Errors
@@ -95,12 +71,14 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part, &program.machine);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: 0.0 };
+    // Contacts on drive surfaces, operation by operation: roughing first, since each knows how far those before it came.
     let cc = plan(&mut cx)?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
+    // Axes move while all stations are there: thinning and links need the last ones.
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
     smooth_axis::run(&mut cx, &cc, &mut cl)?;
-    fit_curves::run(&cx, &mut cl);
     sample_to_tolerance::run(&cx, &mut cl);
+    // What cuts nothing goes before its ends are linked.
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     link_moves::run(&mut cx, &mut cl)?;
     let needed = cost::of_moves(program, &cl, cx.stations);
@@ -108,6 +86,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     assign_feeds::run(program, &mut cl);
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
     time_feeds::run(program, &mut motion);
+    // Where the control leaves the path depends on the speeds of all moves.
     exact_stops::run(program, &mut motion);
     Ok(Plan { cc, cl, motion })
 }

@@ -219,9 +219,7 @@ fn reduce(
             let label = if several { format!("{} rest {}", pass.label, k + 1) } else { pass.label.clone() };
             let inside = stations[run.start..=run.end].iter().enumerate();
             let ends = inside.filter(|(i, s)| s.planned || *i == 0 || *i == run.end - run.start);
-            let whole = run.start == 0 && run.end + 1 == stations.len();
-            let path = pass.path.clone().filter(|_| whole);
-            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect(), path });
+            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect() });
         }
     }
     if kept.is_empty() {

@@ -160,7 +160,7 @@ pub(super) struct Block {
     pub(super) tip: [Option<f64>; 3],
     /// Tool direction.
     pub(super) vector: [Option<f64>; 3],
-    /// A and C.
+    /// The rotary axes, next to the tool first.
     pub(super) rotary: [Option<f64>; 2],
     /// F.
     pub(super) feed: Option<f64>,

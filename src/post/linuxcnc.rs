@@ -10,7 +10,7 @@
 //!
 //! The head takes back what a program that was aborted can have left: M429 alone first, since any change of tool length with
 //! the kinematics on makes the axes jump; then tool length, offsets and rotation. Axes move with the kinematics off in the
-//! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there A and C, then X and Y.
+//! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there the rotary axes, then X and Y.
 
 use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, feed, fixed, inverse_time};
 use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_linuxcnc};

@@ -47,7 +47,7 @@ const RAPID_ROUNDING: f64 = 1e-3;
 const STILL: (f64, f64) = (1e-6, 1e-4);
 
 /// Error of a time that comes from the last digits of the words of a block: of a length (mm, over the feed) and of an
-/// angle (radians, over the speed of the axis, with room for C near the pole).
+/// angle (radians, over the speed of the axis, with room for rotary axis 2 near the pole).
 const QUANTUM: (f64, f64) = (2e-4, 1e-6);
 
 /// Makes the motion of the sections. Faults go to the sink under the spans of their lines; `span` gives the span of a

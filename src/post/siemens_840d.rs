@@ -3,13 +3,13 @@
 //! Tool centre point control by TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
 //! to the holder, always all three: a missing one would count as 0). ORIAXES lets the rotary axes run linearly between
 //! blocks, which is what the motion means. A vector fits two rotary positions; which one is meant is made certain by
-//! the rapid in front of every pass, which carries the rotary positions themselves (A= C=), and by [`check`]: within a
-//! pass A keeps its sign and C turns less than 90 deg a block, so that the nearest position is the right one. C is a
-//! limited axis here: no DC().
+//! the rapid in front of every pass, which carries the rotary positions themselves (such as A= C=), and by [`check`]:
+//! within a pass rotary axis 1 keeps its sign and rotary axis 2 turns less than 90 deg a block, so that the nearest
+//! position is the right one. Rotary axis 2 is a limited axis here: no DC().
 //!
 //! The head takes back what a program that was aborted can have left. Axes move with the transformation off in the machine
-//! frame (SUPA) without tool length (D0): Z alone to the retract height, there A and C, then X and Y. TRAORI and TRAFOOF drop
-//! frames, so that the work offset is said again behind them.
+//! frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X and Y. TRAORI
+//! and TRAFOOF drop frames, so that the work offset is said again behind them.
 
 use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
 use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_siemens_840d};
@@ -21,7 +21,7 @@ use crate::verify::Verified;
 /// The dialect.
 pub(super) struct Siemens840d;
 
-/// Turn of C between blocks from which the nearest rotary position would no longer be certain.
+/// Turn of rotary axis 2 between blocks from which the nearest rotary position would no longer be certain.
 const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
 impl Post for Siemens840d {
@@ -78,7 +78,7 @@ impl Post for Siemens840d {
         code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
             OWN.contains(&&*w)
                 || w.starts_with("CYCLE832")
-                || ["A3=", "A=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
+                || ["A3=", "A=", "B=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
         })
     }
 }

@@ -35,7 +35,7 @@ pub struct CarriedReport {
     pub clearance: Option<Clearance>,
 }
 
-/// Samples of the outside of a solid about the C axis, and the distance within which every point of it has one.
+/// Samples of the outside of a solid about the axis of the table, and the distance within which every point of it has one.
 fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
     let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
     let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();

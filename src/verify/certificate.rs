@@ -129,9 +129,6 @@ pub struct Certificate {
     pub allowance: Option<AllowanceReport>,
     /// Operations in order.
     pub operations: Vec<OperationReport>,
-    /// Names of the passes of each operation, for places.
-    #[serde(skip)]
-    pub labels: Vec<Vec<(u32, String)>>,
     /// Least distance of the whole tool to the turned stock at rapid.
     pub rapid: Option<Clearance>,
     /// Before, between and behind the operations.

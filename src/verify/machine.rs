@@ -84,7 +84,7 @@ pub struct OtherRules {
 pub struct MachineReport {
     /// X, Y, Z and both rotary axes.
     pub axes: Vec<AxisRange>,
-    /// Least angle between the tool axis and the axis of C while cutting, degrees.
+    /// Least angle between the tool axis and rotary axis 2 while cutting, degrees.
     pub pole_distance: f64,
     /// Worst fault of each axis.
     pub faults: Vec<AxisFault>,

@@ -162,7 +162,6 @@ pub fn certify_with(
         kept,
         allowance,
         operations,
-        labels: Vec::new(),
         rapid,
         perimeter: perimeter::check(program, motion),
         machine: machine::check(program, motion),
