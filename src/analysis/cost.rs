@@ -17,7 +17,7 @@
 //! | `jobs/small`, expand alone, depth 0.5 mm, residual 20 um, four sectors: 2400 lines | 1.80 GB | 1.84 GB |
 //! | the same, depth 0.1 mm, residual 5 um: 23 k lines | 16.1 GB | |
 //!
-//! `tests/cost.rs` holds the estimate within a factor of two of these. What a station costs is mostly the run of the axes
+//! `tests/quick/cost.rs` holds the estimate within a factor of two of these. What a station costs is mostly the run of the axes
 //! through the blocks that are left of it; what a link over the clearance surface costs are its many changes of speed. The
 //! verifier runs the axes through the same blocks when the planner has given its memory back, and has samples of all
 //! surfaces of the part besides.

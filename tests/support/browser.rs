@@ -1,7 +1,5 @@
 //! A headless browser driven over its debugging pipe, so that tests see what a reader of a page sees.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
-
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};

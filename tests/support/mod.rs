@@ -1,7 +1,11 @@
 //! Programs for tests, made without the job language.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(dead_code, unreachable_pub, reason = "each test uses its part")]
+#![allow(dead_code, reason = "each program of tests uses its part")]
+
+pub mod bounded;
+pub mod browser;
+pub mod golden;
+pub mod jobs;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
@@ -184,6 +188,12 @@ pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32
     }
 }
 
+/// Finishing of channels in even lines, all in one direction, with the scallop in mm.
+pub fn channel(scallop: f64) -> OperationKind {
+    let (spacing, lines, method) = (Spacing::EqualDivision, Lines::OneWay, AxisMethod::Blend);
+    OperationKind::Channel { scallop: Mm(scallop), spacing, lines, method }
+}
+
 /// The paper's part with roughing and finishing on the given sectors.
 pub fn wei_program(sectors: &[u32]) -> Program {
     let part = wei_part(Some(3.0));
@@ -212,18 +222,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         sectors.clone(),
         15.0,
     ));
-    operations.push(operation(
-        "channel",
-        OperationKind::Channel {
-            scallop: Mm(0.01),
-            spacing: Spacing::EqualDivision,
-            lines: Lines::OneWay,
-            method: AxisMethod::Blend,
-        },
-        t2,
-        sectors,
-        8.0,
-    ));
+    operations.push(operation("channel", channel(0.01), t2, sectors, 8.0));
     Program {
         name: "wei2021".to_owned(),
         stock: Stock::turned(&part, Mm(0.0), Mm(5.0), Mm(-40.0)),
@@ -249,5 +248,14 @@ pub fn flank_only(sectors: &[u32]) -> Program {
     let faces = vec![Side::Pressure, Side::Suction];
     let kind = OperationKind::Flank { faces, flank: Flank::by_ruling(FlankMethod::TwoPoint, 2) };
     program.operations.push(operation("flank", kind, tool, sectors.to_vec(), 15.0));
+    program
+}
+
+/// Finishing of one channel alone.
+pub fn channel_only(scallop: f64) -> Program {
+    let mut program = wei_program(&[0]);
+    let tool = program.operations.iter().last().unwrap().1.tool;
+    program.operations = PrimaryMap::new();
+    program.operations.push(operation("channel", channel(scallop), tool, vec![0], 8.0));
     program
 }

@@ -1,0 +1,60 @@
+//! Goldens of the reduced job, and whether every golden has its test; those of whole parts are in `tests/slow/golden.rs`.
+
+use crate::support::golden::{GOLDENS, bytes, check, nc};
+use crate::support::jobs::{self, Compiled};
+use impellerc::driver::{self, Emit, Stages};
+use impellerc::ir::print::{self, Detail};
+use impellerc::post;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn emitted(emit: Emit) -> String {
+    let options = driver::Options { emit: Some(emit), ..jobs::options("reduced", None) };
+    driver::compile(&options, &mut Stages::default()).emitted.expect("a stage value")
+}
+
+#[test]
+fn reduced_job_stage_by_stage() {
+    check("reduced", "ast", &emitted(Emit::Ast));
+    check("reduced", "job", &emitted(Emit::Job));
+    check("reduced", "ir", &emitted(Emit::Ir));
+    let c = jobs::reduced("siemens-840d");
+    check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
+    check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
+    check("reduced", "motion", &print::motion(&c.program, &c.plan.motion, Detail::Summary));
+    check("reduced", "certificate", &c.certificate.text(&c.program, c.motion.get()));
+    let mut all = String::new();
+    for post in post::POSTS {
+        let text = nc(jobs::reduced(post.name()), *post);
+        check("reduced", post.name(), &text);
+        all.push_str(&bytes(post.name(), &text));
+    }
+    check("reduced", "bytes", &all);
+}
+
+#[test]
+fn reduced_job_is_the_same_on_one_thread_and_on_two() {
+    let alone = Compiled::on_threads(1, jobs::program("reduced", None));
+    let texts = [&alone, jobs::reduced("siemens-840d")].map(|c| {
+        let certificate = c.certificate.text(&c.program, c.motion.get());
+        (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
+    });
+    assert!(texts[0] == texts[1]);
+}
+
+#[test]
+fn no_golden_is_without_its_test() {
+    let expected: BTreeSet<PathBuf> = GOLDENS
+        .iter()
+        .flat_map(|(job, names)| names.iter().map(move |n| Path::new("golden").join(job).join(format!("{n}.snap"))))
+        .collect();
+    let mut found = BTreeSet::new();
+    for folder in std::fs::read_dir("golden").unwrap() {
+        let folder = folder.unwrap().path();
+        if folder.ends_with("errors") {
+            continue;
+        }
+        found.extend(std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()));
+    }
+    assert_eq!(found, expected, "golden/ has files without a test, or lacks some");
+}

@@ -1,0 +1,350 @@
+//! What milling must leave alone: kept surfaces against exact shapes, the clamping in closed form, roughing with what the
+//! control may add, and harm done to a verified program outside of the design surfaces.
+
+use crate::support;
+use crate::support::jobs;
+use impellerc::diag::{Severity, Sink};
+use impellerc::ir::chart::Shape;
+use impellerc::ir::design::SurfaceKind;
+use impellerc::ir::kept::kept;
+use impellerc::ir::program::Clamping;
+use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program};
+use impellerc::kin::Chain;
+use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
+use impellerc::units::Mm;
+use impellerc::verify::kept::{KeptReport, KeptSurfaces};
+use impellerc::verify::stock::{self, Settings};
+use impellerc::verify::sweep::Sweep;
+use impellerc::verify::{allowance, certify, clamping};
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// What figures may be wrong by, mm.
+const TENTH: f64 = 1e-4;
+
+/// Radius of the outlet of the paper's part, mm.
+fn outlet(program: &Program) -> f64 {
+    program.stock.profile.last().unwrap()[0]
+}
+
+/// The paper's part with one operation that makes these moves alone, with the ball of 6 mm.
+fn moved(poses: &[(Point3<f64>, Vector3<f64>, MoveKind)]) -> (Program, Motion) {
+    let (program, motion) = jobs::flank().planned();
+    let mut motion = motion.clone();
+    replace(program, &mut motion, 0, poses);
+    (program.clone(), motion)
+}
+
+/// Replaces all moves of an operation.
+fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(Point3<f64>, Vector3<f64>, MoveKind)]) {
+    let feed = program.operations[motion.operations[operation].operation].feed.get();
+    let moves = &mut motion.operations[operation].moves;
+    let first = moves[0];
+    *moves = poses
+        .iter()
+        .map(|(tip, axis, kind)| {
+            let [rotary, _] = program.machine.chain.nearest(axis, 0.0);
+            let joints = program.machine.joints(tip, rotary);
+            let feed = match kind {
+                MoveKind::Rapid => None,
+                MoveKind::Cut => Some(feed),
+                MoveKind::Link => Some(20.0 * feed),
+            };
+            impellerc::ir::JointMove { kind: *kind, joints, feed, time: 1.0, ..first }
+        })
+        .collect();
+}
+
+fn measured(program: &Program, motion: &Motion) -> KeptSurfaces {
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    impellerc::verify::kept::check(program, &sweeps, &Progress::default())
+}
+
+fn of(found: &KeptSurfaces, kind: SurfaceKind) -> &KeptReport {
+    found.surfaces.iter().find(|s| s.kind == kind).expect("a kept surface")
+}
+
+/// A cut of a known depth is found to a tenth of a micrometre, and its bound holds and gives away half of one.
+#[track_caller]
+fn deep(report: &KeptReport, depth: f64) {
+    assert!((report.gouge.depth - depth).abs() < TENTH, "{report:?}, expected {depth}");
+    assert!((depth - TENTH..depth + 7e-4).contains(&report.gouge_bound), "{report:?}, expected {depth}");
+}
+
+fn down(to: [f64; 3], kind: MoveKind) -> (Program, Motion) {
+    let to = Point3::from(to);
+    moved(&[(to + Vector3::z() * 40.0, Vector3::z(), kind), (to, Vector3::z(), kind)])
+}
+
+#[test]
+fn plunges_have_their_closed_form() {
+    for kind in [MoveKind::Cut, MoveKind::Link, MoveKind::Rapid] {
+        // Into the nose, a plane at -10 mm.
+        let (program, motion) = down([11.0, 0.0, -10.03], kind);
+        let found = measured(&program, &motion);
+        deep(of(&found, SurfaceKind::Nose), 0.03);
+        for other in [SurfaceKind::Rim, SurfaceKind::Bore, SurfaceKind::Back, SurfaceKind::Tip] {
+            assert_eq!(of(&found, other).gouge_bound, 0.0, "{other:?}");
+        }
+        // Into the wall of the bore of 5 mm, a hollow cylinder, with the side of the cutter of 3 mm.
+        let (program, motion) = down([2.02, 0.0, -30.0], kind);
+        deep(of(&measured(&program, &motion), SurfaceKind::Bore), 0.02);
+        // Along the rim, a round cylinder, below the outlet at -32.5 mm.
+        let r = outlet(&program) + 3.0 - 0.05;
+        let (program, motion) = down([r * 0.6, r * 0.8, -38.0], kind);
+        deep(of(&measured(&program, &motion), SurfaceKind::Rim), 0.05);
+    }
+}
+
+#[test]
+fn deep_holes_are_told_by_their_depth() {
+    // Radially through the rim, below the outlet: the ball ends eight millimetres inside.
+    let program = support::flank_only(&[0]);
+    let at = Point3::new(0.0, -(outlet(&program) - 8.0), -36.2);
+    let out = Vector3::new(0.0, -1.0, 0.0);
+    let (program, motion) = moved(&[(at + out * 30.0, out, MoveKind::Cut), (at, out, MoveKind::Cut)]);
+    let found = measured(&program, &motion);
+    let rim = of(&found, SurfaceKind::Rim);
+    assert!((rim.gouge.depth - 8.0).abs() < 0.01, "{rim:?}");
+    assert!((Point3::from(rim.gouge.point) - (at + out * 8.0)).norm() < 0.2, "{rim:?}");
+    // Through the nose and out at the back: both are found.
+    let (program, motion) = down([10.0, 0.0, -43.0], MoveKind::Cut);
+    let found = measured(&program, &motion);
+    for kind in [SurfaceKind::Nose, SurfaceKind::Back] {
+        assert!(of(&found, kind).gouge.depth > 2.0, "{:?}", of(&found, kind));
+    }
+}
+
+/// Into the middle of each surface that a vane has of its own, along its normal.
+#[test]
+fn surfaces_of_vanes_have_their_closed_form() {
+    let program = support::flank_only(&[0]);
+    let shapes = kept(&program.part, &program.stock, false);
+    let mut seen = 0;
+    for shape in shapes.iter().filter(|s| !s.is_ring()) {
+        let place = shape.place(0.5, 0.5);
+        let tip = place.position - place.normal * 0.02;
+        // No axis of the machine points below the horizon by much; roots and edges at the outlet do not need it.
+        let from = tip + place.normal * 20.0;
+        let poses = [(from, place.normal, MoveKind::Cut), (tip, place.normal, MoveKind::Cut)];
+        let (program, motion) = moved(&poses);
+        deep(of(&measured(&program, &motion), shape.kind), 0.02);
+        seen += 1;
+    }
+    assert_eq!(seen, 5);
+}
+
+/// The kept surfaces lie where the closed solid of the part has its own: on planes, cylinders, cone and shroud.
+#[test]
+fn kept_surfaces_lie_on_the_blank() {
+    let program = support::flank_only(&[0]);
+    let part = &program.part;
+    let (hub, shroud) = (part.hub.meridian(0.0).point, part.shroud.meridian(0.0).point);
+    let inlet = (shroud - hub).normalize();
+    for shape in kept(part, &program.stock, false) {
+        for k in 0..=100 {
+            let (x, y) = (f64::from(k % 11) / 10.0, f64::from(k / 11 % 10) / 9.0);
+            let p = shape.place(x, y).position;
+            let (r, z) = (p.x.hypot(p.y), p.z);
+            let off = match shape.kind {
+                SurfaceKind::Rim | SurfaceKind::OutletRoot => r - outlet(&program),
+                SurfaceKind::Back => z + 40.0,
+                SurfaceKind::Bore => r - 5.0,
+                SurfaceKind::Nose => z + 10.0,
+                SurfaceKind::Tip => part.shroud.distance(&p),
+                SurfaceKind::InletRoot => inlet.x * (z - hub.y) - inlet.y * (r - hub.x),
+                // Rulings between two points of a cone leave it.
+                _ => 0.0,
+            };
+            assert!(off.abs() < 2e-4, "{:?} at {x}, {y}: {off}", shape.kind);
+        }
+    }
+}
+
+#[test]
+fn the_clamping_has_its_closed_form() {
+    let distance = |program: &Program, motion: &Motion| {
+        let found = clamping::check(program, motion);
+        (found.part, found.distance.unwrap())
+    };
+    let near = |found: f64, exact: f64| (found - exact).abs() < 3e-3;
+    let clamped = |program: &mut Program, below: f64, radius: f64| {
+        program.stock.clamping = Clamping { below: Mm(below), radius: Some(Mm(radius)), by_default: false };
+    };
+    for kind in [MoveKind::Cut, MoveKind::Link, MoveKind::Rapid] {
+        // Beside the part: by default everything below the back face at -40 mm is kept free.
+        let (mut program, motion) = down([70.0, 0.0, -42.0], kind);
+        let found = distance(&program, &motion);
+        assert!(found.0 == "cutter" && near(found.1, -2.0), "{found:?}");
+        // A chuck of 100 mm: the centre of the ball is 20 mm beside and 1 mm over its edge.
+        clamped(&mut program, -40.0, 50.0);
+        let found = distance(&program, &motion);
+        assert!(found.0 == "cutter" && near(found.1, 20.0_f64.hypot(1.0) - 3.0), "{found:?}");
+        // One that ends lower: the centre of the ball is 20 mm beside and 11 mm over its edge.
+        clamped(&mut program, -50.0, 50.0);
+        let found = distance(&program, &motion);
+        assert!(near(found.1, 20.0_f64.hypot(11.0) - 3.0), "{found:?}");
+    }
+    // Lying: the holder of 20 mm is the lowest part, over the chuck.
+    let axis = Vector3::new(0.0, -1.0, 0.0);
+    let at = |z: f64| Point3::new(0.0, -10.0, z);
+    let (mut program, motion) = moved(&[(at(10.0), axis, MoveKind::Cut), (at(-15.0), axis, MoveKind::Cut)]);
+    clamped(&mut program, -40.0, 200.0);
+    let found = distance(&program, &motion);
+    assert!(found.0 == "holder" && near(found.1, 5.0), "{found:?}");
+    let mut sink = Sink::default();
+    clamping_report(&program, &motion, &mut sink);
+    assert!(!sink.has_errors());
+    clamped(&mut program, -34.0, 200.0);
+    clamping_report(&program, &motion, &mut sink);
+    let told = sink.diags().iter().find(|d| d.code.id() == "IMP0737").expect("a finding");
+    assert!(told.message.contains("holder") && told.message.contains("1.00"), "{}", told.message);
+}
+
+fn clamping_report(program: &Program, motion: &Motion, sink: &mut Sink) {
+    clamping::report(program, motion, &clamping::check(program, motion), sink);
+}
+
+#[test]
+fn roughing_counts_with_what_the_control_adds() {
+    let program = support::wei_program(&[0]);
+    let mut motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
+    // The flat cutter of 8 mm comes down over the nose; only the first operation is left.
+    motion.operations.truncate(1);
+    for (over, fails) in [(0.0505, false), (0.03, true), (-0.02, true)] {
+        let down = |z: f64| (Point3::new(11.0, 0.0, z), Vector3::z(), MoveKind::Cut);
+        replace(&program, &mut motion, 0, &[down(20.0), down(-10.0 + over)]);
+        let found = allowance::check(&program, &motion, &Progress::default()).expect("roughing");
+        assert_eq!(found.bound < found.tolerance, fails, "{found:?}");
+        match found.nearest {
+            Some(n) => assert!(fails && n.surface == "nose" && (n.place.value - over).abs() < TENTH, "{n:?}"),
+            None => assert!(!fails),
+        }
+        assert!((found.bound - over.min(0.051)).abs() < 6e-4, "{over}: {}", found.bound);
+    }
+}
+
+/// Chips and slots: a ball of 6 mm straight down beside the nose and along a line through the full blank.
+#[test]
+fn load_is_judged_by_tool_and_feed() {
+    let line = |kind| {
+        let at = |x: f64, z: f64| (Point3::new(x, 40.0, z), Vector3::z());
+        let [(a, up), (b, _), (c, _)] = [at(-80.0, -20.0), at(-70.0, -20.0), at(70.0, -20.0)];
+        moved(&[(a, up, MoveKind::Rapid), (b, up, MoveKind::Rapid), (c, up, kind)])
+    };
+    let told = |program: &Program, motion: &Motion| {
+        let mut sink = Sink::default();
+        let report =
+            stock::simulate(program, motion, &mut Settings::default(), &Progress::default(), &mut sink).unwrap();
+        stock::report(program, motion, &report, &mut sink);
+        let told = sink.diags().iter().filter(|d| ["IMP0735", "IMP0739"].contains(&d.code.id()));
+        told.map(|d| (d.code.id(), d.severity == Severity::Error, d.message.clone())).collect::<Vec<_>>()
+    };
+    // A finishing tool in full material, with chips of 8 um: worth a remark.
+    let (program, mut motion) = line(MoveKind::Cut);
+    let found = told(&program, &motion);
+    assert!(matches!(&found[..], [("IMP0739", false, text)] if text.contains("full material")), "{found:?}");
+    // The same with chips of 0.25 mm: it breaks, and the chip alone is worth a remark.
+    motion.operations[0].moves[2].feed = Some(8000.0);
+    let found = told(&program, &motion);
+    assert!(found.iter().any(|f| f.1 && f.2.contains("full material")), "{found:?}");
+    assert!(found.iter().any(|f| !f.1 && f.2.contains("chip")), "{found:?}");
+    // A chip of a millimetre breaks it anywhere.
+    motion.operations[0].moves[2].feed = Some(32000.0);
+    let found = told(&program, &motion);
+    assert!(found.iter().any(|f| f.0 == "IMP0739" && f.1 && f.2.contains("chip")), "{found:?}");
+    // At link feed it is no cut: a link that removes anything here removes more than any cut.
+    let (program, motion) = line(MoveKind::Link);
+    let found = told(&program, &motion);
+    assert!(found.iter().any(|f| f.0 == "IMP0735" && f.1), "{found:?}");
+}
+
+/// The small job with more cuts at the end of its last operation.
+fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> Motion {
+    let (program, motion) = jobs::small("siemens-840d").planned();
+    let mut motion = motion.clone();
+    let operation = motion.operations.last_mut().unwrap();
+    let last = *operation.moves.last().unwrap();
+    for (tip, axis) in poses {
+        let [rotary, _] = program.machine.chain.nearest(axis, 0.0);
+        let joints = program.machine.joints(tip, rotary);
+        operation.moves.push(impellerc::ir::JointMove {
+            kind: MoveKind::Cut,
+            joints,
+            feed: Some(250.0),
+            time: 10.0,
+            ..last
+        });
+    }
+    // Up again to where the operation ended.
+    operation.moves.push(impellerc::ir::JointMove { time: 10.0, ..last });
+    motion
+}
+
+/// Codes of errors with their messages.
+fn errors(program: &Program, motion: &Motion) -> Vec<(String, String)> {
+    let mut sink = Sink::default();
+    let _ = certify(program, motion, &mut sink);
+    let errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
+    errors.map(|d| (d.code.id().to_owned(), d.message.clone())).collect()
+}
+
+/// A ring of tips about Z, with the tool along Z.
+fn ring(r: f64, z: f64) -> Vec<(Point3<f64>, Vector3<f64>)> {
+    let at = |angle: f64, z: f64| (Point3::new(r * angle.cos(), r * angle.sin(), z), Vector3::z());
+    let mut poses = vec![at(0.0, 20.0)];
+    poses.extend((0..=72).map(|k| at(TAU * f64::from(k) / 72.0, z)));
+    poses.push(at(0.0, 20.0));
+    poses
+}
+
+#[test]
+fn harm_outside_of_the_design_surfaces_is_refused() {
+    let (program, motion) = jobs::small("siemens-840d").planned();
+    let clean = errors(program, motion);
+    assert!(clean.is_empty(), "{clean:?}");
+    let rim = outlet(program);
+    let out = Vector3::new(0.0, -1.0, 0.0);
+    let radial = |r: f64| (Point3::new(0.0, -r, -14.6), out);
+    let along = |z: f64| (Point3::new(4.4, 0.0, z), Vector3::z());
+    // Name, moves, the kept surface, whether rays a millimetre apart meet it.
+    let cases = [
+        ("bore milled wider", ring(1.4, -15.0), "bore", true),
+        ("hole through the rim", vec![radial(40.0), radial(rim - 8.0), radial(40.0)], "rim", true),
+        ("hole through the nose", vec![along(20.0), along(-19.0), along(20.0)], "nose", true),
+        ("groove along the outer edge", ring(rim + 0.6, -15.2), "rim", true),
+        ("groove of 20 um", ring(rim + 0.98, -15.2), "rim", false),
+    ];
+    for (name, poses, surface, seen) in cases {
+        let found = errors(program, &harmed(&poses));
+        let has = |code: &str, word: &str| found.iter().any(|(c, m)| c == code && m.contains(word));
+        assert!(has("IMP0736", &format!("into the {surface}")), "{name}: {found:?}");
+        assert_eq!(has("IMP0746", "hub disc"), seen, "{name}: {found:?}");
+    }
+    // Beside the part, the tip below its back at -16 mm.
+    let beside = |z: f64| (Point3::new(rim + 6.0, 0.0, z), Vector3::z());
+    let below = harmed(&[beside(20.0), beside(-17.5), beside(20.0)]);
+    let found = errors(program, &below);
+    let has = |found: &[(String, String)], code: &str| found.iter().any(|(c, _)| c == code);
+    assert!(found.iter().any(|(code, text)| code == "IMP0737" && text.contains("1.50")), "{found:?}");
+    assert!(!has(&found, "IMP0736") && !has(&found, "IMP0746"), "{found:?}");
+    // With a chuck that the job states it is no harm.
+    let mut chuck = program.clone();
+    chuck.stock.clamping = Clamping { below: Mm(-16.0), radius: Some(Mm(rim)), by_default: false };
+    let found = errors(&chuck, &below);
+    assert!(["IMP0736", "IMP0737", "IMP0746"].iter().all(|code| !has(&found, code)), "{found:?}");
+}
+
+/// A contract on the hub alone says nothing of kept surfaces; one on the whole part does.
+#[test]
+fn the_whole_contract_bounds_kept_surfaces() {
+    let (mut program, motion) = down([11.0, 0.0, -10.03], MoveKind::Cut);
+    assert_eq!(measured(&program, &motion).allowed, 0.1);
+    let mut hub = Contract::whole(ContractKind::Gouge, 1e-3);
+    hub.scope.surfaces = vec![impellerc::contract::SurfaceClass::Hub];
+    program.contracts =
+        vec![hub, Contract::whole(ContractKind::Gouge, 0.05), Contract::whole(ContractKind::Gouge, 0.02)];
+    assert_eq!(measured(&program, &motion).allowed, 0.02);
+    assert!((FRAC_PI_2 - Chain::tilting_table().nearest(&Vector3::x(), 0.0)[0][0]).abs() < 1e-12);
+}

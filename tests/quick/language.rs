@@ -1,0 +1,582 @@
+//! The job language: what is read, what is refused, and in which words.
+
+use impellerc::contract::{ContractKind, Guarded, SurfaceClass};
+use impellerc::diag::{Code, Sink, codes, render};
+use impellerc::job::files::shipped;
+use impellerc::job::model::{CutterKind, OperationKind};
+use impellerc::job::{self, Files, Job, Missing};
+use impellerc::method::{AxisMethod, Lines, Spacing, VaneSurface};
+use impellerc::source::{SourceFile, SourceId, SourceMap};
+use impellerc::syntax;
+use proptest::prelude::*;
+
+const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
+const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
+
+/// The shipped library and the curves of the reduced job.
+struct Memory;
+
+impl Files for Memory {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+        find(name, shipped::MACHINES)
+    }
+
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+        find(name, shipped::TOOLS)
+    }
+
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        find(path, &[("vane_curves.csv", include_str!("../../jobs/reduced/vane_curves.csv"))])
+    }
+}
+
+fn find(name: &str, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {
+    let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
+    match files.iter().find(|f| f.0 == name) {
+        Some((name, text)) => Ok(SourceFile::text(*name, *text)),
+        None => Err(Missing { reason: "not in memory".to_owned(), known, ..Missing::default() }),
+    }
+}
+
+struct Read {
+    sources: SourceMap,
+    sink: Sink,
+    job: Option<Job>,
+}
+
+fn read(text: &str) -> Read {
+    let mut sources = SourceMap::default();
+    let mut sink = Sink::default();
+    let source = sources.add("job.imp", text);
+    let ast = syntax::parse(text, source, &mut sink);
+    let job = job::resolve(&ast, &mut Memory, &mut sources, &mut sink).ok();
+    Read { sources, sink, job }
+}
+
+impl Read {
+    fn codes(&self) -> Vec<Code> {
+        self.sink.diags().iter().map(|d| d.code).collect()
+    }
+}
+
+/// A job with one change; the change must occur.
+fn changed(from: &str, to: &str) -> String {
+    assert!(JOB.contains(from), "{from} is not in the job");
+    JOB.replacen(from, to, 1)
+}
+
+#[test]
+fn the_main_job_reads_as_it_is_written() {
+    let read = read(JOB);
+    assert_eq!(read.codes(), []);
+    let job = read.job.unwrap();
+    assert_eq!(job.part.vanes.0, 8);
+    assert_eq!(job.part.fillet.get(), 3.0);
+    assert_eq!(job.part.pressure.tip.points[0], [15.0578, -38.5221, 0.0]);
+    assert_eq!(job.part.suction.root.points[6], [-3.9268, -58.9631, -32.5]);
+    let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
+    assert_eq!(job.operations[0].speed.get(), 4500.0);
+    assert_eq!(job.operations[0].feed.get(), 150.0);
+    let scallop = impellerc::units::Mm(0.012);
+    assert_eq!(
+        job.operations[5].kind,
+        OperationKind::Channel {
+            scallop,
+            spacing: Spacing::ConstantScallop,
+            lines: Lines::Zigzag,
+            method: AxisMethod::Corridor
+        }
+    );
+    assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!((job.chord.get(), job.clearance.get()), (0.00025, 0.5));
+    assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
+    assert!((job.machine.rotary[1].speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
+    assert_eq!(job.post.0, "siemens-840d");
+}
+
+#[test]
+fn curves_from_a_file_are_the_curves_of_the_main_job() {
+    let (main, reduced) = (read(JOB).job.unwrap(), read(REDUCED).job.unwrap());
+    assert_eq!(main.part.pressure.tip.points, reduced.part.pressure.tip.points);
+    assert_eq!(main.part.suction.root.points, reduced.part.suction.root.points);
+    assert_eq!(reduced.operations[0].sectors, [0]);
+}
+
+#[test]
+fn expand_takes_the_layers_of_the_groove_before_it() {
+    let job = read(REDUCED).job.unwrap();
+    let (OperationKind::Groove(groove), OperationKind::Expand(expand, _)) =
+        (&job.operations[0].kind, &job.operations[1].kind)
+    else {
+        panic!("the reduced job begins with groove and expand");
+    };
+    assert_eq!(groove, expand);
+}
+
+#[test]
+fn spacing_is_named_and_has_a_default() {
+    let spacing = |text: &str| match read(text).job.unwrap().operations[5].kind {
+        OperationKind::Channel { spacing, .. } => spacing,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(spacing(&changed("spacing constant-scallop", "")), Spacing::ConstantScallop);
+    for named in Spacing::ALL {
+        assert_eq!(spacing(&changed("constant-scallop", named.name())), named);
+    }
+}
+
+#[test]
+fn methods_of_tool_axes_are_named_and_have_a_default() {
+    let method = |text: &str| match read(text).job.unwrap().operations[5].kind {
+        OperationKind::Channel { method, .. } => method,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(method(&changed("method corridor", "")), AxisMethod::Corridor);
+    for named in AxisMethod::ALL {
+        assert_eq!(method(&changed("method corridor", &format!("method {}", named.name()))), named);
+    }
+    let read = read(&changed("method corridor", "method coridor"));
+    let error = read.sink.diags().iter().find(|d| d.code.id() == "IMP0203").expect("an error");
+    assert!(format!("{error:?}").contains("corridor"));
+}
+
+/// The main job with another operation for its faces.
+fn with_faces(operation: &str) -> String {
+    let from = JOB.find("operation flank").expect("flank");
+    let to = from + JOB[from..].find('}').expect("its end") + 1;
+    format!("{}{operation}{}", &JOB[..from], &JOB[to..])
+}
+
+#[test]
+fn point_milling_names_its_surfaces_and_order() {
+    let common = "tool t2  speed 8000 rpm  feed 250 mm/min  scallop 20 um";
+    let kind = |text: &str| {
+        let read = read(&with_faces(text));
+        assert_eq!(read.codes(), []);
+        read.job.unwrap().operations[4].clone()
+    };
+    use VaneSurface::{InletEdge, OutletEdge, PressureFace, PressureFillet, SuctionFace, SuctionFillet};
+    for (text, name, expected, order) in [
+        ("point { COMMON }", "point", vec![PressureFace, SuctionFace], Lines::Zigzag),
+        ("point { COMMON  faces suction  lines one-way }", "point", vec![SuctionFace], Lines::OneWay),
+        ("point { COMMON  lines spiral }", "point", vec![PressureFace, SuctionFace], Lines::Spiral),
+        ("fillet { COMMON }", "fillet", vec![PressureFillet, SuctionFillet], Lines::Zigzag),
+        ("edge { COMMON  edges outlet }", "edge", vec![OutletEdge], Lines::Zigzag),
+        ("edge { COMMON }", "edge", vec![InletEdge, OutletEdge], Lines::Zigzag),
+    ] {
+        let operation = kind(&format!("operation {}", text.replace("COMMON", common)));
+        assert_eq!((operation.name.as_str(), operation.kind.keyword()), (name, name));
+        let OperationKind::Point { surfaces, scallop, lines, method } = operation.kind else { panic!("{text}") };
+        assert_eq!((surfaces, lines), (expected, order), "{text}");
+        assert_eq!((scallop.get(), method), (0.02, AxisMethod::Corridor));
+    }
+}
+
+#[test]
+fn point_milling_that_cannot_be_is_refused() {
+    let common = "tool t2  speed 8000 rpm  feed 250 mm/min  scallop 20 um";
+    for (text, code) in [
+        ("point { COMMON  lines spiral  faces suction }", "IMP0210"),
+        ("point { COMMON  faces hub }", "IMP0203"),
+        ("edge { COMMON  lines spiral }", "IMP0203"),
+        ("edge { COMMON  edges inlet, inlet }", "IMP0202"),
+        ("fillet { COMMON  edges inlet }", "IMP0204"),
+        ("fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }", "IMP0212"),
+    ] {
+        let codes = read(&with_faces(&format!("operation {}", text.replace("COMMON", common)))).codes();
+        assert!(codes.iter().any(|c| c.id() == code), "{text}: {codes:?}");
+    }
+    // A bull nose keeps one tilt a line.
+    let bull = |method: &str| {
+        let operation = format!("operation point {{ {common}{method} }}").replace("t2", "t9");
+        let tool =
+            "tool t9 = bull { diameter 6 mm  corner 1 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n";
+        read(&with_faces(&operation).replacen("operation groove", &format!("{tool}operation groove"), 1))
+    };
+    let OperationKind::Point { method, .. } = bull("").job.unwrap().operations[4].kind else { panic!("point") };
+    assert_eq!(method, AxisMethod::Blend);
+    assert!(bull("  method corridor").codes().iter().any(|c| c.id() == "IMP0210"));
+}
+
+#[test]
+fn independent_faults_are_reported_in_one_run() {
+    let text = changed("fillet 3 mm", "fillet 3")
+        .replacen("scallop 12 um", "scalop 12 um", 1)
+        .replacen("tool t1  speed 4500 rpm", "tool t9  speed 4500 rpm", 1)
+        .replacen("strips auto", "strips = auto", 1)
+        .replacen("require rest      <= 1 mm", "require rest      >= 1 mm", 1);
+    let mut ids: Vec<&str> = read(&text).sink.diags().iter().map(|d| d.code.id()).collect();
+    ids.sort_unstable();
+    assert_eq!(ids, ["IMP0107", "IMP0203", "IMP0204", "IMP0206", "IMP0216"]);
+}
+
+/// A fix that is applied removes its diagnostic.
+#[test]
+fn fixes_mend_what_they_are_offered_for() {
+    let cases = [
+        ("fillet 3 mm", "fillet 3", codes::job::NO_UNIT),
+        ("scallop 12 um", "scalop 12 um", codes::job::UNKNOWN_PROPERTY),
+        ("operation flank", "opration flank", codes::syntax::UNKNOWN_ITEM),
+        ("edition 2026", "edition 2027", codes::job::EDITION),
+        ("require gouge     <=", "require gouge     >=", codes::job::RELATION),
+        ("\"5mc850-c\"", "\"5mc850c\"", codes::files::NOT_IN_LIBRARY),
+        ("holder \"er16-mini\"", "holder \"er16mini\"", codes::job::UNKNOWN_NAME),
+        ("diameter 8 mm", "diameter 8 nm", codes::job::UNKNOWN_UNIT),
+        ("feed 150 mm/min", "feed 150", codes::job::NO_UNIT),
+        ("constant-scallop", "constant-scalop", codes::job::UNKNOWN_NAME),
+    ];
+    for (right, wrong, code) in cases {
+        let text = changed(right, wrong);
+        let faulty = read(&text);
+        assert_eq!(faulty.codes(), [code], "for {wrong}");
+        let fix = faulty.sink.diags()[0].fix.clone().unwrap_or_else(|| panic!("no fix for {wrong}"));
+        let mut mended = text.clone();
+        mended.replace_range(fix.span.range(), &fix.replacement);
+        assert_eq!(read(&mended).codes(), [], "after the fix of {wrong}");
+    }
+}
+
+#[test]
+fn units_are_converted_and_checked() {
+    let job = |text: String| read(&text).job.unwrap_or_else(|| panic!("faulty"));
+    assert_eq!(job(changed("fillet 3 mm", "fillet 0.25 in")).part.fillet.get(), 6.35);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 3000 um")).part.fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.fillet.get(), 3.0);
+    // A cutting speed of 100 m/min at 8 mm, and 0.01 mm a tooth.
+    let job = job(changed("speed 4500 rpm  feed 150 mm/min", "speed 100 m/min  feed 0.01 mm/tooth"));
+    let rpm = 100_000.0 / (std::f64::consts::PI * 8.0);
+    assert!((job.operations[0].speed.get() - rpm).abs() < 1e-9);
+    assert!((job.operations[0].feed.get() - 0.01 * 4.0 * rpm).abs() < 1e-9);
+}
+
+#[test]
+fn wrong_dimensions_are_refused() {
+    for value in ["3 deg", "3 rpm", "3 mm * 1 mm", "3 mm / 1 mm * 1 s", "2 mm/min"] {
+        let read = read(&changed("fillet 3 mm", &format!("fillet {value}")));
+        assert_eq!(read.codes(), [codes::job::WRONG_DIMENSION], "for {value}");
+    }
+    assert_eq!(read(&changed("fillet 3 mm", "fillet 3 mm + 1 deg")).codes(), [codes::job::WRONG_DIMENSION]);
+    assert_eq!(read(&changed("fillet 3 mm", "fillet 6 mm / 2 mm")).codes(), [codes::job::NO_UNIT]);
+}
+
+#[test]
+fn tools_of_each_kind_are_read() {
+    let with = |tool: &str| {
+        let text = changed("operation groove", &format!("tool t4 = {tool}\noperation groove"));
+        read(&text).job.unwrap_or_else(|| panic!("{tool} is faulty")).tools.pop().unwrap()
+    };
+    let size = "flutes 4  flute 20 mm  reach 40 mm";
+    assert_eq!(with(&format!("flat {{ diameter 6 mm  {size} }}")).kind, CutterKind::Flat);
+    let bull = with(&format!("bull {{ diameter 6 mm  corner 2 mm  {size}  number 12 }}"));
+    assert_eq!((bull.kind, bull.number), (CutterKind::Bull(impellerc::units::Mm(2.0)), 12));
+    let taper = with(&format!("tapered-ball {{ diameter 4 mm  angle 3 deg  {size}  shank 6 mm }}"));
+    assert_eq!((taper.kind, taper.shank.get()), (CutterKind::TaperedBall(impellerc::units::Rad::from_deg(3.0)), 6.0));
+    let barrel = with("barrel { diameter 10 mm  barrel 85 mm  tip 2 mm  flutes 4  flute 25 mm  reach 40 mm }");
+    let mm = impellerc::units::Mm;
+    assert_eq!(barrel.kind, CutterKind::Barrel { barrel: mm(85.0), tip: mm(2.0) });
+    // Tangent circles: 2 + sqrt(83^2 - 80^2).
+    assert!((barrel.kind.least_flute(barrel.diameter).0 - 24.113).abs() < 1e-3);
+    let lollipop = with("lollipop { diameter 6 mm  neck 4 mm  flutes 2  reach 40 mm }");
+    assert_eq!(lollipop.kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(40.0) });
+    // Chord of the neck in the ball: 3 + sqrt(3^2 - 2^2).
+    assert!((lollipop.flute.get() - 5.236_068).abs() < 1e-6);
+    let lollipop = with("lollipop { diameter 6 mm  neck 4 mm  neck-end 20 mm  flutes 2  reach 40 mm }");
+    assert_eq!((lollipop.kind.keyword(), lollipop.shank), ("lollipop", mm(6.0)));
+    assert_eq!(lollipop.kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(20.0) });
+    let library = with("\"ball-6\"");
+    assert_eq!((library.name.as_str(), library.number, library.shank.get()), ("t4", 4, 6.0));
+    assert_eq!(library.holder.unwrap().0, "er16-mini");
+    assert_eq!(with("\"barrel-10-85\"").kind, CutterKind::Barrel { barrel: mm(85.0), tip: mm(2.0) });
+    assert_eq!(with("\"lollipop-6\"").kind, CutterKind::Lollipop { neck: mm(4.0), neck_end: mm(30.0) });
+}
+
+/// The main job with other contracts.
+fn with_contracts(text: &str) -> String {
+    changed("require rest      <= 1 mm\n", &format!("{text}\n"))
+}
+
+#[test]
+fn contracts_of_each_kind_are_read() {
+    let text = with_contracts(
+        "let limit = 5 um\n\
+         require gouge <= limit on hub, fillet\n\
+         require gouge <= 6 um on groove\n\
+         require gouge <= 8 um on operation groove\n\
+         require clearance tool   >= 0.3 mm\n\
+         require clearance shank  >= 0.4 mm on hub\n\
+         require clearance holder >= 2 mm on flank, edge\n\
+         require air          <= 30 %\n\
+         require time         <= 10 h\n\
+         require time         <= 90 min on flank, channel\n\
+         require axis-speed   <= 80 %\n\
+         require contour-error     <= 5 um on flank\n\
+         require orientation-error <= 0.02 deg\n\
+         require removal-rate <= 2.5 cm3/min on expand\n\
+         require rest         <= 1000 um on operation expand2\n\
+         require rest-volume  <= 1.5 cm3\n\
+         allow   excess on fillet \"blended by hand\"\n\
+         allow   clearance holder on operation channel \"soft holder\"",
+    );
+    let read = read(&text);
+    assert_eq!(read.codes(), [], "{}", render::human(&read.sink, &read.sources, false));
+    let job = read.job.unwrap();
+    let found: Vec<_> = job.contracts.iter().skip(3).map(|c| (c.kind, c.bound.value(), c.scope.clone())).collect();
+    let is = |kind, bound: f64, operations: &[usize], surfaces: &[SurfaceClass]| {
+        (kind, bound, impellerc::contract::Scope { operations: operations.to_vec(), surfaces: surfaces.to_vec() })
+    };
+    use SurfaceClass::{Edge, Fillet, Hub};
+    let expected = [
+        is(ContractKind::Gouge, 0.005, &[], &[Fillet, Hub]),
+        // All operations of the kind, or the one of the name.
+        is(ContractKind::Gouge, 0.006, &[0, 2], &[]),
+        is(ContractKind::Gouge, 0.008, &[0], &[]),
+        is(ContractKind::Clearance(Guarded::Tool), 0.3, &[], &[]),
+        is(ContractKind::Clearance(Guarded::Shank), 0.4, &[], &[Hub]),
+        is(ContractKind::Clearance(Guarded::Holder), 2.0, &[4], &[Edge]),
+        is(ContractKind::Air, 0.3, &[], &[]),
+        is(ContractKind::Time, 36000.0, &[], &[]),
+        is(ContractKind::Time, 5400.0, &[4, 5], &[]),
+        is(ContractKind::AxisSpeed, 0.8, &[], &[]),
+        is(ContractKind::ContourError, 0.005, &[4], &[]),
+        is(ContractKind::OrientationError, 0.02, &[], &[]),
+        is(ContractKind::RemovalRate, 2500.0, &[1, 3], &[]),
+        is(ContractKind::Rest, 1.0, &[3], &[]),
+        is(ContractKind::RestVolume, 1500.0, &[], &[]),
+    ];
+    assert_eq!(found, expected);
+    assert_eq!(job.allowed[0].reason, "blended by hand");
+    assert_eq!(
+        (job.allowed[1].kind, job.allowed[1].scope.operations.as_slice()),
+        (ContractKind::Clearance(Guarded::Holder), &[5][..])
+    );
+    // Planning keeps the strictest of them everywhere; a rapid is no matter of planning clearance.
+    assert_eq!(job.clearance.get(), 2.0);
+    let printed = job::print::print(&job);
+    for line in [
+        "require gouge <= 0.005 mm on fillet, hub",
+        "require gouge <= 0.006 mm on operation groove, operation groove2",
+        "require air <= 30 %",
+        "require time <= 5400 s on operation flank, operation channel",
+        "require contour-error <= 0.005 mm on operation flank",
+        "require orientation-error <= 0.02 deg",
+        "require removal-rate <= 2500 mm3/min on operation expand, operation expand2",
+        "require rest-volume <= 1500 mm3",
+        "allow clearance holder on operation channel \"soft holder\"",
+    ] {
+        assert!(printed.contains(line), "{line} is not in\n{printed}");
+    }
+}
+
+/// What `--emit job` prints of contracts is itself read, and means the same.
+#[test]
+fn printed_contracts_read_back() {
+    let text = with_contracts(
+        "require clearance holder >= 2 mm on flank\nrequire rest-volume <= 0.1 cm3\nrequire time <= 3 h on channel\n\
+         require orientation-error <= 0.007 deg\nrequire contour-error <= 3 um on channel\n\
+         allow gouge on hub, operation groove \"left for later\"",
+    );
+    let first = read(&text).job.unwrap();
+    let printed = job::print::print(&first);
+    let lines: Vec<&str> =
+        printed.lines().filter(|l| l.starts_with("require") || l.starts_with("allow")).skip(3).collect();
+    let second = read(&with_contracts(&lines.join("\n"))).job.unwrap();
+    let plain = |job: &Job| -> Vec<_> { job.contracts.iter().map(|c| (c.kind, c.bound, c.scope.clone())).collect() };
+    assert_eq!(plain(&first), plain(&second));
+    assert_eq!(first.allowed[0].scope, second.allowed[0].scope);
+}
+
+#[test]
+fn the_clamping_is_read_and_has_a_default() {
+    let with = |text: &str| changed("back -40 mm }", &format!("back -40 mm  {text} }}"));
+    let of = |text: &str| {
+        let clamping = read(&with(text)).job.unwrap_or_else(|| panic!("{text} is faulty")).stock.clamping;
+        (clamping.below.get(), clamping.diameter.map(|d| d.get()), clamping.span.is_some())
+    };
+    assert_eq!(of(""), (-40.0, None, false));
+    assert_eq!(of("clamping { below -42 mm }"), (-42.0, None, true));
+    assert_eq!(of("clamping { diameter 60 mm }"), (-40.0, Some(60.0), true));
+    assert_eq!(of("clamping { diameter 2.5 in  below -41 mm - 1 mm }"), (-42.0, Some(63.5), true));
+    for (wrong, code) in [
+        ("clamping 60 mm", codes::job::WRONG_FORM),
+        ("clamping { diameter -60 mm }", codes::job::OUT_OF_RANGE),
+        ("clamping { diameter 0 mm }", codes::job::OUT_OF_RANGE),
+        ("clamping { below 42 deg }", codes::job::WRONG_DIMENSION),
+        ("clamping { height 42 mm }", codes::job::UNKNOWN_PROPERTY),
+        ("clamping { below -42 mm }  clamping { below -43 mm }", codes::job::GIVEN_TWICE),
+    ] {
+        assert_eq!(read(&with(wrong)).codes(), [code], "for {wrong}");
+    }
+}
+
+#[test]
+fn lengths_below_zero_are_out_of_range_wherever_they_stand() {
+    let wrong = [
+        ("scallop 12 um", "scallop 12 um  rest over -0.05 mm", "-0.05 mm"),
+        ("scallop 12 um", "scallop 12 um  rest over - 50 um", "- 50 um"),
+        ("scallop 12 um", "scallop 12 um  rest over -(0.1 mm + 0.2 mm)", "-(0.1 mm + 0.2 mm)"),
+        ("scallop 12 um", "scallop 12 um  rest over 0.1 mm - 0.2 mm", "0.1 mm - 0.2 mm"),
+        ("scallop 12 um", "scallop 12 um  rest over 0.1 mm - (0.2 mm) // too thick", "0.1 mm - (0.2 mm)"),
+        ("scallop 12 um", "scallop 12 um  rest over -vane_allowance", "-vane_allowance"),
+        ("scallop 12 um", "scallop -12 um", "-12 um"),
+        ("lead-in 12 mm", "lead-in -12 mm", "-12 mm"),
+        ("lead-out 12 mm", "lead-out -12 mm", "-12 mm"),
+        ("residual 1 mm", "residual -1 mm", "-1 mm"),
+        ("depth 1.5 mm", "depth -1.5 mm", "-1.5 mm"),
+        ("allowance vane vane_allowance", "allowance vane -vane_allowance", "-vane_allowance"),
+        ("hub hub_allowance", "hub -0.1 mm", "-0.1 mm"),
+        ("fillet 3 mm", "fillet -3 mm", "-3 mm"),
+        ("over shroud 0 mm", "over shroud -1 mm", "-1 mm"),
+        ("bore 10 mm", "bore -10 mm", "-10 mm"),
+        ("diameter 8 mm", "diameter -8 mm", "-8 mm"),
+        ("flute 30 mm", "flute -30 mm", "-30 mm"),
+        ("reach 50 mm", "reach -50 mm", "-50 mm"),
+        ("reach 50 mm", "reach 50 mm  shank -8 mm", "-8 mm"),
+        ("chord 0.25 um", "chord -1 um", "-1 um"),
+        ("rough 50 um", "rough -50 um", "-50 um"),
+        ("require gouge     <= 1 um", "require gouge <= -1 um", "-1 um"),
+        ("require clearance >= 0.5 mm", "require clearance >= -0.5 mm", "-0.5 mm"),
+    ];
+    for (right, wrong, place) in wrong {
+        let text = changed(right, wrong);
+        let read = read(&text);
+        assert_eq!(read.codes(), [codes::job::OUT_OF_RANGE], "for {wrong}");
+        let diag = &read.sink.diags()[0];
+        assert_eq!(&text[diag.labels[0].span.range()], place, "for {wrong}");
+        assert!(diag.message.contains(" must be ") && diag.help.is_some(), "{} for {wrong}", diag.message);
+    }
+    // A name behind the label is its value; no value is a wrong form, with the label that is due.
+    let job = read(&changed("scallop 12 um", "scallop 12 um  rest over vane_allowance")).job.unwrap();
+    assert_eq!(job.operations[5].rest.map(|r| r.get()), Some(0.2));
+    for wrong in ["rest over", "rest 0.05 mm", "rest -0.05 mm"] {
+        let read = read(&changed("scallop 12 um", &format!("scallop 12 um  {wrong}")));
+        assert_eq!(read.codes(), [codes::job::WRONG_FORM], "for {wrong}");
+        assert!(read.sink.diags()[0].message.contains("(over)"), "{}", read.sink.diags()[0].message);
+    }
+}
+
+#[test]
+fn contracts_that_contradict_themselves_are_refused() {
+    for (text, code) in [
+        ("require gouge <= 5 um on hub\nrequire gouge <= 6 um on hub", codes::job::GIVEN_TWICE),
+        ("require gouge <= 5 um on hub, fillet\nrequire gouge <= 6 um on fillet, hub", codes::job::GIVEN_TWICE),
+        ("require air <= 0.3 mm", codes::job::WRONG_DIMENSION),
+        ("require time <= 3", codes::job::NO_UNIT),
+        ("require axis-speed <= 120 %", codes::job::OUT_OF_RANGE),
+        ("require contour-error <= 1 deg", codes::job::WRONG_DIMENSION),
+        ("require contour-error <= 5 um on hub", codes::job::WRONG_FORM),
+        ("require orientation-error <= 0.01", codes::job::NO_UNIT),
+        ("require orientation-error <= 91 deg", codes::job::OUT_OF_RANGE),
+        ("require orientation-error >= 1 deg", codes::job::RELATION),
+        ("require rest-volume >= 1 mm3", codes::job::RELATION),
+        ("require gouge tool <= 1 um", codes::job::UNKNOWN_NAME),
+        ("require rest <= 1 mm on flank", codes::job::WRONG_FORM),
+        ("allow time on hub \"x\"", codes::job::WRONG_FORM),
+        ("allow rest-volume on groove \"x\"", codes::job::WRONG_FORM),
+        ("allow gouge \"x\"", codes::job::WRONG_FORM),
+        ("allow gouge on hub", codes::syntax::UNEXPECTED),
+        ("require gouge on hub <= 1 um", codes::syntax::UNEXPECTED),
+        (
+            "require time <= 1 h on flank, channel\nallow time on flank \"x\"\nallow time on channel \"y\"",
+            codes::job::NOTHING_LEFT,
+        ),
+    ] {
+        let read = read(&with_contracts(text));
+        assert_eq!(read.codes(), [code], "for {text}");
+    }
+}
+
+#[test]
+fn what_is_not_built_is_refused_by_name() {
+    for (right, wrong, exists) in [
+        ("operation channel", "operation splitter", "groove, expand, flank, point, fillet, edge, channel"),
+        ("stock turned", "stock casting", "turned"),
+        ("pressure ruled", "pressure lofted", "ruled"),
+        ("use tools  ", "use import ", "machine, tools"),
+    ] {
+        let read = read(&changed(right, wrong));
+        let diag = &read.sink.diags()[0];
+        assert_eq!(diag.code, codes::job::NOT_IN_LANGUAGE, "for {wrong}");
+        assert!(diag.help.as_ref().unwrap().contains(exists), "{:?} for {wrong}", diag.help);
+    }
+}
+
+#[test]
+fn an_open_block_does_not_swallow_the_next_item() {
+    let text =
+        changed("scallop 12 um\n  lead-in 8 mm  lead-out 8 mm\n}", "scallop 12 um\n  lead-in 8 mm  lead-out 8 mm\n");
+    let read = read(&text);
+    assert_eq!(read.codes(), [codes::syntax::BRACKET_OPEN]);
+}
+
+#[test]
+fn json_has_lines_columns_and_the_fix() {
+    let read = read(&changed("fillet 3 mm", "fillet 3"));
+    let text = render::json(&read.sink, &read.sources);
+    let value: serde_json::Value = serde_json::from_str(text.trim_end()).unwrap();
+    let line = JOB.lines().position(|l| l.contains("fillet 3 mm")).unwrap() + 1;
+    assert_eq!(value["code"], "IMP0206");
+    assert_eq!(value["severity"], "error");
+    assert_eq!(value["labels"][0]["line"], line);
+    assert_eq!(value["labels"][0]["column"], 12);
+    assert_eq!(value["labels"][0]["file"], "job.imp");
+    assert_eq!(value["fix"]["replacement"], " mm");
+    assert_eq!(value["fix"]["start"], value["fix"]["end"]);
+}
+
+/// Everything that a text goes through, printed as well.
+fn survive(text: &str) {
+    let mut sink = Sink::default();
+    let ast = syntax::parse(text, SourceId(0), &mut sink);
+    let _ = syntax::print::print(&ast);
+    let read = read(text);
+    if let Some(job) = &read.job {
+        let _ = job::print::print(job);
+        let mut sink = Sink::default();
+        let _ = impellerc::lower::lower(job, &mut sink);
+    } else {
+        assert!(read.sink.has_errors(), "no job and no error");
+    }
+    let _ = render::json(&read.sink, &read.sources);
+    // The human form is slow; a few diagnostics show its ways of failing as well as many.
+    if read.sink.diags().len() < 5 {
+        let _ = render::human(&read.sink, &read.sources, false);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in any::<String>()) {
+        survive(&text);
+    }
+
+    #[test]
+    fn no_words_make_the_reader_panic(
+        words in prop::collection::vec(
+            prop::sample::select(vec![
+                "let", "part", "tool", "operation", "groove", "post", "use", "machine", "x", "t1", "vane", "hub",
+                "require", "allow", "on", "gouge", "spline", "from", "curve", "revolve", "ruled", "{", "}", "(", ")", "[", "]", "=", "<=", ",", "+", "-",
+                "*", "/", "3", "0.5", "1e999", "mm", "rpm", "%", "\"", "\"a\"", "//", "\n", "\n", "é",
+            ]),
+            0..60,
+        )
+    ) {
+        survive(&words.join(" "));
+    }
+
+    /// A piece of a valid job is cut out, doubled, or replaced.
+    #[test]
+    fn no_change_of_a_job_makes_the_reader_panic(
+        at in 0..REDUCED.len(),
+        length in 0_usize..40,
+        patch in prop::sample::select(vec!["", " ", "{", "}", "\"", "0", "-1", "1e300", "mm", "9999999999", "\n", "x"]),
+    ) {
+        let mut text = REDUCED.as_bytes().to_vec();
+        let end = (at + length).min(text.len());
+        text.splice(at..end, patch.bytes());
+        survive(&String::from_utf8_lossy(&text));
+    }
+}

@@ -1,0 +1,161 @@
+//! Who may name whom: modules use those of their own layer's left side and below, see `ARCHITECTURE.md`.
+
+use std::path::{Path, PathBuf};
+
+/// What each module may name beside itself and the foundation.
+const MAY: &[(&str, &[&str])] = &[
+    ("units", &[]),
+    ("progress", &[]),
+    ("contract", &[]),
+    ("entity", &[]),
+    ("method", &[]),
+    ("source", &[]),
+    ("diag", &[]),
+    ("geom", &[]),
+    ("kin", &[]),
+    ("collide", &[]),
+    ("stock", &["collide"]),
+    ("envelope", &["geom", "collide"]),
+    ("orient", &["geom"]),
+    ("syntax", &[]),
+    ("job", &["syntax"]),
+    ("ir", &["geom", "kin", "collide"]),
+    ("lower", &["job", "ir", "geom", "kin", "collide"]),
+    ("analysis", &["envelope", "ir", "geom", "kin", "collide"]),
+    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope", "orient"]),
+    ("verify", &["ir", "geom", "kin", "collide", "stock"]),
+    ("post", &["verify", "ir", "geom", "kin"]),
+    ("export", &["verify", "ir", "geom", "kin", "collide"]),
+    ("output", &[]),
+];
+
+/// Every module may name these.
+const FOUNDATION: &[&str] =
+    &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
+
+/// The engines know neither diagnostics nor texts.
+const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "envelope", "orient"];
+
+const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
+
+/// Lines from which a file is hard to hold in the head.
+const LONGEST_FILE: usize = 700;
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Top-level module of a source file.
+fn module(path: &Path) -> String {
+    let first = path.strip_prefix("src").unwrap().components().next().unwrap().as_os_str().to_str().unwrap();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+/// Modules named by `crate::` paths, groups of a `use` included.
+fn named(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let word = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    for (i, _) in text.match_indices("crate::") {
+        let rest = &text[i + "crate::".len()..];
+        if let Some(group) = rest.strip_prefix('{') {
+            let mut depth = 0;
+            let mut item = true;
+            for (k, c) in group.char_indices() {
+                match c {
+                    '{' => depth += 1,
+                    '}' if depth == 0 => break,
+                    '}' => depth -= 1,
+                    ',' if depth == 0 => item = true,
+                    c if item && c.is_alphabetic() => {
+                        names.push(word(&group[k..]));
+                        item = false;
+                    }
+                    _ => {}
+                }
+            }
+        } else {
+            names.push(word(rest));
+        }
+    }
+    names
+}
+
+#[test]
+fn modules_name_only_what_lies_below_them() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let mut faults = Vec::new();
+    for path in &all {
+        let own = module(path);
+        let text = std::fs::read_to_string(path).unwrap();
+        // Comments may name anything.
+        let code: String =
+            text.lines().filter(|l| !l.trim_start().starts_with("//")).map(|l| format!("{l}\n")).collect();
+        let Some((_, may)) = MAY.iter().find(|(m, _)| *m == own) else {
+            assert!(["lib", "main", "driver"].contains(&own.as_str()), "{} has no layer", path.display());
+            continue;
+        };
+        for name in named(&code) {
+            let engine = ENGINES.contains(&own.as_str());
+            let founded =
+                FOUNDATION.contains(&name.as_str()) && !(engine && ["diag", "source"].contains(&name.as_str()));
+            if name != own && !founded && !may.contains(&name.as_str()) {
+                faults.push(format!("{} names {name}", path.display()));
+            }
+        }
+        for (krate, owner) in [("parry3d_f64", "collide"), ("pest", "syntax"), ("toml::", "job"), ("spade", "geom")] {
+            if own != owner && code.contains(&format!("use {krate}")) {
+                faults.push(format!("{} names {krate}", path.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Where letters of rotary axes may stand: kinematics of named controls, machine files, texts for people and for machines.
+const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/diag/codes/"];
+
+#[test]
+fn rotary_axes_have_no_letters_outside_of_texts() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let mut faults = Vec::new();
+    for path in all.iter().filter(|p| !LETTERS.iter().any(|l| p.starts_with(l))) {
+        let text = std::fs::read_to_string(path).unwrap();
+        // Tests of a file choose a machine.
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for (i, line) in code.lines().enumerate() {
+            let named = ["A", "B", "C"].into_iter().any(|letter| {
+                [format!("\"{letter}\""), format!("'{letter}'"), format!("axis {letter} "), format!(" of {letter} ")]
+                    .into_iter()
+                    .chain(["A", "C"].into_iter().map(|other| format!(" {letter} and {other} ")))
+                    .any(|words| line.contains(&words))
+            });
+            if named {
+                faults.push(format!("{}:{}: {}", path.display(), i + 1, line.trim()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn files_have_headers_and_stay_short() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    for path in &all {
+        let text = std::fs::read_to_string(path).unwrap();
+        assert!(text.starts_with("//!"), "{} has no header", path.display());
+        assert!(text.lines().count() <= LONGEST_FILE, "{} is too long", path.display());
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        assert!(!FORBIDDEN_NAMES.iter().any(|f| name.contains(f)), "{}", path.display());
+    }
+}

@@ -1,0 +1,47 @@
+//! Tests that find faults quickly, a module for each subject: `cargo test` runs them all, and
+//! `cargo test --test quick errors` those of one module. They are one program, so that an edit of the library links once.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]
+#![allow(unreachable_pub, reason = "modules of one test")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bad_input;
+mod bad_nc;
+mod carried;
+mod channel_floor;
+mod contracts;
+mod cost;
+mod envelope;
+mod error_formats;
+mod errors;
+mod facts;
+mod faults;
+mod feeds;
+mod finite;
+mod geom_oracles;
+mod golden;
+mod kept;
+mod language;
+mod layering;
+mod linuxcnc_impeller;
+mod linuxcnc_interpreter;
+mod machine_motion;
+mod meanings;
+mod messages;
+mod mutations;
+mod orientation_engines;
+mod outputs;
+mod perimeter;
+mod planning;
+mod platform;
+mod posts;
+mod progress;
+mod report;
+mod rest_machining;
+mod stock;
+mod stock_program;
+mod surface_truths;
+mod verify_command;

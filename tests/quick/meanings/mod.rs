@@ -1,0 +1,253 @@
+//! The campaign of meanings: changes in the words of a program, each with what has to become of it and why, by the manual of
+//! the control. Kinds that would harm are refused by the reader or found by the verifier; harmless ones mean the same motion.
+//!
+//! `cargo test --test quick meanings -- --nocapture` prints the counts.
+
+mod certificates;
+mod linuxcnc;
+mod operations;
+mod siemens;
+
+use crate::support::jobs::{self, Compiled};
+use impellerc::diag::{Severity, Sink};
+use impellerc::ir::{Motion, Program};
+use impellerc::kin::Machine;
+use impellerc::post::{self, Post, motion_of::motion_of};
+use impellerc::progress::Progress;
+use impellerc::source::Span;
+use impellerc::verify::certify_with;
+use impellerc::verify::stock::Settings;
+use std::collections::BTreeMap;
+
+/// What becomes of a changed text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The reader refuses it, or it does not follow the job.
+    Refused,
+    /// It is read, and the verifier finds what it does.
+    Found,
+    /// It means the same motion.
+    Harmless,
+    /// It means another motion, with which nothing is wrong.
+    Accepted,
+}
+
+/// A change of the text, of the machine or of the job.
+pub enum Change {
+    /// The first occurrence of a piece.
+    First(&'static str, &'static str),
+    /// The last one.
+    Last(&'static str, &'static str),
+    /// All of them.
+    All(&'static str, &'static str),
+    /// The first one behind the first block at feed.
+    Cut(&'static str, &'static str),
+    /// A line (without its end) goes behind the first line that begins like this.
+    Move(&'static str, &'static str),
+    /// In the third block at feed, the word of an address.
+    Word(&'static str, How),
+    /// The head and the operations, as a function finds them, in this order.
+    Operations(&'static str, fn(&str) -> Vec<String>, &'static [usize]),
+    /// The text as a whole.
+    Text(&'static str, fn(&str) -> String),
+    /// The machine that the text is read for.
+    Machine(&'static str, fn(&mut Machine)),
+    /// The job that the text is read for.
+    Job(&'static str, fn(&mut Program)),
+}
+
+/// What happens to a word.
+#[derive(Clone, Copy, Debug)]
+pub enum How {
+    /// It stands twice.
+    Double,
+    /// Another number.
+    Number(&'static str),
+    /// Another address.
+    Address(&'static str),
+}
+
+/// A kind of change: its class, what is changed, what has to become of it, and why.
+pub type Kind = (&'static str, Change, Verdict, &'static str);
+
+fn replaced(text: &str, at: Option<usize>, from: &str, to: &str) -> String {
+    let at = at.unwrap_or_else(|| panic!("{from:?} is not in the text"));
+    format!("{}{to}{}", &text[..at], &text[at + from.len()..])
+}
+
+/// Start of the third block at feed in a row, so that its words are those of a cut or a link.
+fn block_at_feed(text: &str) -> usize {
+    text.match_indices("\nG1 X").nth(2).unwrap().0 + 1
+}
+
+fn word_changed(text: &str, address: &str, how: How) -> String {
+    let block = block_at_feed(text);
+    let line = &text[block..block + text[block..].find('\n').unwrap()];
+    let at = line.find(&format!(" {address}")).unwrap_or_else(|| panic!("{address} in {line}"));
+    let end = line[at + 1..].find(' ').map_or(line.len(), |n| at + 1 + n);
+    let (word, number) = (&line[at..end], &line[at + 1 + address.len()..end]);
+    let new = match how {
+        How::Double => format!("{word}{word}"),
+        How::Number(other) => format!(" {address}{other}"),
+        How::Address(other) => format!(" {other}{number}"),
+    };
+    format!("{}{}{new}{}{}", &text[..block], &line[..at], &line[end..], &text[block + line.len()..])
+}
+
+impl Change {
+    fn made(&self, text: &str, program: &mut Program) -> String {
+        match self {
+            Self::First(from, to) => replaced(text, text.find(from), from, to),
+            Self::Last(from, to) => replaced(text, text.rfind(from), from, to),
+            Self::All(from, to) => {
+                assert!(text.contains(from), "{from:?} is not in the text");
+                text.replace(from, to)
+            }
+            Self::Cut(from, to) => {
+                let feed = block_at_feed(text) - 1;
+                replaced(text, text[feed..].find(from).map(|n| n + feed), from, to)
+            }
+            Self::Move(line, behind) => {
+                let whole = format!("\n{line}\n");
+                let rest = replaced(text, text.find(&whole), &whole, "\n");
+                let anchor = rest.find(&format!("\n{behind}")).unwrap_or_else(|| panic!("{behind} is not in the text"));
+                let end = anchor + 1 + rest[anchor + 1..].find('\n').unwrap();
+                format!("{}\n{line}{}", &rest[..end], &rest[end..])
+            }
+            Self::Word(address, how) => word_changed(text, address, *how),
+            Self::Operations(_, parts, order) => {
+                let parts = parts(text);
+                assert_eq!(parts.len(), 4, "a head and three operations");
+                let end = text.lines().last().unwrap();
+                order.iter().map(|k| parts[*k].as_str()).chain([end, "\n"]).collect()
+            }
+            Self::Text(_, change) => change(text),
+            Self::Machine(_, change) => {
+                change(&mut program.machine);
+                text.to_owned()
+            }
+            Self::Job(_, change) => {
+                change(program);
+                text.to_owned()
+            }
+        }
+    }
+
+    fn shown(&self) -> String {
+        match self {
+            Self::First(from, to) => format!("{from:?} -> {to:?}"),
+            Self::Last(from, to) => format!("the last {from:?} -> {to:?}"),
+            Self::All(from, to) => format!("all {from:?} -> {to:?}"),
+            Self::Cut(from, to) => format!("in the path {from:?} -> {to:?}"),
+            Self::Move(line, behind) => format!("{line:?} behind {behind:?}"),
+            Self::Word(address, how) => format!("{address} {how:?}"),
+            Self::Operations(what, ..) | Self::Text(what, _) | Self::Machine(what, _) | Self::Job(what, _) => {
+                (*what).to_owned()
+            }
+        }
+    }
+}
+
+/// Whether two motions are the same but for the rounding of words.
+fn same(a: &Motion, b: &Motion) -> bool {
+    a.operations.len() == b.operations.len()
+        && a.operations.iter().zip(&b.operations).all(|(a, b)| {
+            a.moves.len() == b.moves.len()
+                && a.moves.iter().zip(&b.moves).all(|(a, b)| {
+                    let (p, q) = (&a.joints, &b.joints);
+                    a.kind == b.kind
+                        && (a.time - b.time).abs() <= 1e-6 * b.time
+                        && (p.xyz - q.xyz).amax() < 1e-6
+                        && [0, 1].iter().all(|k: &usize| (p.rotary[*k] - q.rotary[*k]).abs() < 1e-8)
+                        && (a.feed.unwrap_or(0.0) - b.feed.unwrap_or(0.0)).abs() < 1e-6
+                })
+        })
+}
+
+/// What becomes of a text, with the reason.
+fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Verdict, String) {
+    let mut sink = Sink::default();
+    let said = |sink: &Sink| sink.diags().iter().find(|d| d.severity == Severity::Error).map(|d| d.message.clone());
+    post.check_machine(&program.machine, &mut sink);
+    if let Some(reason) = said(&sink) {
+        return (Verdict::Refused, reason);
+    }
+    let sections = match post.read(text, &program.machine) {
+        Ok(sections) => sections,
+        Err(faults) => return (Verdict::Refused, format!("line {}: {}", faults[0].line, faults[0].reason)),
+    };
+    let motion = motion_of(program, &sections, &|_| Span::default(), &mut sink);
+    if let Some(reason) = said(&sink) {
+        return (Verdict::Refused, reason);
+    }
+    let motion = motion.expect("a motion where nothing is refused").motion;
+    if same(&motion, meant) {
+        return (Verdict::Harmless, String::new());
+    }
+    let mut settings = Settings { cell: Some(4.0), after: None };
+    let _ = certify_with(program, &motion, &mut settings, &Progress::default(), &mut sink);
+    said(&sink).map_or((Verdict::Accepted, String::new()), |reason| (Verdict::Found, reason))
+}
+
+/// The text of the small job in a dialect, without block numbers.
+fn written(post: &dyn Post, original: &Compiled) -> String {
+    let text = post.emit(&original.program, &original.motion, &[]).text();
+    let bare = |line: &str| match line.strip_prefix('N').and_then(|l| l.split_once(' ')) {
+        Some((number, rest)) if number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
+        _ => line.to_owned(),
+    };
+    text.lines().map(|line| bare(line) + "\n").collect()
+}
+
+/// Prints what became of kinds, by class.
+pub fn print_counts(what: &str, kinds: usize, counts: &BTreeMap<(&str, Verdict), usize>) {
+    println!("\n{what}: {kinds} kinds\n  {:<18} {:>8} {:>6} {:>9}", "class", "refused", "found", "harmless");
+    let classes: std::collections::BTreeSet<&str> = counts.keys().map(|k| k.0).collect();
+    let line = |class: &str, count: &dyn Fn(Verdict) -> usize| {
+        let (refused, found, harmless) = (count(Verdict::Refused), count(Verdict::Found), count(Verdict::Harmless));
+        println!("  {class:<18} {refused:>8} {found:>6} {harmless:>9}");
+    };
+    for class in classes {
+        line(class, &|verdict| counts.get(&(class, verdict)).copied().unwrap_or(0));
+    }
+    line("all", &|verdict| counts.iter().filter(|(k, _)| k.1 == verdict).map(|(_, n)| n).sum());
+}
+
+fn campaign(dialect: &str, kinds: Vec<Kind>) {
+    let post = post::find(dialect).unwrap();
+    let original = jobs::small(dialect);
+    let text = written(post, original);
+    let program = &original.program;
+    let sections = post.read(&text, &program.machine).unwrap();
+    let meant = motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
+    let whole = post.emit(program, &original.motion, &[]).text();
+    assert_eq!(judged(post, program, &whole, &meant).0, Verdict::Harmless, "block numbers");
+    let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
+    let mut complaints = Vec::new();
+    let mut seen = std::collections::BTreeSet::new();
+    for (class, change, due, why) in &kinds {
+        assert!(seen.insert(change.shown()), "{} stands twice", change.shown());
+        let mut program = program.clone();
+        let changed = change.made(&text, &mut program);
+        let (found, reason) = judged(post, &program, &changed, &meant);
+        *counts.entry((class, found)).or_default() += 1;
+        if found != *due {
+            complaints.push(format!("{dialect} {class}: {}: {found:?}, due {due:?} ({why}): {reason}", change.shown()));
+        } else if std::env::var_os("MEANINGS_LIST").is_some() {
+            println!("{class}: {}: {found:?}, {why}\n    {reason}", change.shown());
+        }
+    }
+    print_counts(dialect, kinds.len(), &counts);
+    assert!(complaints.is_empty(), "{} complaints\n{}", complaints.len(), complaints.join("\n"));
+    assert!(kinds.len() >= 200, "only {} kinds", kinds.len());
+}
+
+#[test]
+fn linuxcnc_means_what_its_manual_says() {
+    campaign("linuxcnc", linuxcnc::kinds());
+}
+
+#[test]
+fn siemens_840d_means_what_its_manual_says() {
+    campaign("siemens-840d", siemens::kinds());
+}

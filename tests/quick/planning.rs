@@ -1,0 +1,66 @@
+//! Planning of the paper's part.
+
+use crate::support;
+use impellerc::collide::{Cutter, Section};
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::MoveKind;
+use impellerc::passes::pipeline;
+use impellerc::verify::certify;
+
+#[test]
+fn one_sector_of_the_paper_part_is_planned() {
+    let program = support::wei_program(&[0]);
+    let mut sink = Sink::default();
+    let start = std::time::Instant::now();
+    let plan = pipeline::run(&program, &mut sink);
+    println!("planned in {:?}", start.elapsed());
+    for d in sink.diags() {
+        println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
+    }
+    let plan = plan.expect("a plan");
+    for (cl, motion) in plan.cl.operations.iter().zip(&plan.motion.operations) {
+        let name = &program.operations[cl.operation].name;
+        let length: f64 = cl.moves.windows(2).map(|m| (m[1].to.tip - m[0].to.tip).norm()).sum();
+        let time: f64 = motion.moves.iter().map(|m| m.time).sum();
+        let slow = motion.moves.iter().filter(|m| m.kind == MoveKind::Cut).filter_map(|m| m.feed).fold(1e9, f64::min);
+        println!(
+            "{name}: {} passes, {} moves, {length:.0} mm, {:.1} min, slowest {slow:.1}",
+            cl.passes.len(),
+            cl.moves.len(),
+            time / 60.0
+        );
+        for note in &cl.notes {
+            println!("    {note}");
+        }
+    }
+    assert_eq!(plan.motion.operations.len(), 6);
+}
+
+/// Gouge and excess on the hub between two vanes after channel finishing with a ball of 6 mm, with its shank from the
+/// end of the flutes, in mm.
+fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let mut tool = support::tool("t1", 1, cutter, flute, 42.0);
+    tool.solid.shank = vec![Section { from: flute, to: 42.0, radius_from: neck, radius_to: neck }];
+    let tool = program.tools.push(tool);
+    program.operations.push(support::operation("channel", support::channel(0.2), tool, vec![0], 8.0));
+    let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
+    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
+    [deepest, hub.excess.value]
+}
+
+#[test]
+fn a_lollipop_finishes_channels_like_the_ball_it_carries() {
+    let neck = 2.0;
+    let lollipop = Cutter::Lollipop { radius: 3.0 };
+    let [gouge, excess] = channel(lollipop, lollipop.neck_height(neck).unwrap(), neck);
+    let [of_ball, excess_of_ball] = channel(Cutter::Ball { radius: 3.0 }, 30.0, 3.0);
+    println!("lollipop {gouge} {excess}, ball {of_ball} {excess_of_ball}");
+    // Both keep the tolerance of the plan, and leave the same scallops.
+    assert!(gouge < 0.003 && of_ball < 0.003, "{gouge} {of_ball}");
+    assert!((excess - excess_of_ball).abs() < 0.01, "{excess} {excess_of_ball}");
+}

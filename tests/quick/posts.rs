@@ -1,0 +1,113 @@
+//! Both dialects say what the motion means, and the readers notice when they do not.
+
+use crate::support;
+use impellerc::diag::Sink;
+use impellerc::ir::{Motion, Program};
+use impellerc::passes::pipeline;
+use impellerc::post::{self, NcProgram, Post};
+use impellerc::verify::{Verified, verify};
+use proptest::prelude::*;
+use std::sync::LazyLock;
+
+/// A flank operation on one vane, planned and verified once.
+static PROGRAM: LazyLock<(Program, Verified<Motion>)> = LazyLock::new(|| {
+    let program = support::flank_only(&[2]);
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).expect("a plan");
+    let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
+    (program, motion)
+});
+
+/// With the machine that the dialect can have.
+fn program(post: &dyn Post) -> (Program, &'static Verified<Motion>) {
+    let (program, motion) = &*PROGRAM;
+    (support::program_for(post.name(), program), motion)
+}
+
+fn written(post: &dyn Post) -> NcProgram {
+    let (program, motion) = program(post);
+    let mut sink = Sink::default();
+    post.check(&program, motion.get(), &mut sink);
+    assert!(!sink.has_errors(), "{:?}", sink.diags());
+    post.emit(&program, motion, &["a test (with brackets); and more".to_owned()])
+}
+
+#[test]
+fn texts_read_back_as_the_motion_within_the_word_quantum() {
+    for post in post::POSTS {
+        let (program, motion) = program(*post);
+        let text = written(*post).text();
+        let found =
+            post::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
+        assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
+        assert!(found.tip <= 0.5e-4 + 1e-10, "{}: {}", post.name(), found.tip);
+        assert!(found.axis <= 2e-7, "{}: {}", post.name(), found.axis);
+    }
+}
+
+#[test]
+fn bytes_are_plain() {
+    for post in post::POSTS {
+        let text = written(*post).text();
+        assert!(text.is_ascii() && text.ends_with('\n') && !text.ends_with("\n\n"), "{}", post.name());
+        assert!(!text.contains('\r') && !text.contains("-0.0000 "), "{}", post.name());
+        assert!(text.lines().all(|l| l.len() <= 252), "{}", post.name());
+    }
+}
+
+/// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.
+#[test]
+fn a_changed_text_is_noticed() {
+    for post in post::POSTS {
+        let (program, motion) = program(*post);
+        let nc = written(*post);
+        let poses = nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some() && l.text.contains(" Z"));
+        let mut moves: Vec<usize> = poses.map(|(i, _)| i).collect();
+        let up = moves.pop().unwrap();
+        let judge = |lines: Vec<String>| post::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
+        let lines = || nc.lines.iter().map(|l| l.text.clone()).collect::<Vec<_>>();
+        assert!(judge(lines()).is_ok());
+        // The stations at retract height.
+        for at in [up, moves[0]] {
+            let mut dropped = lines();
+            dropped.remove(at);
+            assert!(judge(dropped).is_err());
+        }
+        let placed = nc.lines.iter().position(|l| l.source == Some((0, 0))).unwrap();
+        for (at, from, to) in [(placed, " Y", " Y1"), (placed, " X", " X1"), (placed - 1, "C", "C1"), (up, " Z", " Z1")]
+        {
+            let mut moved = lines();
+            let plus = moved[at].replacen(from, to, 1);
+            assert_ne!(moved[at], plus);
+            moved[at] = plus;
+            assert!(judge(moved).is_err(), "{}: {to} in {}", post.name(), lines()[at]);
+        }
+        for at in moves.iter().step_by(97) {
+            let mut dropped = lines();
+            dropped.remove(*at);
+            assert!(judge(dropped).is_err());
+            let mut word_lost = lines();
+            let cut = word_lost[*at].find(" Y").unwrap();
+            let end = word_lost[*at][cut + 1..].find(' ').unwrap() + cut + 1;
+            word_lost[*at].replace_range(cut..end, "");
+            assert!(judge(word_lost).is_err());
+            let mut digit = lines();
+            // The third decimal of Z: a micrometre.
+            let z = digit[*at].find(" Z").unwrap();
+            let place = digit[*at][z..].find('.').unwrap() + z + 3;
+            let old: u32 = digit[*at][place..=place].parse().unwrap();
+            digit[*at].replace_range(place..=place, &((old + 1) % 10).to_string());
+            assert!(judge(digit).is_err());
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn readers_never_panic(text in "[A-Z0-9=.()\" \n;-]{0,200}") {
+        for post in post::POSTS {
+            let (program, _) = program(*post);
+            let _ = post.read(&text, &program.machine);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Work on grossly wrong programs: a cut that is far deeper than its contract is not followed any further, and the
+//! certificate says so. Work is counted in points and cells that were looked at, not in seconds.
+
+use crate::support::jobs::{self, Compiled};
+use impellerc::diag::Sink;
+use impellerc::ir::{Motion, MoveKind, Program};
+use impellerc::kin::Joints;
+use impellerc::progress::Progress;
+use impellerc::verify::stock::Settings;
+use impellerc::verify::{Certificate, certify_with};
+use nalgebra::{Point3, Vector3};
+
+fn measured(program: &Program, motion: &Motion) -> (usize, Certificate) {
+    let mut settings = Settings { cell: Some(4.0), after: None };
+    let mut sink = Sink::default();
+    let certificate = certify_with(program, motion, &mut settings, &Progress::default(), &mut sink).unwrap();
+    (certificate.surfaces.iter().map(|s| s.points).sum(), certificate)
+}
+
+/// Moves of one operation but for the ways to its first target and up at its end, changed by their tips and rotary axes.
+fn changed(
+    program: &Program,
+    motion: &Motion,
+    operation: usize,
+    change: impl Fn(usize, Point3<f64>, [f64; 2]) -> (Point3<f64>, [f64; 2]),
+) -> Motion {
+    let mut motion = motion.clone();
+    let moves = &mut motion.operations[operation].moves;
+    let last = moves.len() - 2;
+    for (k, m) in moves[1..=last].iter_mut().enumerate().filter(|(_, m)| m.kind == MoveKind::Cut) {
+        let Joints { rotary: [a, c], .. } = m.joints;
+        let (tip, [a, c]) = change(k, program.machine.forward(&m.joints).tip, [a, c]);
+        m.joints = program.machine.joints(&tip, [a, c]);
+        // Long enough for every axis, so that nothing but the cut is wrong.
+        m.time = m.time.max(20.0);
+    }
+    motion
+}
+
+#[test]
+fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
+    let Compiled { program, motion, .. } = jobs::small("siemens-840d");
+    let motion = motion.get();
+    let (right, certificate) = measured(program, motion);
+    println!("right: {right} points and cells");
+    // Of what holds, bounds are as close as ever.
+    assert!(certificate.surfaces.iter().all(|s| s.gouge_bound <= s.gouge.depth + 6e-4));
+    let down = |by: f64| changed(&program, motion, 1, move |_, tip, rotary| (tip - Vector3::z() * by, rotary));
+    let wrong = [
+        ("2 mm lower", down(2.0)),
+        ("10 mm lower", down(10.0)),
+        (
+            "to and fro by 20 mm",
+            changed(&program, motion, 1, |k, tip, rotary| {
+                (tip + Vector3::new([20.0, -20.0][k % 2], 0.0, -5.0), rotary)
+            }),
+        ),
+        (
+            "forty half turns of C",
+            changed(&program, motion, 2, |k, tip, [a, c]| (tip, [a, c + if k < 40 { [0.0, 3.0][k % 2] } else { 0.0 }])),
+        ),
+    ];
+    for (what, motion) in wrong {
+        let (points, certificate) = measured(&program, &motion);
+        let deepest = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth)).unwrap();
+        println!("{what}: {points} points and cells, {:.2} mm deep", deepest.gouge.depth);
+        assert!(points <= 3 * right, "{what}: {points} for {right}");
+        assert!(deepest.gouge.depth > 0.5, "{what}: {deepest:?}");
+        // The ball of these operations has 1 mm: a bound that was not looked for is no less, and never below what is found.
+        for s in &certificate.surfaces {
+            let far = -s.gouge.value > 0.4;
+            assert!(s.gouge_bound >= s.gouge.depth, "{what}: {}", s.surface);
+            assert!(!far || s.gouge_bound >= 1.0 - 1e-9, "{what}: {} {}", s.surface, s.gouge_bound);
+        }
+        let text = certificate.text(&program, &motion);
+        assert!(text.contains("has no closer bound than the radius of the cutter"), "{what}");
+        assert!(!text.contains("no gouge over"), "{what}");
+    }
+}

@@ -1,0 +1,292 @@
+//! Flank milling by `minimax`: contracts that are kept as a proof, planning and verification together.
+
+use crate::support;
+use impellerc::collide::{Cutter, Section};
+use impellerc::contract::{Guarded, Scope, SurfaceClass};
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program, Side};
+use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
+use impellerc::passes::{Obstacles, pipeline};
+use impellerc::units::Mm;
+use impellerc::verify::certify;
+
+/// The paper's part with one flank operation on both faces of all vanes, and contracts on faces and fillets, um.
+fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) -> Program {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
+    let kind = OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank: choices };
+    program.operations.push(support::operation("flank", kind, tool, (0..8).collect(), 15.0));
+    program.tolerances.chord = Mm(chord * 1e-3);
+    let surfaces = vec![SurfaceClass::Pressure, SurfaceClass::Suction, SurfaceClass::Fillet];
+    let contract = |kind, bound: f64| Contract {
+        scope: Scope { operations: Vec::new(), surfaces: surfaces.clone() },
+        ..Contract::whole(kind, bound * 1e-3)
+    };
+    program.contracts = vec![contract(ContractKind::Gouge, gouge), contract(ContractKind::Excess, excess)];
+    program
+}
+
+fn minimax(strips: Option<u32>) -> Flank {
+    Flank { method: FlankMethod::Minimax, strips, side: ErrorSide::Both, conflict: Conflict::Balance }
+}
+
+const BALL: Cutter = Cutter::Ball { radius: 3.0 };
+
+/// Plans and verifies; the passes of a vane, and whether all contracts are kept.
+fn run(program: &Program) -> (usize, bool) {
+    let mut sink = Sink::default();
+    let plan = pipeline::run(program, &mut sink);
+    let plan = plan.unwrap_or_else(|_| panic!("{:?}", sink.diags().iter().map(|d| &d.message).collect::<Vec<_>>()));
+    for note in &plan.cl.operations[0].notes {
+        println!("{note}");
+    }
+    let certificate = certify(program, &plan.motion, &mut sink);
+    let kept = certificate.is_ok() && !sink.has_errors();
+    for d in sink.diags() {
+        println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
+    }
+    for (pass, planned) in plan.cl.operations[0].passes.iter().zip(&plan.cc.operations[0].passes) {
+        let path = planned.path.as_ref().expect("dual NURBS");
+        // The stations lie on the curves that are kept.
+        let [_, inner @ .., _] = pass.points.as_slice() else { panic!("a pass") };
+        for point in inner {
+            let near = (0..=4000).map(|i| path.at(f64::from(i) / 4000.0));
+            let gap = near.map(|at| (at.lower - point.tip).norm()).fold(f64::INFINITY, f64::min);
+            assert!(gap < 0.03, "{gap}");
+        }
+    }
+    (plan.cl.operations[0].passes.len() / 8, kept)
+}
+
+#[test]
+fn one_pass_a_face_keeps_a_micrometre_of_gouge_and_twelve_of_excess() {
+    let (passes, kept) = run(&program(BALL, minimax(None), 1.0, 12.0, 0.25));
+    assert_eq!(passes, 2);
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn two_bands_keep_two_micrometres_on_both_sides() {
+    let (passes, kept) = run(&program(BALL, minimax(None), 2.0, 2.0, 0.1));
+    assert_eq!(passes, 4);
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn all_error_on_the_side_of_excess_leaves_next_to_no_gouge() {
+    let choices = Flank { side: ErrorSide::Excess, ..minimax(Some(1)) };
+    let (_, kept) = run(&program(BALL, choices, 0.8, 12.0, 0.25));
+    assert!(kept, "a contract fails");
+}
+
+#[test]
+fn a_cutter_that_does_not_fit_in_any_number_of_bands_is_refused() {
+    let mut program = program(BALL, minimax(None), 0.1, 0.1, 0.25);
+    program.operations = {
+        let mut operations = PrimaryMap::new();
+        for (_, operation) in program.operations.iter() {
+            let mut operation = operation.clone();
+            operation.sectors = vec![0];
+            operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(None) };
+            operations.push(operation);
+        }
+        operations
+    };
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&program, &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the reason");
+    println!("{} {:?} {:?} {:?}", found.message, found.place, found.notes, found.help);
+    // The chord tolerance alone takes more than the bounds.
+    assert!(found.help.iter().any(|h| h.contains("tolerance chord")), "{:?}", found.help);
+}
+
+/// One face of one vane.
+fn suction_only(cutter: Cutter, strips: Option<u32>, bound: f64) -> Program {
+    let mut program = program(cutter, minimax(strips), bound, bound, 0.1);
+    let mut operations = PrimaryMap::new();
+    for (_, operation) in program.operations.iter() {
+        let mut operation = operation.clone();
+        operation.sectors = vec![0];
+        operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(strips) };
+        operations.push(operation);
+    }
+    program.operations = operations;
+    program
+}
+
+#[test]
+fn the_error_names_the_place_and_a_cutter_that_would_do() {
+    let mut sink = Sink::default();
+    // One band misses these bounds: what is left of 1.5 um on each side is below the 2.5 um of this cutter.
+    assert!(pipeline::run(&suction_only(BALL, Some(1), 1.5), &mut sink).is_ok());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the warning");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    let words: Vec<&str> = help.split(' ').collect();
+    let diameter = words.windows(2).find_map(|w| (w[1] == "mm").then(|| w[0].parse::<f64>().unwrap())).expect("a size");
+    assert!(diameter > 0.5 && diameter < 6.0, "{diameter}");
+    // That cutter keeps them.
+    let mut sink = Sink::default();
+    let program = suction_only(Cutter::Ball { radius: 0.5 * diameter }, Some(1), 1.5);
+    assert!(pipeline::run(&program, &mut sink).is_ok());
+    let again = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409");
+    assert!(again.is_none(), "{again:?}");
+}
+
+#[test]
+fn cutters_of_other_shapes_keep_contracts_as_well() {
+    for cutter in [
+        Cutter::Bull { radius: 3.0, corner: 1.5 },
+        Cutter::TaperedBall { ball: 2.0, half_angle: 0.05 },
+        Cutter::Barrel { radius: 3.2, barrel: 1000.0, tip: 2.5 },
+    ] {
+        let mut program = program(cutter, minimax(None), 8.0, 8.0, 0.25);
+        // Their tips are rounder than the fillet, which stays for another tool.
+        for contract in &mut program.contracts {
+            contract.scope.surfaces.retain(|s| *s != SurfaceClass::Fillet);
+        }
+        println!("{cutter:?}");
+        let (passes, kept) = run(&program);
+        println!("{passes} passes a vane");
+        assert!(kept, "{cutter:?}: a contract fails");
+    }
+}
+
+/// One face of all vanes with a holder of a radius at a reach, and the contracts of one band on it.
+fn with_holder(side: Side, reach: f64, radius: f64) -> Program {
+    let mut program = program(BALL, minimax(Some(1)), 1.0, 12.0, 0.25);
+    program.tools = {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            let mut tool = tool.clone();
+            tool.solid.flute_length = 28.0;
+            tool.solid.shank = vec![Section { from: 28.0, to: reach, radius_from: 3.0, radius_to: 3.0 }];
+            let upper = radius + 6.0;
+            tool.solid.holder = vec![Section { from: reach, to: reach + 60.0, radius_from: radius, radius_to: upper }];
+            tools.push(tool);
+        }
+        tools
+    };
+    program.operations = {
+        let mut operations = PrimaryMap::new();
+        for (_, operation) in program.operations.iter() {
+            let OperationKind::Flank { flank, .. } = operation.kind else { panic!("flank") };
+            let kind = OperationKind::Flank { faces: vec![side], flank };
+            operations.push(Operation { kind, ..operation.clone() });
+        }
+        operations
+    };
+    for contract in &mut program.contracts {
+        contract.scope.surfaces =
+            vec![if side == Side::Pressure { SurfaceClass::Pressure } else { SurfaceClass::Suction }];
+    }
+    program
+}
+
+/// Largest angle between the axis of the first pass and Z, degrees, and least distance of shank and holder, mm.
+fn lean_and_distance(program: &Program) -> (f64, f64) {
+    let mut sink = Sink::default();
+    let plan = pipeline::run(program, &mut sink);
+    let plan = plan.unwrap_or_else(|_| panic!("{:?}", sink.diags()));
+    let obstacles = Obstacles::new(&program.part, &program.machine);
+    let solid = &program.tools.iter().next().unwrap().1.solid;
+    let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
+    let stations = (0..=400).map(|i| path.at(f64::from(i) / 400.0));
+    stations.fold((0.0, f64::INFINITY), |(lean, least), at| {
+        let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+        let least = body.map(|x| x.0).fold(least, f64::min);
+        (at.axis.z.acos().to_degrees().max(lean), least)
+    })
+}
+
+#[test]
+fn the_path_keeps_to_the_travel_of_a() {
+    let mut program = with_holder(Side::Pressure, 50.0, 12.0);
+    let (free, _) = lean_and_distance(&program);
+    let most = 66.5_f64;
+    assert!(free > most + 0.5, "nothing to keep: {free}");
+    (program.machine.rotary[0].min, program.machine.rotary[0].max) = (-most.to_radians(), most.to_radians());
+    let (kept, _) = lean_and_distance(&program);
+    println!("A to {kept:.2} deg, {free:.2} where it may");
+    assert!(kept < most);
+    // The contracts of the face are kept as well.
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).unwrap();
+    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+}
+
+#[test]
+fn the_path_keeps_the_holder_clear() {
+    let mut program = with_holder(Side::Suction, 28.0, 16.0);
+    program.contracts.push(Contract::whole(ContractKind::Clearance(Guarded::Holder), 0.5));
+    // What the path would come to that knows of no holder.
+    let free = {
+        let mut free = with_holder(Side::Suction, 80.0, 16.0);
+        let mut sink = Sink::default();
+        let plan = pipeline::run(&free, &mut sink).unwrap();
+        free.tools = program.tools.clone();
+        let obstacles = Obstacles::new(&free.part, &free.machine);
+        let solid = &free.tools.iter().next().unwrap().1.solid;
+        let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
+        let at = |i: u32| path.at(f64::from(i) / 400.0);
+        let near = |at: impellerc::geom::AxisAt| {
+            let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+            body.map(|x| x.0).fold(f64::INFINITY, f64::min)
+        };
+        (0..=400).map(|i| near(at(i))).fold(f64::INFINITY, f64::min)
+    };
+    let (_, kept) = lean_and_distance(&program);
+    println!("holder at {kept:.3} mm, {free:.3} mm by the path that knows of none");
+    assert!(free < 0.5 && kept >= 0.5, "{free} {kept}");
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).unwrap();
+    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+}
+
+#[test]
+fn a_holder_that_no_path_clears_is_refused_with_the_tool_that_would_do() {
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&with_holder(Side::Pressure, 28.0, 16.0), &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0501").expect("the reason");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    assert!(found.place.is_some());
+    let words: Vec<&str> = help.split([' ', ';']).collect();
+    let number = |after: [&str; 2]| {
+        let at = words.windows(3).find(|w| w[..2] == after).unwrap_or_else(|| panic!("{after:?}: {help}"));
+        at[2].parse::<f64>().unwrap()
+    };
+    // Both do.
+    for (reach, radius) in [(number(["reach", "of"]), 16.0), (28.0, 0.5 * number(["at", "most"]) - 6.0)] {
+        let mut sink = Sink::default();
+        assert!(pipeline::run(&with_holder(Side::Pressure, reach, radius), &mut sink).is_ok(), "{reach} {radius}");
+    }
+}
+
+#[test]
+fn a_shank_that_touches_the_face_is_refused_with_the_flutes_that_would_do() {
+    let mut program = with_holder(Side::Pressure, 28.0, 16.0);
+    let with_flutes = |program: &Program, flutes: f64, reach: f64| {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            let mut tool = tool.clone();
+            tool.solid.flute_length = flutes;
+            tool.solid.shank = vec![Section { from: flutes, to: reach, radius_from: 3.0, radius_to: 3.0 }];
+            tool.solid.holder = vec![Section { from: reach, to: reach + 60.0, radius_from: 16.0, radius_to: 22.0 }];
+            tools.push(tool);
+        }
+        tools
+    };
+    program.tools = with_flutes(&program, 22.0, 28.0);
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&program, &mut sink).is_err());
+    let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0501").expect("the reason");
+    let help = found.help.clone().expect("a way out");
+    println!("{} {help}", found.message);
+    let numbers: Vec<f64> = help.split([' ', ';']).filter_map(|w| w.parse().ok()).collect();
+    let [flutes, reach] = numbers[..] else { panic!("{help}") };
+    program.tools = with_flutes(&program, flutes, reach);
+    assert!(pipeline::run(&program, &mut Sink::default()).is_ok(), "{flutes} {reach}");
+}

@@ -1,0 +1,49 @@
+//! Goldens of whole parts, in short.
+
+use crate::support::golden::{GOLDENS, bytes, check, nc};
+use crate::support::jobs::{Compiled, machine_of, program};
+use impellerc::ir::print;
+use impellerc::post;
+
+/// The longer jobs: their plan by its notes, the ends of their NC texts and what a hash says of the rest.
+fn in_short(job: &str) {
+    let own = Compiled::new(program(job, None));
+    let c = &own;
+    check(job, "ir", &print::program(&c.program));
+    let mut plan = String::new();
+    for operation in &c.plan.cl.operations {
+        let name = &c.program.operations[operation.operation].name;
+        plan.push_str(&format!("{name}: {} passes, {} moves\n", operation.passes.len(), operation.moves.len()));
+        for note in &operation.notes {
+            plan.push_str(&format!("  {note}\n"));
+        }
+    }
+    check(job, "plan", &plan);
+    check(job, "certificate", &c.certificate.text(&c.program, c.motion.get()));
+    let pinned = |post: &dyn post::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
+    for post in post::POSTS.iter().filter(|post| pinned(**post)) {
+        let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));
+        let c = other.as_ref().unwrap_or(&own);
+        let text = nc(c, *post);
+        let read = post::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
+        let lines: Vec<&str> = text.lines().collect();
+        let short = format!(
+            "{}{} moves read back\n\n{}\n...\n{}\n",
+            bytes(post.name(), &text),
+            read.moves,
+            lines[..40].join("\n"),
+            lines[lines.len() - 20..].join("\n")
+        );
+        check(job, post.name(), &short);
+    }
+}
+
+#[test]
+fn whole_job_in_short() {
+    in_short("wei2021");
+}
+
+#[test]
+fn point_milled_job_in_short() {
+    in_short("point");
+}

@@ -1,0 +1,19 @@
+//! Whole parts, and the fault campaign: minutes of work, which `.ci/run` does and `cargo test` leaves out.
+//! `cargo test --test slow links` runs those of one module.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]
+#![allow(unreachable_pub, reason = "modules of one test")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bounded_work;
+mod campaign;
+mod flank;
+mod golden;
+mod links;
+mod orientation;
+mod part_volume;
+mod point;
+mod quantities;

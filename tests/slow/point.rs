@@ -1,0 +1,210 @@
+//! Point milling of vane faces and fillets: what is left is proved by the certificate, whose verifier knows nothing of
+//! lines and scallops.
+
+use crate::support;
+use impellerc::collide::Cutter;
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::design::SurfaceKind;
+use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program, Side};
+use impellerc::method::{AxisMethod, Lines};
+use impellerc::passes::pipeline::{self, Plan};
+use impellerc::units::Mm;
+use impellerc::verify::certify;
+
+/// The paper's part with point milling of some surfaces of one vane.
+fn program(cutter: Cutter, surfaces: Vec<SurfaceKind>, scallop: f64, method: AxisMethod) -> Program {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
+    let kind = OperationKind::Point { surfaces, scallop: Mm(scallop), lines: Lines::Zigzag, method };
+    program.operations.push(support::operation("point", kind, tool, vec![0], 8.0));
+    program.tolerances.chord = Mm(0.0005);
+    // For its sake the proof goes on until it is as fine as that.
+    program.contracts.push(Contract::whole(ContractKind::Excess, scallop));
+    program.contracts.push(Contract::whole(ContractKind::Gouge, 0.001));
+    program
+}
+
+/// What a run left, mm.
+struct Left {
+    /// Gouge over everything and excess on the named surfaces of vane 1, both proved.
+    gouge: f64,
+    excess: Vec<f64>,
+    /// Lengths of contact, told and least.
+    lengths: [f64; 2],
+    /// Passes of the first operation.
+    passes: usize,
+}
+
+fn run(program: &Program, surfaces: &[&str]) -> Left {
+    let mut sink = Sink::default();
+    let start = std::time::Instant::now();
+    let plan = pipeline::run(program, &mut sink)
+        .unwrap_or_else(|_| panic!("{:?}", sink.diags().iter().map(|d| (&d.message, &d.place)).collect::<Vec<_>>()));
+    println!("planned in {:?}", start.elapsed());
+    for note in &plan.cl.operations[0].notes {
+        println!("{note}");
+    }
+    stands_on_its_contacts(program, &plan);
+    let certificate = certify(program, &plan.motion, &mut sink);
+    for d in sink.diags() {
+        println!("{} {} {:?}", d.code, d.message, d.place);
+    }
+    let certificate = certificate.expect("a certificate");
+    let gouge = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
+    let excess = surfaces
+        .iter()
+        .map(|name| {
+            let report = certificate.surfaces.iter().find(|s| s.surface == format!("vane 1 {name}"));
+            let report = report.unwrap_or_else(|| panic!("{name}"));
+            println!("{name}: {:?} {:?} {} {}", report.gouge, report.excess, report.gouge_bound, report.excess_bound);
+            report.excess_bound
+        })
+        .collect();
+    let mut lengths = [0.0; 2];
+    for note in &plan.cl.operations[0].notes {
+        for (sum, words) in lengths.iter_mut().zip([" mm of contact", " mm (area"]) {
+            if let Some(at) = note.find(words) {
+                *sum += note[..at].split_whitespace().last().unwrap().parse::<f64>().unwrap();
+            }
+        }
+    }
+    Left { gouge, excess, lengths, passes: plan.cl.operations[0].passes.len() }
+}
+
+/// The ball of each pass comes by where it touches each planned contact, to some micrometres.
+fn stands_on_its_contacts(program: &Program, plan: &Plan) {
+    for (cc, cl) in plan.cc.operations.iter().zip(&plan.cl.operations) {
+        let cutter = program.tools[program.operations[cc.operation].tool].solid.cutter;
+        if !cutter.ends_in_ball() || program.operations[cc.operation].rest.is_some() {
+            continue;
+        }
+        let radius = cutter.tip_radius();
+        assert_eq!(cc.passes.len(), cl.passes.len());
+        for (planned, pass) in cc.passes.iter().zip(&cl.passes) {
+            let centres: Vec<_> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+            for p in planned.points.iter().step_by(7) {
+                let at = p.position + p.normal * radius;
+                let near = centres.windows(2).map(|w| {
+                    let way = w[1] - w[0];
+                    let t = ((at - w[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+                    (w[0] + way * t - at).norm()
+                });
+                let gap = near.fold(f64::INFINITY, f64::min);
+                assert!(gap < 0.005, "{}: {gap} at {at}", pass.label);
+            }
+        }
+    }
+}
+
+const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(Side::Pressure), SurfaceKind::Face(Side::Suction)];
+const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(Side::Pressure), SurfaceKind::Fillet(Side::Suction)];
+
+#[test]
+fn ball_leaves_the_scallop_on_faces() {
+    let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.02, AxisMethod::Blend);
+    let Left { gouge, excess, lengths: [told, least], .. } = run(&program, &["pressure face", "suction face"]);
+    assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+    assert!(told < 1.25 * least, "{told} {least}");
+}
+
+#[test]
+fn ball_leaves_the_scallop_in_fillets() {
+    let program = program(Cutter::Ball { radius: 2.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
+    let Left { gouge, excess, .. } = run(&program, &["pressure fillet", "suction fillet"]);
+    assert!(excess.iter().all(|e| *e <= 0.005), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+}
+
+#[test]
+fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
+    let program = program(Cutter::Ball { radius: 3.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
+    let Left { gouge, excess, passes, .. } = run(&program, &["pressure fillet", "suction fillet"]);
+    assert_eq!(passes, 2);
+    assert!(excess.iter().all(|e| *e <= 0.0015), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+}
+
+#[test]
+fn ball_leaves_the_scallop_on_edges() {
+    let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let program = program(Cutter::Ball { radius: 2.0 }, edges, 0.01, AxisMethod::Blend);
+    let Left { gouge, excess, .. } = run(&program, &["inlet edge", "outlet edge"]);
+    assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+}
+
+/// Before an edge is free room: the ball may be bigger than the fillet, which it does not touch.
+#[test]
+fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
+    let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let big = Cutter::Ball { radius: 5.0 };
+    let Left { gouge, excess, .. } = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
+    assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+    for (surfaces, words) in
+        [(FACES, ["down to the fillets", "into the hub"]), (FILLETS, ["cuts the fillets", "beside"])]
+    {
+        let mut sink = Sink::default();
+        assert!(pipeline::run(&program(big, surfaces.to_vec(), 0.01, AxisMethod::Blend), &mut sink).is_err());
+        let error = &sink.diags()[0];
+        assert_eq!(error.code.id(), "IMP0402");
+        assert!(error.labels.iter().zip(words).all(|(l, w)| l.text.contains(w)), "{:?}", error.labels);
+    }
+}
+
+#[test]
+fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
+    let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.05, AxisMethod::Blend);
+    let (_, mut operation) = program.operations.iter().next().map(|(id, o)| (id, o.clone())).unwrap();
+    program.operations = PrimaryMap::new();
+    if let OperationKind::Point { lines, .. } = &mut operation.kind {
+        *lines = Lines::Spiral;
+    }
+    program.operations.push(operation);
+    let Left { gouge, excess, passes, .. } = run(&program, &["pressure face", "suction face"]);
+    assert_eq!(passes, 1);
+    assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+}
+
+#[test]
+fn corridor_turns_the_axis_evenly_on_faces() {
+    let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.2, AxisMethod::Corridor);
+    let Left { gouge, excess, .. } = run(&program, &["pressure face", "suction face"]);
+    assert!(excess.iter().all(|e| *e <= 0.2), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+}
+
+#[test]
+fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
+    let barrel = Cutter::Barrel { radius: 3.0, barrel: 40.0, tip: 1.0 };
+    let mut program = program(barrel, FACES.to_vec(), 0.02, AxisMethod::Blend);
+    // Down to where the tip would cut into fillet and hub; the rest of the root is left to a ball.
+    let ball = program.tools.push(support::tool("t2", 2, Cutter::Ball { radius: 2.0 }, 30.0, 50.0));
+    let kind = OperationKind::Point {
+        surfaces: FACES.to_vec(),
+        scallop: Mm(0.02),
+        lines: Lines::Zigzag,
+        method: AxisMethod::Blend,
+    };
+    let rest = support::operation("point2", kind, ball, vec![0], 8.0);
+    program.operations.push(Operation { rest: Some(Mm(0.02)), ..rest });
+    let Left { gouge, excess, lengths: [told, _], .. } = run(&program, &["pressure face", "suction face"]);
+    assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
+    assert!(gouge <= 0.001, "{gouge}");
+    // A fifth of what the ball takes over the whole faces.
+    assert!(told < 515.0, "{told}");
+}
+
+#[test]
+fn bull_nose_and_lollipop_leave_the_scallop() {
+    for cutter in [Cutter::Bull { radius: 2.5, corner: 1.0 }, Cutter::Lollipop { radius: 2.0 }] {
+        let program = program(cutter, vec![SurfaceKind::Face(Side::Suction)], 0.03, AxisMethod::Blend);
+        let Left { gouge, excess, .. } = run(&program, &["suction face"]);
+        assert!(excess.iter().all(|e| *e <= 0.03), "{cutter:?}: {excess:?}");
+        assert!(gouge <= 0.001, "{cutter:?}: {gouge}");
+    }
+}

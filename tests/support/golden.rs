@@ -1,0 +1,34 @@
+//! Goldens of the shipped jobs: the text form of every stage, the certificate, the NC text. `golden/errors` belongs to
+//! `tests/quick/errors.rs`.
+
+use super::jobs::Compiled;
+use impellerc::post;
+use std::path::Path;
+
+/// Snapshots by folder.
+pub const GOLDENS: &[(&str, &[&str])] = &[
+    ("reduced", &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "bytes"]),
+    ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
+    // For LinuxCNC the whole job is compiled in `.ci/run`, and read by its interpreter.
+    ("wei2021", &["ir", "plan", "certificate", "siemens-840d"]),
+];
+
+/// Compares a text with its golden.
+pub fn check(job: &str, name: &str, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(Path::new("../../golden").join(job));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}
+
+/// NC text without the header, which names the hash of the inputs.
+pub fn nc(compiled: &Compiled, post: &dyn post::Post) -> String {
+    post.emit(&compiled.program, &compiled.motion, &[]).text()
+}
+
+/// What a text snapshot does not see.
+pub fn bytes(name: &str, text: &str) -> String {
+    assert!(text.is_ascii() && text.ends_with('\n') && !text.ends_with("\n\n") && !text.contains('\r'), "{name}");
+    format!("{name}: {} bytes, {} lines, blake3 {}\n", text.len(), text.lines().count(), blake3::hash(text.as_bytes()))
+}

@@ -1,0 +1,89 @@
+//! Jobs that are planned and verified once in a program of tests, for all who look at them.
+
+use impellerc::diag::Sink;
+use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::ir::{Motion, Program};
+use impellerc::passes::pipeline::{self, Plan};
+use impellerc::verify::{Certificate, Verified, verify};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+/// A program with all that is made of it before its text.
+#[derive(Clone)]
+pub struct Compiled {
+    pub program: Program,
+    pub plan: Plan,
+    pub motion: Verified<Motion>,
+    pub certificate: Certificate,
+}
+
+impl Compiled {
+    /// Plans and verifies.
+    pub fn new(program: Program) -> Self {
+        let mut sink = Sink::default();
+        let plan = pipeline::run(&program, &mut sink).expect("a plan");
+        let (motion, certificate) = verify(&program, plan.motion.clone(), &mut sink).expect("a certificate");
+        Self { program, plan, motion, certificate }
+    }
+
+    /// The program and its motion.
+    pub fn planned(&self) -> (&Program, &Motion) {
+        (&self.program, &self.plan.motion)
+    }
+
+    /// Plans and verifies on so many threads.
+    pub fn on_threads(threads: usize, program: Program) -> Self {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| Self::new(program))
+    }
+}
+
+/// Options for a job that ships with the compiler, for another machine of the library where one is named.
+pub fn options(job: &str, machine: Option<&str>) -> Options {
+    let folder = if job == "point" { "small" } else { job };
+    let mut options = Options { job: PathBuf::from(format!("jobs/{folder}/{job}.imp")), ..Options::default() };
+    options.run.machine = machine.map(str::to_owned);
+    options
+}
+
+/// The program of such a job.
+pub fn program(job: &str, machine: Option<&str>) -> Program {
+    driver::front(&options(job, machine), &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
+}
+
+/// The machine that has the control of a dialect, where it is not that of the jobs.
+pub fn machine_of(dialect: &str) -> Option<&'static str> {
+    (dialect == "linuxcnc").then_some("5mc850-c-linuxcnc")
+}
+
+/// One job on the machines of both dialects, each when it is asked for.
+struct Dialects([LazyLock<Compiled>; 2]);
+
+impl Dialects {
+    fn on(&self, dialect: &str) -> &Compiled {
+        &self.0[usize::from(machine_of(dialect).is_some())]
+    }
+}
+
+/// The small job on the machine that has the control of a dialect.
+pub fn small(dialect: &str) -> &'static Compiled {
+    static SMALL: Dialects = Dialects([
+        LazyLock::new(|| Compiled::new(program("small", None))),
+        LazyLock::new(|| Compiled::new(program("small", machine_of("linuxcnc")))),
+    ]);
+    SMALL.on(dialect)
+}
+
+/// The reduced job on the machine that has the control of a dialect; on two threads, wherever it runs.
+pub fn reduced(dialect: &str) -> &'static Compiled {
+    static REDUCED: Dialects = Dialects([
+        LazyLock::new(|| Compiled::on_threads(2, program("reduced", None))),
+        LazyLock::new(|| Compiled::on_threads(2, program("reduced", machine_of("linuxcnc")))),
+    ]);
+    REDUCED.on(dialect)
+}
+
+/// Both faces of one vane of the paper's part, and nothing else.
+pub fn flank() -> &'static Compiled {
+    static FLANK: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(super::flank_only(&[0])));
+    &FLANK
+}
