@@ -1,5 +1,6 @@
 //! Table and fixture: distances of the whole tool in closed form.
 
+use crate::support;
 use crate::support::jobs;
 use impellerc::diag::Sink;
 use impellerc::ir::{Motion, MoveKind, Program};

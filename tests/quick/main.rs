@@ -29,6 +29,7 @@ mod layering;
 mod linuxcnc_impeller;
 mod linuxcnc_interpreter;
 mod machine_motion;
+mod machines;
 mod meanings;
 mod messages;
 mod mutations;

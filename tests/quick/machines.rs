@@ -1,7 +1,5 @@
 //! Machines of every kind: what is planned for one is the same on another, and what is not planned says so.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
-
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
 use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
@@ -14,7 +12,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use std::path::Path;
 use std::sync::LazyLock;
 
-const SHIPPED: &str = include_str!("../jobs/_lib/machines/5mc850-c.toml");
+const SHIPPED: &str = include_str!("../../jobs/_lib/machines/5mc850-c.toml");
 
 /// Machine files made from the shipped one by replacing texts.
 const KINDS: [(&str, &[(&str, &str)]); 5] = [
@@ -27,7 +25,7 @@ const KINDS: [(&str, &[(&str, &str)]); 5] = [
 
 /// The job of the smallest wheel with a machine file beside it.
 fn job_on(folder: &Path, name: &str, text: &str) -> Options {
-    let job = include_str!("../jobs/small/small.imp").replace("5mc850-c", name);
+    let job = include_str!("../../jobs/small/small.imp").replace("5mc850-c", name);
     let library = folder.join("_lib");
     std::fs::create_dir_all(library.join("machines")).unwrap();
     std::fs::create_dir_all(library.join("tools")).unwrap();
