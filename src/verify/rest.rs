@@ -83,21 +83,30 @@ fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
     let levels = steps(high - low);
     let rows = usize::try_from((levels + 1) * (2 * n + 1)).unwrap_or(0);
     let work = progress.begin("room of the channels", rows);
+    // What is asked of radius and height alone is the same for the up to eight points that mirror each other.
+    let over_hub = |x: f64, y: f64, z: f64| {
+        let r = libm::hypot(x, y);
+        r <= r_max && inside(profile, r, z) && part.hub.distance(&Point3::new(x, y, z)) > 0.0
+    };
     (0..=levels)
         .into_par_iter()
         .flat_map_iter(|k| {
             let z = low + k as f64 * grid;
-            let work = &work;
-            (-n..=n).flat_map(move |i| {
+            let eighth: Vec<Vec<bool>> =
+                (0..=n).map(|i| (0..=i).map(|j| over_hub(i as f64 * grid, j as f64 * grid, z)).collect()).collect();
+            let mut level = Vec::new();
+            for i in -n..=n {
                 work.advance(1);
-                (-n..=n).map(move |j| Point3::new(i as f64 * grid, j as f64 * grid, z))
-            })
+                for j in -n..=n {
+                    let (a, b) = (i.unsigned_abs() as usize, j.unsigned_abs() as usize);
+                    if eighth[a.max(b)][a.min(b)] {
+                        level.push(Point3::new(i as f64 * grid, j as f64 * grid, z));
+                    }
+                }
+            }
+            level
         })
         .filter_map(|p| {
-            let r = libm::hypot(p.x, p.y);
-            if r > r_max || !inside(profile, r, p.z) || part.hub.distance(&p) <= 0.0 {
-                return None;
-            }
             let (distance, index) = design.least(|q| (q - p).norm(), f64::INFINITY)?;
             let nearest = &design.points()[index];
             ((p - nearest.position).dot(&nearest.normal) > 0.0).then_some((p, distance))
