@@ -23,6 +23,9 @@ pub struct CloudPoint {
 /// Points that one leaf of the hierarchy holds: about as long to test as one box.
 const LEAF: usize = 8;
 
+/// Points that one thread orders sooner than another takes over half of them.
+const ALONE: usize = 4096;
+
 /// Samples of surfaces, ordered in space.
 pub struct Cloud {
     points: Vec<CloudPoint>,
@@ -121,8 +124,12 @@ fn order(points: &mut [CloudPoint]) {
         a.position[axis].total_cmp(&b.position[axis]).then(a.tag.cmp(&b.tag))
     });
     let (left, right) = points.split_at_mut(middle.min(points.len()));
-    order(left);
-    order(right);
+    if left.len() > ALONE {
+        rayon::join(|| order(left), || order(right));
+    } else {
+        order(left);
+        order(right);
+    }
 }
 
 #[cfg(test)]

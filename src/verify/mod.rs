@@ -139,8 +139,10 @@ pub fn certify_with(
         surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
     let kept = kept::check(program, &sweeps, progress);
     let allowance = allowance::check(program, motion, progress);
-    let design_cloud = Cloud::new(samples.iter().map(Sample::cloud_point).collect());
-    let blank = Cloud::new(stock_points(program));
+    let (design_cloud, blank) = rayon::join(
+        || Cloud::new(samples.iter().map(Sample::cloud_point).collect()),
+        || Cloud::new(stock_points(program)),
+    );
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
         .map(|o| operation_report(program, motion, o, [&design_cloud, &blank], search, progress))
