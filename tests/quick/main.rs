@@ -42,7 +42,6 @@ mod posts;
 mod progress;
 mod report;
 mod rest_machining;
-mod stock;
 mod stock_program;
 mod surface_truths;
 mod verify_command;

@@ -17,3 +17,4 @@ mod orientation;
 mod part_volume;
 mod point;
 mod quantities;
+mod stock;
