@@ -452,7 +452,7 @@ mod tests {
                 (off - off.round()).abs() < 1e-6
             });
             let pole = axis.cross(&chain.axes()[1].direction).norm() < 1e-4;
-            prop_assert!(pole || found.iter().any(|p| same(p)), "{found:?} for {angles:?}");
+            prop_assert!(pole || found.iter().any(same), "{found:?} for {angles:?}");
         }
 
         /// How the angles change with the tool axis, by differences.

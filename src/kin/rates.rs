@@ -1,7 +1,7 @@
 //! How fast the joints move within a block, bounded by proof and not by samples.
 
 use super::{Carries, Joints, Machine};
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
 /// Turn of both rotary axes together over which the speed of a joint is taken between two exact values, radians: the proof adds
 /// less than a thousandth of the speeds that those of the tip and of both axes add up from.
@@ -10,33 +10,50 @@ const CELL_TURN: f64 = 0.015;
 /// Most cells of a block. Blocks that turn farther are bounded as well, but less closely.
 const MOST_CELLS: f64 = 2000.0;
 
+/// An even turn about an axis.
+struct Turn {
+    direction: Unit<Vector3<f64>>,
+    point: Point3<f64>,
+    /// Angle at the start, and by how much it turns, radians.
+    from: f64,
+    by: f64,
+}
+
 /// A point that is carried by one or two rotary axes which turn evenly, and that may move straight besides.
 struct Moving {
     /// Place from the innermost axis at start and end, mm.
     ends: [Vector3<f64>; 2],
-    /// The axes, the innermost first: direction, angle at the start, turn; and the lever from this axis to the next.
-    axes: Vec<(Unit<Vector3<f64>>, f64, f64)>,
+    /// The axes, the innermost first.
+    axes: Vec<Turn>,
+    /// From the outer axis to the inner one, mm.
     lever: Vector3<f64>,
 }
 
 impl Moving {
+    /// A point that the axes carry, the innermost first, between two places of it with the axes at zero, machine frame.
+    fn new(axes: Vec<Turn>, ends: [Vector3<f64>; 2]) -> Self {
+        let inner = axes.first().map_or(Vector3::zeros(), |a| a.point.coords);
+        let lever = if let [a, b] = &axes[..] { a.point - b.point } else { Vector3::zeros() };
+        Self { ends: ends.map(|p| p - inner), axes, lever }
+    }
+
     /// Change of place over the share, at a share.
     fn rate(&self, s: f64) -> Vector3<f64> {
         let [start, end] = &self.ends;
         let way = end - start;
-        let Some((inner, from, turn)) = self.axes.first() else { return way };
-        let rotation = Rotation3::from_axis_angle(inner, from + turn * s);
+        let Some(inner) = self.axes.first() else { return way };
+        let rotation = Rotation3::from_axis_angle(&inner.direction, inner.from + inner.by * s);
         let u = rotation * (start + way * s);
-        let of_u = rotation * way + inner.cross(&u) * *turn;
-        let Some((outer, from, turn)) = self.axes.get(1) else { return of_u };
-        let rotation = Rotation3::from_axis_angle(outer, from + turn * s);
-        rotation * (of_u + outer.cross(&(u + self.lever)) * *turn)
+        let of_u = rotation * way + inner.direction.cross(&u) * inner.by;
+        let Some(outer) = self.axes.get(1) else { return of_u };
+        let rotation = Rotation3::from_axis_angle(&outer.direction, outer.from + outer.by * s);
+        rotation * (of_u + outer.direction.cross(&(u + self.lever)) * outer.by)
     }
 
     /// Bound of the third derivative over the share.
     fn third(&self) -> f64 {
         let [start, end] = &self.ends;
-        let turn = |k: usize| self.axes.get(k).map_or(0.0, |a| a.2.abs());
+        let turn = |k: usize| self.axes.get(k).map_or(0.0, |a| a.by.abs());
         let [inner, outer] = [turn(0), turn(1)];
         let (speed, reach) = ((end - start).norm(), start.norm().max(end.norm()));
         let [first, second, third] = [
@@ -51,24 +68,21 @@ impl Moving {
 impl Machine {
     /// The tip as the tables carry it along, and the gauge line as the head swings it, with a tool of a length.
     fn moving(&self, from: &Joints, to: &Joints, length: f64) -> [Moving; 2] {
-        let of = |carries: Carries, order: [usize; 2], sense: f64| -> Vec<(usize, (Unit<Vector3<f64>>, f64, f64))> {
-            let axes = order.into_iter().filter(|k| self.chain.axes()[*k].carries == carries);
-            let turn = |k: usize| {
+        let turns = |carries: Carries, order: [usize; 2], sense: f64| -> Vec<Turn> {
+            let axes = order.into_iter().map(|k| (k, self.chain.axes()[k])).filter(|(_, a)| a.carries == carries);
+            axes.map(|(k, axis)| {
                 let (a, b) = (from.rotary[k], to.rotary[k]);
-                (self.chain.axes()[k].direction, sense * a, sense * (b - a))
-            };
-            axes.map(|k| (k, turn(k))).collect()
-        };
-        let point = |k: usize| self.chain.axes()[k].point;
-        let moving = |axes: Vec<(usize, (Unit<Vector3<f64>>, f64, f64))>, ends: [Vector3<f64>; 2]| {
-            let inner = axes.first().map_or(Vector3::zeros(), |a| point(a.0).coords);
-            let lever = if let [a, b] = &axes[..] { point(a.0) - point(b.0) } else { Vector3::zeros() };
-            Moving { ends: ends.map(|p| p - inner), axes: axes.into_iter().map(|a| a.1).collect(), lever }
+                Turn { direction: axis.direction, point: axis.point, from: sense * a, by: sense * (b - a) }
+            })
+            .collect()
         };
         let tips = [from, to].map(|j| self.forward(j).tip.coords + self.part_origin);
         let gauge = Vector3::new(0.0, 0.0, -length);
         // A table turns against its word.
-        [moving(of(Carries::Part, [1, 0], -1.0), tips), moving(of(Carries::Tool, [0, 1], 1.0), [gauge; 2])]
+        [
+            Moving::new(turns(Carries::Part, [1, 0], -1.0), tips),
+            Moving::new(turns(Carries::Tool, [0, 1], 1.0), [gauge; 2]),
+        ]
     }
 
     /// Upper bounds of |dq/ds| of X, Y, Z (mm) and both rotary axes (radians) over a block, s running evenly from 0 to 1: the

@@ -103,13 +103,13 @@ impl State<'_> {
     }
 
     fn within_travel(&mut self, words: &[Option<f64>; 5]) {
-        for k in 0..3 {
-            let axis = &self.machine.linear[k];
-            let Some(x) = words[k] else { continue };
+        let machine = self.machine;
+        for (k, (axis, word)) in machine.linear.iter().zip(words).enumerate() {
+            let Some(x) = *word else { continue };
             if x < axis.min - ROUNDING.0 || x > axis.max + ROUNDING.0 {
                 self.fault(format!(
                     "{} goes to {} in the machine frame; its travel is {} to {}",
-                    self.machine.names()[k],
+                    machine.names()[k],
                     figure(x),
                     figure(axis.min),
                     figure(axis.max)
