@@ -6,7 +6,7 @@
 //! Seen from the tool, a fixed point p runs on a path q(t) with q' and q''. The signed distance f to a convex cutter is
 //! convex, so at any time s the tangent bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2 (t - s)^2 max|q''|. With
 //! the turn w of a piece and the way v of its tip, |q''| <= k w^2 |q| + 2 w v, where k follows from the angle between the
-//! rotary axes ([`Turning`](crate::kin::chain::Turning): 3/2 where they stand at a right angle). The first term vanishes
+//! rotary axes ([`Turning`]: 3/2 where they stand at a right angle). The first term vanishes
 //! at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
 
 use super::capsule::{Ball, Capsule};
@@ -448,7 +448,7 @@ impl Touch {
 /// n . (p - p*) + (t - t*) (rate + change . (p - p*)) up to half its second derivative, with change = w x n and
 /// w = a x a' for the axis a. (R n)'' is at most |w'| + |w|^2. For rotary axes at a right angle |w'|^2 = K (Q + 4 P) and
 /// |w|^2 = P + Q, with the squares P of the turn of axis 1, Q of that of axis 2 across the tool and K of that along it: at most
-/// (1 + sqrt 5) / 2 (P + Q + K). For others [`Turning`](crate::kin::chain::Turning) has a wider bound.
+/// (1 + sqrt 5) / 2 (P + Q + K). For others [`Turning`] has a wider bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     /// Change of the gradient over the share.
