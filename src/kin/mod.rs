@@ -15,4 +15,4 @@ pub mod transform;
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
 pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
-pub use transform::{Joints, Pose, RotaryPose, between};
+pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

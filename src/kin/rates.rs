@@ -20,7 +20,7 @@ struct Turn {
 }
 
 /// A point that is carried by one or two rotary axes which turn evenly, and that may move straight besides.
-struct Moving {
+struct MovingPoint {
     /// Place from the innermost axis at start and end, mm.
     ends: [Vector3<f64>; 2],
     /// The axes, the innermost first.
@@ -29,7 +29,7 @@ struct Moving {
     lever: Vector3<f64>,
 }
 
-impl Moving {
+impl MovingPoint {
     /// A point that the axes carry, the innermost first, between two places of it with the axes at zero, machine frame.
     fn new(axes: Vec<Turn>, ends: [Vector3<f64>; 2]) -> Self {
         let inner = axes.first().map_or(Vector3::zeros(), |a| a.point.coords);
@@ -67,7 +67,7 @@ impl Moving {
 
 impl Machine {
     /// The tip as the tables carry it along, and the gauge line as the head swings it, with a tool of a length.
-    fn moving(&self, from: &Joints, to: &Joints, length: f64) -> [Moving; 2] {
+    fn moving(&self, from: &Joints, to: &Joints, length: f64) -> [MovingPoint; 2] {
         let turns = |carries: Carries, order: [usize; 2], sense: f64| -> Vec<Turn> {
             let axes = order.into_iter().map(|k| (k, self.chain.axes()[k])).filter(|(_, a)| a.carries == carries);
             axes.map(|(k, axis)| {
@@ -80,8 +80,8 @@ impl Machine {
         let gauge = Vector3::new(0.0, 0.0, -length);
         // A table turns against its word.
         [
-            Moving::new(turns(Carries::Part, [1, 0], -1.0), tips),
-            Moving::new(turns(Carries::Tool, [0, 1], 1.0), [gauge; 2]),
+            MovingPoint::new(turns(Carries::Part, [1, 0], -1.0), tips),
+            MovingPoint::new(turns(Carries::Tool, [0, 1], 1.0), [gauge; 2]),
         ]
     }
 

@@ -44,6 +44,11 @@ impl RotaryPose {
     }
 }
 
+/// Largest turn of a rotary axis between angles, radians.
+pub fn most_turn(from: Angles, to: Angles) -> f64 {
+    (to[0] - from[0]).abs().max((to[1] - from[1]).abs())
+}
+
 /// Angles at a share of an even turn.
 pub fn between(from: Angles, to: Angles, share: f64) -> Angles {
     [0, 1].map(|k| from[k] + (to[k] - from[k]) * share)

@@ -12,7 +12,7 @@
 //! the kinematics on makes the axes jump; then tool length, offsets and rotation. Axes move with the kinematics off in the
 //! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there the rotary axes, then X and Y.
 
-use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, feed, fixed, inverse_time};
+use super::words::{self, LENGTH_DECIMALS, feed, fixed, inverse_time};
 use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_linuxcnc};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MoveKind, Program};
@@ -209,10 +209,5 @@ fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
 
 /// Rotary words in the sense of the machine.
 fn rotary(machine: &Machine, joints: &Joints) -> String {
-    let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
-    let [first, second] = [0, 1].map(|k| {
-        let axis = &machine.rotary[k];
-        format!("{}{}", axis.name, w(joints.rotary[k], axis.word_sign))
-    });
-    format!("{first} {second}")
+    words::rotary(machine, joints, "")
 }

@@ -9,7 +9,7 @@ use super::read_back::says_tool;
 use super::{Direction, NcMove, NcSection};
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc};
+use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -338,11 +338,6 @@ fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles>
         .inverse(axis, before[1])?
         .map(|[first, second]| [first, second + TAU * ((before[1] - second) / TAU).round()]);
     Some(if way(&other) < way(&one) { other } else { one })
-}
-
-/// Largest turn of a rotary axis, radians.
-fn most_turn(from: Angles, to: Angles) -> f64 {
-    (to[0] - from[0]).abs().max((to[1] - from[1]).abs())
 }
 
 /// The way of one move.

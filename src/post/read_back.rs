@@ -4,7 +4,7 @@ use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, INVERSE_DECIMALS, LENGTH_DECIM
 use super::{Direction, NcMove, NcSection, NcTool, Post};
 use crate::diag::{Diag, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
-use crate::kin::Angles;
+use crate::kin::{Angles, most_turn};
 use crate::verify::Verified;
 
 /// What reading back found.
@@ -115,11 +115,6 @@ fn differs(line: usize, why: String) -> Diag {
     Diag::error(post::TEXT_DIFFERS, format!("line {line} of the NC text does not say what the motion means: {why}"))
         .note("nothing was written")
         .help("report the job file: this is a fault of the compiler")
-}
-
-/// Largest difference of a rotary axis, radians.
-fn most_turn(from: Angles, to: Angles) -> f64 {
-    (to[0] - from[0]).abs().max((to[1] - from[1]).abs())
 }
 
 fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {

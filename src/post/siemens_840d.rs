@@ -11,7 +11,7 @@
 //! frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X and Y. TRAORI
 //! and TRAFOOF drop frames, so that the work offset is said again behind them.
 
-use super::words::{self, ANGLE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
+use super::words::{self, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
 use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_siemens_840d};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
@@ -163,10 +163,5 @@ fn vector(program: &Program, m: &JointMove) -> String {
 }
 
 fn rotary(machine: &Machine, joints: &Joints) -> String {
-    let w = |x: f64, sign: f64| fixed(x.to_degrees() * sign, ANGLE_DECIMALS);
-    let [first, second] = [0, 1].map(|k| {
-        let axis = &machine.rotary[k];
-        format!("{}={}", axis.name, w(joints.rotary[k], axis.word_sign))
-    });
-    format!("{first} {second}")
+    words::rotary(machine, joints, "=")
 }

@@ -2,6 +2,7 @@
 
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::{Joints, Machine};
 
 /// Decimals of X Y Z: a step of 0.1 um, a fiftieth of the least error that a vane is made with.
 pub const LENGTH_DECIMALS: usize = 4;
@@ -22,6 +23,15 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
     if zero { text.trim_start_matches('-').to_owned() } else { text }
+}
+
+/// Words of both rotary axes in the sense of the machine, with a sign between name and angle.
+pub(super) fn rotary(machine: &Machine, joints: &Joints, sign: &str) -> String {
+    let [first, second] = [0, 1].map(|k| {
+        let axis = &machine.rotary[k];
+        format!("{}{sign}{}", axis.name, fixed(joints.rotary[k].to_degrees() * axis.word_sign, ANGLE_DECIMALS))
+    });
+    format!("{first} {second}")
 }
 
 /// A feed, rounded down: the axes were proved for no more.
