@@ -5,9 +5,11 @@
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::ir::chart::{Place, Shape};
-use impellerc::ir::design::{SurfaceId, SurfaceKind};
 use impellerc::kin::{Chain, RotaryPose};
+use impellerc::part::{
+    PassageId, SurfaceId, SurfaceKind,
+    chart::{Place, Shape},
+};
 use impellerc::passes::pipeline;
 use impellerc::verify::surface::{Limits, certify, certify_shape};
 use impellerc::verify::sweep::Sweep;
@@ -76,7 +78,7 @@ fn growth(c: &mut Criterion) {
         group.bench_function(BenchmarkId::from_parameter(blocks), |b| {
             b.iter(|| {
                 let sweeps = [Sweep::through(&solid, &chain, &poses).unwrap()];
-                let id = SurfaceId { kind: SurfaceKind::Hub, sector: 0 };
+                let id = SurfaceId { kind: SurfaceKind::Hub(PassageId::FIRST), sector: 0 };
                 black_box(certify_shape(&Floor, id, &sweeps, 0.25))
             });
         });

@@ -8,8 +8,9 @@ use impellerc::analysis::flank::{self, Surroundings};
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, OperationKind, Side};
+use impellerc::ir::{Contract, ContractKind, OperationKind};
 use impellerc::method::{Conflict, ErrorSide};
+use impellerc::part::BladeId;
 use impellerc::passes::{Obstacles, plan_flank};
 use impellerc::units::Mm;
 use std::hint::black_box;
@@ -39,7 +40,7 @@ fn faces(c: &mut Criterion) {
         }
         let around = Surroundings::new(&program.part);
         let obstacles = Obstacles::new(&program.part, &program.machine);
-        for side in [Side::Pressure, Side::Suction] {
+        for side in BladeId::MAIN.faces() {
             group.bench_function(BenchmarkId::new(side.name(), name), |b| {
                 b.iter(|| black_box(plan_flank::axis_paths(&program, id.unwrap(), side, &around, &obstacles).unwrap()));
             });

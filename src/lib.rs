@@ -27,6 +27,7 @@ pub mod lower;
 pub mod method;
 pub mod orient;
 pub mod output;
+pub mod part;
 pub mod passes;
 pub mod post;
 pub mod progress;

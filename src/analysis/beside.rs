@@ -4,11 +4,13 @@
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
-use crate::geom::RuledSurface;
 use crate::geom::proximity::Patch;
-use crate::ir::chart::{Place, Shape, charts};
-use crate::ir::design::{SurfaceId, SurfaceKind};
-use crate::ir::{Operation, OperationId, OperationKind, Part, Program};
+use crate::ir::{Operation, OperationId, OperationKind, Program};
+use crate::part::FaceSurface;
+use crate::part::{
+    Part, Surface, SurfaceId, SurfaceKind,
+    chart::{Place, Shape, charts},
+};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -76,9 +78,8 @@ fn measure(part: &Part) -> Vec<Spot> {
     let mut spots = Vec::new();
     for chart in charts(part) {
         let (SurfaceKind::Face(side) | SurfaceKind::Fillet(side)) = chart.kind else { continue };
-        // The first wall looks ahead, to the vane of the next sector.
-        let turn = if side == part.first_wall { part.pitch() } else { -part.pitch() };
-        let next = part.face(side.other()).surface.rotated(turn);
+        let (opposite, turn) = part.opposite(side);
+        let next = part.face(opposite).surface.rotated(turn);
         let spot = |k: usize| {
             let [i, j] = [k / (rows + 1), k % (rows + 1)];
             let place = chart.place(i as f64 / columns as f64, j as f64 / rows as f64);
@@ -91,7 +92,7 @@ fn measure(part: &Part) -> Vec<Spot> {
 
 /// Radius of the largest ball that touches a place from outside and does not meet a surface: it shrinks to the ball through
 /// the point that it covers deepest (Ma, Bae, Choi: 3D medial point approximation using nearest neighbors, 2012).
-fn room(surface: &RuledSurface, place: &Place) -> f64 {
+fn room(surface: &FaceSurface, place: &Place) -> f64 {
     let mut radius = ENDLESS;
     for _ in 0..SHRINKS {
         let centre = place.position + place.normal * radius;
@@ -116,7 +117,7 @@ fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spo
 
 /// Largest radius of a ball that stands wherever the hub lets it, by halving.
 fn largest(part: &Part, spots: &[&Spot]) -> f64 {
-    let fillet = part.fillet.map_or(f64::INFINITY, |f| f.get());
+    let fillet = part.main().fillet.map_or(f64::INFINITY, |f| f.get());
     let (mut low, mut high) = (0.0, spots.iter().map(|s| s.room).fold(0.0, f64::max).min(fillet));
     while high - low > 1e-4 {
         let middle = 0.5 * (low + high);

@@ -1,7 +1,6 @@
 //! The lower corners of the channel: where a rounded tool corner touches wall and hub together.
 
-use crate::geom::RuledSurface;
-use crate::ir::{Face, Part};
+use crate::part::{Face, Part, Surface};
 use nalgebra::Point3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -45,9 +44,11 @@ fn station(i: usize) -> f64 {
 
 impl<'a> Channel<'a> {
     pub(crate) fn new(part: &'a Part) -> Self {
-        let second = part.face(part.first_wall.other());
-        let surface: RuledSurface = second.surface.rotated(part.pitch());
-        let walls = [part.face(part.first_wall).clone(), Face { surface, orientation: second.orientation }];
+        let first = part.first_passage().walls[0];
+        let (opposite, turn) = part.opposite(first);
+        let second = part.face(opposite);
+        let surface = second.surface.rotated(turn);
+        let walls = [part.face(first).clone(), Face { surface, orientation: second.orientation }];
         Self { part, walls }
     }
 

@@ -23,9 +23,9 @@
 //! surfaces of the part besides.
 
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
-use crate::ir::design::{self, SurfaceKind};
-use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Part, Program, Side};
+use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Program};
 use crate::method::{AxisMethod, FlankMethod};
+use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind, sample};
 use crate::units::{Mm, bytes, trim};
 
 /// Memory of a station from its contact to its block, bytes.
@@ -109,19 +109,19 @@ impl Sizes {
         /// Pieces in which a curve is measured.
         const PIECES: u32 = 50;
         let at = |i: u32| f64::from(i) / f64::from(PIECES);
-        let surface = |side: Side| &part.face(side).surface;
-        let along = |side: Side, v: f64| {
+        let surface = |side: FaceId| &part.face(side).surface;
+        let along = |side: FaceId, v: f64| {
             (0..PIECES).map(|i| (surface(side).point(at(i + 1), v) - surface(side).point(at(i), v)).norm()).sum::<f64>()
         };
         let between =
-            |u: f64, v: f64| (surface(Side::Pressure).point(u, v) - surface(Side::Suction).point(u, v)).norm();
+            |u: f64, v: f64| (surface(FaceId::PRESSURE).point(u, v) - surface(FaceId::SUCTION).point(u, v)).norm();
         let ends = [0.0, 1.0];
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let height =
-            |i: u32| (surface(Side::Pressure).point(at(i), 1.0) - surface(Side::Pressure).point(at(i), 0.0)).norm();
+            |i: u32| (surface(FaceId::PRESSURE).point(at(i), 1.0) - surface(FaceId::PRESSURE).point(at(i), 0.0)).norm();
         let radius = largest(&ends.map(|u| part.hub.meridian(u).point.x));
         Self {
-            length: largest(&[Side::Pressure, Side::Suction].map(|s| along(s, 0.0).max(along(s, 1.0)))),
+            length: largest(&BladeId::MAIN.faces().map(|s| along(s, 0.0).max(along(s, 1.0)))),
             height: (0..=PIECES).map(height).fold(0.0, f64::max),
             width: (part.pitch() * radius - between(1.0, 0.0)).max(0.0),
             thickness: largest(&ends.map(|u| between(u, 0.0).max(between(u, 1.0)))),
@@ -154,15 +154,17 @@ impl Sizes {
             }
             OperationKind::Channel { scallop, method, .. } => {
                 // Balls that roll in the fillets finish these.
-                let floor = self.width - 2.0 * program.part.fillet.map_or(radius, Mm::get);
+                let floor = self.width - 2.0 * program.part.main().fillet.map_or(radius, Mm::get);
                 of((floor.max(0.0) / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
             }
             OperationKind::Point { surfaces, scallop, method, .. } => {
                 let across = |surface: &SurfaceKind| match surface {
                     SurfaceKind::Fillet(_) => {
-                        program.part.fillet.map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.get())
+                        program.part.main().fillet.map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.get())
                     }
-                    SurfaceKind::InletEdge | SurfaceKind::OutletEdge => std::f64::consts::FRAC_PI_2 * self.thickness,
+                    SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_) => {
+                        std::f64::consts::FRAC_PI_2 * self.thickness
+                    }
                     _ => self.height,
                 };
                 let lines = surfaces.iter().map(|s| (across(s) / step(scallop)).ceil() + 1.0).sum();
@@ -200,7 +202,7 @@ fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> Vec<Cost> {
 
 /// Memory of planning or of verification, whichever is more, where planning takes some bytes for stations and links.
 fn peak(program: &Program, planning: f64) -> f64 {
-    let samples = SAMPLE * design::estimate(&program.part, SPACING);
+    let samples = SAMPLE * sample::estimate(&program.part, SPACING);
     PART + planning.max(samples + VERIFIED * planning)
 }
 

@@ -1,13 +1,14 @@
 //! How far the ends of the faces lie off hub and shroud. The lowering says it under the text of the curve.
 
-use crate::ir::{Part, RulingEnd, Side};
+use crate::ir::RulingEnd;
+use crate::part::{BladeId, FaceId, Part, Surface};
 use nalgebra::Point3;
 
 /// Distance of one guide curve to the surface that the face should end on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndGap {
     /// Face.
-    pub side: Side,
+    pub side: FaceId,
     /// End of its rulings: root to hub, tip to shroud.
     pub end: RulingEnd,
     /// Where the distance is largest, from inlet (0) to outlet (1).
@@ -24,7 +25,7 @@ const STATIONS: usize = 400;
 /// Measures all four ends.
 pub fn measure(part: &Part) -> Vec<EndGap> {
     let mut gaps = Vec::new();
-    for side in [Side::Pressure, Side::Suction] {
+    for side in BladeId::MAIN.faces() {
         for (end, v, surface) in [(RulingEnd::Root, 0.0, &part.hub), (RulingEnd::Tip, 1.0, &part.shroud)] {
             let all = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64).map(|u| {
                 let point = part.face(side).surface.point(u, v);

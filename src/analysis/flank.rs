@@ -7,10 +7,13 @@ use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::envelope::{Deviation, Measured, Mounted, Target, least_squares, minimax};
 use crate::geom::DualCurve;
-use crate::ir::chart::{self, Chart, Shape};
-use crate::ir::design::{self, SurfaceKind};
-use crate::ir::{OperationKind, Part, Program, Side};
+use crate::ir::{OperationKind, Program};
 use crate::method::FlankMethod;
+use crate::part::{
+    FaceId, Part, Surface, SurfaceKind,
+    chart::{self, Chart, Shape},
+    hub_normal,
+};
 use crate::units::length;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -51,7 +54,7 @@ impl<'a> Surroundings<'a> {
 pub struct Band<'a> {
     around: &'a Surroundings<'a>,
     /// Face.
-    pub side: Side,
+    pub side: FaceId,
     /// Shares of the height of the face between which it lies.
     pub span: [f64; 2],
     cutter: Cutter,
@@ -81,12 +84,12 @@ fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
 
 /// Radius of the ball that rolls between face and hub: that of the fillet, or that of the tool at a sharp root.
 fn rolling(part: &Part, cutter: &Cutter) -> f64 {
-    part.fillet.map_or(cutter.tip_radius(), |f| f.get())
+    part.main().fillet.map_or(cutter.tip_radius(), |f| f.get())
 }
 
 impl<'a> Band<'a> {
     /// A band.
-    pub fn new(around: &'a Surroundings<'a>, side: Side, span: [f64; 2], cutter: Cutter) -> Self {
+    pub fn new(around: &'a Surroundings<'a>, side: FaceId, span: [f64; 2], cutter: Cutter) -> Self {
         Self { around, side, span, cutter }
     }
 
@@ -98,7 +101,7 @@ impl<'a> Band<'a> {
     /// True when this pass also makes the fillet: its ball has the radius of the fillet.
     fn makes_fillet(&self) -> bool {
         let same = |f: f64| (f - self.cutter.tip_radius()).abs() < 1e-9;
-        self.span[0] == 0.0 && self.around.part.fillet.is_some_and(|f| same(f.get()))
+        self.span[0] == 0.0 && self.around.part.main().fillet.is_some_and(|f| same(f.get()))
     }
 
     /// What the pass is asked for: to touch its band, to cut nothing else, to keep off the neighbouring vane.
@@ -106,7 +109,7 @@ impl<'a> Band<'a> {
     /// vane of 50 mm.
     pub fn targets(&self, fineness: f64) -> Vec<Placed> {
         let part = self.around.part;
-        let first = self.side == part.first_wall;
+        let first = part.looks_ahead(self.side);
         let mut out = Vec::new();
         for chart in &self.around.charts {
             let [columns, rows] = self.counts(chart.kind).map(|n| (n as f64 * fineness).round().max(2.0) as usize);
@@ -114,7 +117,7 @@ impl<'a> Band<'a> {
             let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
             let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
             let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
-            if chart.kind == SurfaceKind::Hub {
+            if matches!(chart.kind, SurfaceKind::Hub(_)) {
                 // Densest where the ball leaves the hub, which it touches with a curvature of its own.
                 let from_wall = heights.iter().map(|y| 0.6 * y * y);
                 heights = if first { from_wall.collect() } else { from_wall.map(|y| 1.0 - y).collect() };
@@ -150,7 +153,7 @@ impl<'a> Band<'a> {
         match kind {
             SurfaceKind::Face(side) if side == self.side => FACE,
             SurfaceKind::Fillet(side) if side == self.side => FILLET,
-            SurfaceKind::Hub => HUB,
+            SurfaceKind::Hub(_) => HUB,
             _ => NEIGHBOUR,
         }
     }
@@ -160,12 +163,12 @@ impl<'a> Band<'a> {
         let part = self.around.part;
         // The channel before this face, and the vane beyond it.
         let (to_channel, to_vane) =
-            if self.side == part.first_wall { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
+            if part.looks_ahead(self.side) { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
         let [low, high] = self.span;
         let place = chart.place(x, y);
         // Under a sharp root the ball reaches no lower than where it touches the hub.
         let reached = || {
-            let asked = part.fillet.is_none() && chart.kind == SurfaceKind::Face(self.side);
+            let asked = part.main().fillet.is_none() && chart.kind == SurfaceKind::Face(self.side);
             asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
         };
         let touched = |asked: bool| match asked {
@@ -181,7 +184,7 @@ impl<'a> Band<'a> {
             SurfaceKind::Fillet(side) if side == self.side => {
                 touched(self.makes_fillet() && chart.is_milled(&place.position))
             }
-            SurfaceKind::Hub => Target::clear(part.sector_rotation(to_channel) * place.position, 0.0),
+            SurfaceKind::Hub(_) => Target::clear(part.sector_rotation(to_channel) * place.position, 0.0),
             _ => Target::clear(part.sector_rotation(to_vane) * place.position, SIDE_CLEARANCE),
         };
         Placed { target, kind: chart.kind, parameters: place.parameters, at: [x, y] }
@@ -226,7 +229,7 @@ impl<'a> Band<'a> {
     /// Normals of the face and of the hub where the root of the face begins (0) or ends (1).
     pub fn normals(&self, u: f64) -> [Vector3<f64>; 2] {
         let face = self.around.part.face(self.side);
-        [face.normal(u, 0.0), design::hub_normal(self.around.part, &face.surface.point(u, 0.0))]
+        [face.normal(u, 0.0), hub_normal(self.around.part, &face.surface.point(u, 0.0))]
     }
 
     /// Where optimisation starts: the cutter rolls between face and hub, or stands on the lower edge of the band, and
@@ -318,7 +321,7 @@ pub struct Worst {
 /// root.
 pub fn bands<'a>(
     around: &'a Surroundings<'a>,
-    side: Side,
+    side: FaceId,
     strips: u32,
     cutter: Cutter,
     rounds: usize,
@@ -363,14 +366,20 @@ pub fn worst(bands: &[(Band<'_>, Worst)]) -> Option<Worst> {
 
 /// The least error of a face with a number of even bands, `rounds` times evened out; `None` where no ball rolls along
 /// the root.
-pub fn least_error(around: &Surroundings<'_>, side: Side, strips: u32, cutter: Cutter, rounds: usize) -> Option<Worst> {
+pub fn least_error(
+    around: &Surroundings<'_>,
+    side: FaceId,
+    strips: u32,
+    cutter: Cutter,
+    rounds: usize,
+) -> Option<Worst> {
     worst(&bands(around, side, strips, cutter, rounds)?)
 }
 
 /// The size of the largest cutter of the same shape that leaves at most `error` in so many bands, as a share of the size
 /// of this one; `None` where none down to a tenth does. The error grows about as the size does, so that a few trials
 /// find it to a few per cent from below.
-pub fn fitting(around: &Surroundings<'_>, side: Side, strips: u32, cutter: Cutter, error: f64) -> Option<f64> {
+pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cutter, error: f64) -> Option<f64> {
     const TRIALS: usize = 5;
     const SMALLEST: f64 = 0.1;
     /// Share of the error that is near enough to it.
@@ -398,7 +407,7 @@ pub fn fitting(around: &Surroundings<'_>, side: Side, strips: u32, cutter: Cutte
 
 /// How well a cutter fits a face.
 struct Fit {
-    side: Side,
+    side: FaceId,
     cutter: Cutter,
     tool: String,
     /// Error that is allowed, mm, and true where contracts say so.

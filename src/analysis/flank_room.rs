@@ -1,9 +1,9 @@
 //! What the contracts leave to a plan of flank milling.
 
 use crate::contract::{ContractKind, SurfaceClass};
-use crate::ir::design::SurfaceKind;
-use crate::ir::{OperationId, Program, Side};
+use crate::ir::{OperationId, Program};
 use crate::method::ErrorSide;
+use crate::part::{FaceId, SurfaceKind};
 
 /// A bound is kept to this much, mm: what easing may overstep.
 pub const SLACK: f64 = 1e-4;
@@ -46,12 +46,12 @@ pub fn room(
     operation: OperationId,
     errors: ErrorSide,
     kind: SurfaceKind,
-    side: Side,
+    side: FaceId,
 ) -> Option<[f64; 2]> {
+    // What is neither fillet nor hub is beside the face, and asked for as the face is.
     let class = match kind {
-        SurfaceKind::Face(_) if side == Side::Pressure => SurfaceClass::Pressure,
-        SurfaceKind::Face(_) => SurfaceClass::Suction,
-        SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
+        SurfaceKind::Fillet(_) | SurfaceKind::Hub(_) => kind.class(),
+        SurfaceKind::Face(_) => SurfaceKind::Face(side).class(),
         _ => SurfaceClass::Hub,
     };
     let bounds = bounds(program, operation, class);

@@ -16,7 +16,8 @@ pub mod twist;
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{Program, Side};
+use crate::ir::Program;
+use crate::part::BladeId;
 
 /// What is known about the part.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ pub struct Facts {
 pub fn check(program: &Program, sink: &mut Sink) -> Facts {
     let part = &program.part;
     let throat = throat::measure(part, &program.data);
-    let twists = [Side::Pressure, Side::Suction].map(|side| twist::measure(part, side));
+    let twists = BladeId::MAIN.faces().map(|side| twist::measure(part, side));
     let ends = ends::measure(part);
     let outliers = outliers::find(&program.data);
     for outlier in &outliers {

@@ -6,14 +6,15 @@
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{DataCurve, RulingEnd, Side};
+use crate::ir::{DataCurve, RulingEnd};
+use crate::part::{BladeId, FaceId};
 use nalgebra::Point3;
 
 /// A point that breaks the pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// Face.
-    pub side: Side,
+    pub side: FaceId,
     /// End of the rulings.
     pub end: RulingEnd,
     /// Index of the point, from 0.
@@ -53,7 +54,7 @@ pub fn find(data: &[DataCurve]) -> Vec<Outlier> {
     let mut found: Vec<Outlier> = Vec::new();
     for end in [RulingEnd::Tip, RulingEnd::Root] {
         let curve = |side| data.iter().find(|c| c.side == side && c.end == end).map(|c| &c.points);
-        let (Some(p), Some(s)) = (curve(Side::Pressure), curve(Side::Suction)) else { continue };
+        let (Some(p), Some(s)) = (curve(FaceId::PRESSURE), curve(FaceId::SUCTION)) else { continue };
         if p.len() != s.len() || p.len() < MIN_ROWS {
             continue;
         }
@@ -132,7 +133,7 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
         let sign = if side == 0 { 1.0 } else { -1.0 };
         let change = sign * (between[row] - expected);
         found.push(Outlier {
-            side: [Side::Pressure, Side::Suction][side],
+            side: BladeId::MAIN.faces()[side],
             end,
             row,
             pattern,

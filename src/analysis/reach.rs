@@ -6,7 +6,8 @@ use super::throat::Throat;
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Part, Program};
+use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program};
+use crate::part::{Part, Surface};
 use crate::units::trim;
 
 /// What one operation's tool reaches.
@@ -90,7 +91,7 @@ impl Finder<'_> {
     /// comes nearer to the wall than that centre by a chord of the hollow, less the allowance.
     fn room(&self, corner: f64, vane: f64, hub: f64) -> Option<Room> {
         let plain = self.channel.room(corner + vane, corner + hub)?;
-        let Some(fillet) = self.part.fillet.map(|f| f.get()) else { return Some(plain) };
+        let Some(fillet) = self.part.main().fillet.map(|f| f.get()) else { return Some(plain) };
         let hollow = fillet - vane - corner;
         let below = fillet - corner - hub;
         if hollow <= 0.0 || below <= 0.0 {
@@ -104,7 +105,7 @@ impl Finder<'_> {
     /// True when the walls above the floor leave room: at each level the tool's radius at that height.
     fn fits_above(&self, cutter: &Cutter, vane: f64, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
-            let face = &self.part.vane.pressure.surface;
+            let face = &self.part.main().faces[0].surface;
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
             // An untapered tool has its full radius everywhere; a taper or a barrel grows with the height.
             let radius = match *cutter {
@@ -213,7 +214,7 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
         let o = &program.operations[r.operation];
         diag = diag.label(o.span, format!("`{}` uses `{}`", o.name, program.tools[o.tool].name));
     }
-    let fillet = program.part.fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
+    let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
     diag = diag.note(format!("it has to keep {} mm off both vanes and {} mm off the hub{fillet}", left[0], left[1]));
     if let Some(room) = reach.room {
         // What its rounded corners need comes off both sides as well; a ball is all corner.

@@ -1,8 +1,9 @@
 //! Width of the channel: true distance between neighbouring vanes.
 
-use crate::geom::RuledSurface;
 use crate::geom::proximity::Patch;
-use crate::ir::{DataCurve, Part, RulingEnd, Side};
+use crate::ir::{DataCurve, RulingEnd};
+use crate::part::FaceSurface;
+use crate::part::{FaceId, Part, Surface};
 use nalgebra::Point3;
 
 /// Width of the channel, all by true distance in space.
@@ -64,10 +65,10 @@ const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Measures the channel.
 pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
-    let pressure = &part.vane.pressure.surface;
-    // The suction face on the other side of the channel that the pressure face of sector 0 looks into.
-    let towards = if part.first_wall == Side::Pressure { part.pitch() } else { -part.pitch() };
-    let suction = part.vane.suction.surface.rotated(towards);
+    let pressure = &part.main().faces[0].surface;
+    // The wall on the other side of the passage that the pressure face of sector 0 looks into.
+    let (opposite, turn) = part.opposite(FaceId::PRESSURE);
+    let suction = part.face(opposite).surface.rotated(turn);
     let narrow = |patch: Patch| {
         let pair = pressure.closest_pair(patch, &suction, Patch::WHOLE);
         Narrow { u: pair.first.u, v: pair.first.v, distance: pair.distance, point: pair.first.point }
@@ -89,12 +90,12 @@ pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
 /// the thickness m_k of the vane there. The formula itself has half of it. Without the data, on seven even stations.
 fn formula_8(part: &Part, data: &[DataCurve]) -> f64 {
     let root = |side| data.iter().find(|c| c.side == side && c.end == RulingEnd::Root).map(|c| &c.points);
-    let stations = |s: &RuledSurface| (0..7).map(|i| s.point(f64::from(i) / 6.0, 0.0)).collect::<Vec<_>>();
-    let (p, s): (Vec<_>, Vec<_>) = match (root(Side::Pressure), root(Side::Suction)) {
+    let stations = |s: &FaceSurface| (0..7).map(|i| s.point(f64::from(i) / 6.0, 0.0)).collect::<Vec<_>>();
+    let (p, s): (Vec<_>, Vec<_>) = match (root(FaceId::PRESSURE), root(FaceId::SUCTION)) {
         (Some(p), Some(s)) if p.len() == s.len() => {
             (p.iter().map(|d| d.point).collect(), s.iter().map(|d| d.point).collect())
         }
-        _ => (stations(&part.vane.pressure.surface), stations(&part.vane.suction.surface)),
+        _ => (stations(&part.main().faces[0].surface), stations(&part.main().faces[1].surface)),
     };
     p.iter().zip(&s).map(|(p, s)| libm::hypot(p.x, p.y) * part.pitch() - (p - s).norm()).fold(f64::INFINITY, f64::min)
 }

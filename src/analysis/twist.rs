@@ -1,12 +1,12 @@
 //! How far a face is from developable: the turn of its normal along each ruling.
 
-use crate::ir::{Part, Side};
+use crate::part::{FaceId, Part, Surface};
 
 /// Twist of one face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist {
     /// Face.
-    pub side: Side,
+    pub side: FaceId,
     /// Largest angle between the normals at root and tip of a ruling, radians.
     pub largest: f64,
     /// Where it is, from inlet (0) to outlet (1).
@@ -21,7 +21,7 @@ pub struct Twist {
 const RULINGS: usize = 400;
 
 /// Measures one face.
-pub fn measure(part: &Part, side: Side) -> Twist {
+pub fn measure(part: &Part, side: FaceId) -> Twist {
     let face = &part.face(side).surface;
     let mut twist = Twist { side, largest: 0.0, at: 0.0, mean: 0.0, ruling: [f64::INFINITY, 0.0] };
     for i in 0..=RULINGS {

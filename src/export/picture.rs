@@ -1,6 +1,7 @@
 //! A picture of the part with its tool paths: a z-buffer of shaded surface patches, and lines over it.
 
-use crate::ir::{Face, Motion, MoveKind, Part, Program, Side};
+use crate::ir::{Motion, MoveKind, Program};
+use crate::part::{BladeId, Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
 /// Size of the picture in pixels.
@@ -209,10 +210,10 @@ fn draw_part(part: &Part, back: f64, canvas: &mut Canvas) {
     for sector in 0..part.vane_count {
         let turn = part.sector_rotation(sector);
         let point = |face: &Face, u: f64, v: f64| turn * face.surface.point(u, v);
-        for side in [Side::Pressure, Side::Suction] {
+        for side in BladeId::MAIN.faces() {
             canvas.patch(PATCHES, VANE, |u, v| point(part.face(side), u, v));
         }
-        let (p, s) = (&part.vane.pressure, &part.vane.suction);
+        let (p, s) = (&part.main().faces[0], &part.main().faces[1]);
         let between = |u: f64, v: f64, t: f64| {
             let (a, b) = (point(p, u, v), point(s, u, v));
             a + (b - a) * t

@@ -1,9 +1,8 @@
 //! Cutter contact plan: where each pass runs on the part, before the tool has an axis.
 
 use crate::geom::DualCurve;
-use crate::ir::design::SurfaceKind;
-use crate::ir::part::Side;
 use crate::ir::program::OperationId;
+use crate::part::{FaceId, SurfaceKind};
 use nalgebra::{Point3, Rotation3, Vector3};
 
 /// Passes of all operations.
@@ -48,7 +47,7 @@ pub enum Drive {
     /// The band of a vane face with this number, from 0 at the root.
     Face {
         /// Side of the vane.
-        side: Side,
+        side: FaceId,
         /// Band.
         strip: u32,
     },

@@ -12,21 +12,15 @@
 //! | [`Motion`] | joint positions, branch and winding chosen, feeds and times | dialect |
 
 pub mod cc;
-pub mod chart;
 pub mod cl;
-pub mod design;
-pub mod kept;
 pub mod motion;
-pub mod part;
 pub mod print;
 pub mod program;
-pub mod solid;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
 pub use motion::{JointMove, Motion, MotionOperation};
-pub use part::{Face, Guides, Part, Side, Vane};
 pub use program::{
-    Allowed, Clamping, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice,
-    Program, RulingEnd, Stock, Tolerances, Tool, ToolId,
+    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
+    RulingEnd, Tolerances, Tool, ToolId,
 };

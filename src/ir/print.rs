@@ -1,8 +1,8 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
-use super::design::SurfaceKind;
-use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program, Side};
+use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
 use crate::kin::{Carries, Machine};
+use crate::part::{BladeId, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -30,18 +30,18 @@ pub fn program(program: &Program) -> String {
         "part vanes {} pitch {:.4} deg, first wall {}",
         part.vane_count,
         part.pitch().to_degrees(),
-        part.first_wall.name()
+        part.first_passage().walls[0].name()
     );
-    for side in [Side::Pressure, Side::Suction] {
+    for side in BladeId::MAIN.faces() {
         let s = &part.face(side).surface;
         let _ = writeln!(
             t,
             "face {} = ruled root {} .. {} tip {} .. {} orientation {:+}",
             side.name(),
-            at(&s.root.point(0.0)),
-            at(&s.root.point(1.0)),
-            at(&s.tip.point(0.0)),
-            at(&s.tip.point(1.0)),
+            at(&s.root().point(0.0)),
+            at(&s.root().point(1.0)),
+            at(&s.tip().point(0.0)),
+            at(&s.tip().point(1.0)),
             part.face(side).orientation
         );
     }
@@ -49,7 +49,7 @@ pub fn program(program: &Program) -> String {
         let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
         let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
     }
-    let _ = writeln!(t, "fillet {}", part.fillet.map_or("none".to_owned(), |f| f.to_string()));
+    let _ = writeln!(t, "fillet {}", part.main().fillet.map_or("none".to_owned(), |f| f.to_string()));
     let s = &program.stock;
     let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
     let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());
@@ -123,8 +123,8 @@ fn kind(kind: &OperationKind) -> String {
                 .iter()
                 .map(|s| match s {
                     SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side.name(),
-                    SurfaceKind::InletEdge => "inlet",
-                    SurfaceKind::OutletEdge => "outlet",
+                    SurfaceKind::InletEdge(_) => "inlet",
+                    SurfaceKind::OutletEdge(_) => "outlet",
                     // No operation takes these as its surfaces.
                     _ => "",
                 })

@@ -6,10 +6,9 @@ use crate::contract::{Bound, Guarded, Scope};
 use crate::entity::PrimaryMap;
 use crate::entity_id;
 use crate::geom::Revolution;
-use crate::ir::design::SurfaceKind;
-use crate::ir::part::{Part, Side};
 use crate::kin::Machine;
 use crate::method::{AxisMethod, Flank, Lines, Spacing};
+use crate::part::{FaceId, Part, Stock, SurfaceKind};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
 use nalgebra::Point3;
@@ -63,7 +62,7 @@ pub const DEFAULT_MEMORY: f64 = 2e9;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataCurve {
     /// Face that the curve bounds.
-    pub side: Side,
+    pub side: FaceId,
     /// End of the rulings that it guides.
     pub end: RulingEnd,
     /// The points, each with its place in the text.
@@ -105,55 +104,6 @@ pub struct Tolerances {
     pub chord: Mm,
     /// The same in roughing.
     pub chord_rough: Mm,
-}
-
-/// Turned blank: what the lathe left. The space between its outside and the part is what milling removes.
-#[derive(Clone, Debug)]
-pub struct Stock {
-    /// Outside, a closed-off profile in the meridian plane as (r, z) points from the bore over front, inlet, shroud
-    /// and outlet to the back; corners are sharp between the points.
-    pub profile: Vec<[f64; 2]>,
-    /// Surface over the vane tips: the shroud offset outward by the stock left over it.
-    pub over_shroud: Mm,
-    /// Radius of the bore.
-    pub bore_radius: Mm,
-    /// Height of the back face.
-    pub back: Mm,
-    /// What holds it.
-    pub clamping: Clamping,
-}
-
-/// Space of chuck and table: a cylinder about Z without a lower end, which no part of a tool may enter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clamping {
-    /// Its height.
-    pub below: Mm,
-    /// Its radius; `None` is everything below.
-    pub radius: Option<Mm>,
-    /// True when the job does not say: everything below the back face.
-    pub by_default: bool,
-}
-
-/// Pieces of the turned profile along the shroud: their chords stay within a micrometre of a vane's meridian.
-const SHROUD_PIECES: usize = 200;
-
-impl Stock {
-    /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud, to the outlet
-    /// radius, with a flat front face at the inlet of the hub.
-    pub fn turned(part: &Part, over: Mm, bore_radius: Mm, back: Mm) -> Self {
-        let hub = part.hub.meridian(0.0).point;
-        let mut profile = vec![[bore_radius.get(), back.get()], [bore_radius.get(), hub.y], [hub.x, hub.y]];
-        for i in 0..=SHROUD_PIECES {
-            let u = i as f64 / SHROUD_PIECES as f64;
-            let p = part.shroud.meridian(u).point + part.shroud.meridian_normal(u) * over.get();
-            profile.push([p.x, p.y]);
-        }
-        let outlet = part.hub.meridian(1.0).point.x.max(profile.last().map_or(0.0, |p| p[0]));
-        profile.push([outlet, part.hub.meridian(1.0).point.y]);
-        profile.push([outlet, back.get()]);
-        let clamping = Clamping { below: back, radius: None, by_default: true };
-        Self { profile, over_shroud: over, bore_radius, back, clamping }
-    }
 }
 
 /// A tool with its holder.
@@ -231,7 +181,7 @@ pub enum OperationKind {
     /// Vane faces with the side of the cutter (Wei 3.2).
     Flank {
         /// Faces to finish.
-        faces: Vec<Side>,
+        faces: Vec<FaceId>,
         /// How.
         flank: Flank,
     },
@@ -269,7 +219,7 @@ impl OperationKind {
             Self::Channel { .. } => "channel",
             Self::Point { surfaces, .. } => match surfaces.first() {
                 Some(SurfaceKind::Fillet(_)) => "fillet",
-                Some(SurfaceKind::InletEdge | SurfaceKind::OutletEdge) => "edge",
+                Some(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)) => "edge",
                 _ => "point",
             },
         }
@@ -350,7 +300,7 @@ impl Program {
 
     /// True when an operation finishes an edge of the vanes, which else the lathe does.
     pub fn finishes_edges(&self) -> bool {
-        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge | SurfaceKind::OutletEdge);
+        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_));
         self.operations
             .iter()
             .any(|(_, o)| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge)))

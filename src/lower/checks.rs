@@ -2,9 +2,8 @@
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Aborted, Diag, Sink};
-use crate::geom::RuledSurface;
-use crate::ir::{Guides, Part, Side};
 use crate::job::model::{CurveSpec, FaceSpec, Job, PartSpec};
+use crate::part::{BladeId, FaceId, Guides, Part, Surface};
 use crate::units::length;
 use nalgebra::{Point3, Vector2};
 
@@ -31,7 +30,7 @@ fn meridian(p: &Point3<f64>) -> Vector2<f64> {
     Vector2::new(libm::hypot(p.x, p.y), p.z)
 }
 
-fn names(side: Side, tip: bool) -> String {
+fn names(side: FaceId, tip: bool) -> String {
     format!("{} {}", side.name(), if tip { "tip" } else { "root" })
 }
 
@@ -39,10 +38,10 @@ fn names(side: Side, tip: bool) -> String {
 fn curves<'a>(spec: &'a PartSpec, faces: [&'a Guides; 2]) -> [(String, &'a CurveSpec, &'a crate::geom::NurbsCurve); 4] {
     let [p, s] = faces;
     [
-        (names(Side::Pressure, true), &spec.pressure.tip, &p.tip),
-        (names(Side::Pressure, false), &spec.pressure.root, &p.root),
-        (names(Side::Suction, true), &spec.suction.tip, &s.tip),
-        (names(Side::Suction, false), &spec.suction.root, &s.root),
+        (names(FaceId::PRESSURE, true), &spec.pressure.tip, &p.tip),
+        (names(FaceId::PRESSURE, false), &spec.pressure.root, &p.root),
+        (names(FaceId::SUCTION, true), &spec.suction.tip, &s.tip),
+        (names(FaceId::SUCTION, false), &spec.suction.root, &s.root),
     ]
 }
 
@@ -107,13 +106,13 @@ pub(super) fn directions(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) 
 /// The tips lie outside of the hub, on the side away from the axis.
 pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for side in [Side::Pressure, Side::Suction] {
+    for side in BladeId::MAIN.faces() {
         let surface = &part.face(side).surface;
         let text = face_spec(spec, side);
-        let (root, tip) = (surface.root.point(0.0), surface.tip.point(0.0));
+        let (root, tip) = (surface.root().point(0.0), surface.tip().point(0.0));
         let swapped = meridian(&tip).x <= meridian(&root).x;
         let low = (0..=STATIONS)
-            .map(|i| surface.tip.point(u(i)))
+            .map(|i| surface.tip().point(u(i)))
             .map(|p| (p, part.hub.distance(&p)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .filter(|(_, height)| *height < MIN_HEIGHT);
@@ -137,17 +136,14 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     done(sink, before)
 }
 
-fn face_spec(spec: &PartSpec, side: Side) -> &FaceSpec {
-    match side {
-        Side::Pressure => &spec.pressure,
-        Side::Suction => &spec.suction,
-    }
+fn face_spec(spec: &PartSpec, side: FaceId) -> &FaceSpec {
+    [&spec.pressure, &spec.suction][side.index()]
 }
 
 /// Azimuth by which the suction face is ahead of the pressure face at equal parameters, in (-pi, pi].
 fn gap(part: &Part, u: f64, v: f64) -> f64 {
-    let p = part.vane.pressure.surface.point(u, v);
-    let s = part.vane.suction.surface.point(u, v);
+    let p = part.main().faces[0].surface.point(u, v);
+    let s = part.main().faces[1].surface.point(u, v);
     libm::atan2(p.x * s.y - p.y * s.x, p.x * s.x + p.y * s.y)
 }
 
@@ -161,11 +157,11 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
             Diag::error(codes::FACES_CROSS, "pressure and suction face cross each other")
                 .label(spec.suction.root.span, "suction side")
                 .label(spec.pressure.root.span, "pressure side")
-                .place(format!("pressure face, u = {u:.2}, v = {v:.2}"), part.vane.pressure.surface.point(u, v))
+                .place(format!("pressure face, u = {u:.2}, v = {v:.2}"), part.main().faces[0].surface.point(u, v))
                 .help("every point of the suction side lies on the same side of the pressure side; check the points"),
         );
     }
-    for side in [Side::Pressure, Side::Suction] {
+    for side in BladeId::MAIN.faces() {
         let surface = &part.face(side).surface;
         if let Some((u, v)) = fold(surface) {
             let text = face_spec(spec, side);
@@ -186,7 +182,7 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// A place where the normal vanishes or turns by more than a right angle against that of the middle of its ruling.
-fn fold(surface: &RuledSurface) -> Option<(f64, f64)> {
+fn fold(surface: &impl Surface) -> Option<(f64, f64)> {
     let normal = |u: f64, v: f64| {
         let (_, su, sv) = surface.tangents(u, v);
         su.cross(&sv)
@@ -217,7 +213,7 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
                         thickness.to_degrees()
                     ),
                 )
-                .place(format!("pressure face, u = {u:.2}, v = {v:.2}"), part.vane.pressure.surface.point(u, v))
+                .place(format!("pressure face, u = {u:.2}, v = {v:.2}"), part.main().faces[0].surface.point(u, v))
                 .help(help),
         );
     }
@@ -227,9 +223,9 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
 /// Says how far faces end from hub and shroud; they are extended or trimmed along their rulings.
 pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
     for (what, surface, tip) in [("hub", &part.hub, false), ("shroud", &part.shroud, true)] {
-        for side in [Side::Pressure, Side::Suction] {
+        for side in BladeId::MAIN.faces() {
             let guides = &part.face(side).surface;
-            let curve = if tip { &guides.tip } else { &guides.root };
+            let curve = if tip { guides.tip() } else { guides.root() };
             let farthest = (0..=STATIONS)
                 .map(|i| curve.point(u(i)))
                 .map(|p| (surface.distance(&p), p))

@@ -9,11 +9,10 @@ use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::NurbsCurve;
-use crate::ir::design::SurfaceKind;
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
-    Allowed, Clamping, Contract, DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice,
-    Program, RulingEnd, Side, Stock, Tolerances, Tool, ToolId,
+    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, RulingEnd,
+    Tolerances, Tool, ToolId,
 };
 use crate::job::model::{
     self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec,
@@ -21,6 +20,7 @@ use crate::job::model::{
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::method::VaneSurface;
+use crate::part::{BladeId, Clamping, FaceId, Guides, Part, Stock, SurfaceKind};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -104,10 +104,10 @@ fn data(job: &Job) -> Vec<DataCurve> {
     };
     let (p, s) = (&job.part.pressure, &job.part.suction);
     vec![
-        curve(Side::Pressure, RulingEnd::Tip, &p.tip),
-        curve(Side::Pressure, RulingEnd::Root, &p.root),
-        curve(Side::Suction, RulingEnd::Tip, &s.tip),
-        curve(Side::Suction, RulingEnd::Root, &s.root),
+        curve(FaceId::PRESSURE, RulingEnd::Tip, &p.tip),
+        curve(FaceId::PRESSURE, RulingEnd::Root, &p.root),
+        curve(FaceId::SUCTION, RulingEnd::Tip, &s.tip),
+        curve(FaceId::SUCTION, RulingEnd::Root, &s.root),
     ]
 }
 
@@ -163,7 +163,7 @@ fn operation(spec: &model::OperationSpec) -> Operation {
             residual: *residual,
         },
         model::OperationKind::Flank { pressure, suction, flank } => {
-            let sides = [(*pressure, Side::Pressure), (*suction, Side::Suction)];
+            let sides = [(*pressure, FaceId::PRESSURE), (*suction, FaceId::SUCTION)];
             let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
             OperationKind::Flank { faces, flank: *flank }
         }
@@ -194,12 +194,12 @@ fn operation(spec: &model::OperationSpec) -> Operation {
 
 fn vane_surface(surface: VaneSurface) -> SurfaceKind {
     match surface {
-        VaneSurface::PressureFace => SurfaceKind::Face(Side::Pressure),
-        VaneSurface::SuctionFace => SurfaceKind::Face(Side::Suction),
-        VaneSurface::PressureFillet => SurfaceKind::Fillet(Side::Pressure),
-        VaneSurface::SuctionFillet => SurfaceKind::Fillet(Side::Suction),
-        VaneSurface::InletEdge => SurfaceKind::InletEdge,
-        VaneSurface::OutletEdge => SurfaceKind::OutletEdge,
+        VaneSurface::PressureFace => SurfaceKind::Face(FaceId::PRESSURE),
+        VaneSurface::SuctionFace => SurfaceKind::Face(FaceId::SUCTION),
+        VaneSurface::PressureFillet => SurfaceKind::Fillet(FaceId::PRESSURE),
+        VaneSurface::SuctionFillet => SurfaceKind::Fillet(FaceId::SUCTION),
+        VaneSurface::InletEdge => SurfaceKind::InletEdge(BladeId::MAIN),
+        VaneSurface::OutletEdge => SurfaceKind::OutletEdge(BladeId::MAIN),
     }
 }
 

@@ -15,9 +15,9 @@ use super::way_out::way_out;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::entity::PrimaryMap;
-use crate::ir::design::SurfaceKind;
 use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program, Tool};
 use crate::method::AxisMethod;
+use crate::part::SurfaceKind;
 use rayon::prelude::*;
 
 /// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
@@ -211,7 +211,7 @@ fn clearing_lean(
     let lack = |p: &ClPoint| {
         let ball = solid.cutter.ends_in_ball();
         // Where the ball touches an edge nothing of the part comes near its side.
-        let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge | SurfaceKind::OutletEdge));
+        let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
         let beside = on_vane && !(ball && edge);
         let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
         let side_free = leaning && ball;

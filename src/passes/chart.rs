@@ -1,6 +1,6 @@
 //! Coordinates of a channel: u from inlet to outlet, v from hub to shroud, w from its first wall to its second.
 
-use crate::ir::{Face, Part, Side};
+use crate::part::{Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
 /// Least outward lean of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
@@ -33,11 +33,8 @@ struct Cylindrical {
 
 impl<'a> Chart<'a> {
     pub(super) fn new(part: &'a Part) -> Self {
-        let (first, second) = match part.first_wall {
-            Side::Pressure => (Side::Pressure, Side::Suction),
-            Side::Suction => (Side::Suction, Side::Pressure),
-        };
-        Self { part, first: part.face(first), second: part.face(second) }
+        let [first, second] = part.first_passage().walls.map(|wall| part.face(wall));
+        Self { part, first, second }
     }
 
     /// Points on both walls at the same (u, v), azimuths such that the second follows the first.

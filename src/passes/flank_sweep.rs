@@ -8,9 +8,9 @@ use crate::analysis::flank_room::{SLACK, room};
 use crate::envelope::target::Of;
 use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
 use crate::geom::DualCurve;
-use crate::ir::design::SurfaceKind;
-use crate::ir::{OperationId, Program, Side};
+use crate::ir::{OperationId, Program};
 use crate::method::{Conflict, ErrorSide, Flank};
+use crate::part::{FaceId, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -89,7 +89,7 @@ struct Points {
 
 impl Task<'_> {
     /// Deviations that the contracts leave to the plan on a surface.
-    pub(super) fn room(&self, kind: SurfaceKind, side: Side) -> Option<[f64; 2]> {
+    pub(super) fn room(&self, kind: SurfaceKind, side: FaceId) -> Option<[f64; 2]> {
         room(self.program, self.operation, self.choices.side, kind, side)
     }
 

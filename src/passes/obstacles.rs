@@ -2,9 +2,8 @@
 
 use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
-use crate::ir::Part;
-use crate::ir::design::{self, SurfaceKind};
 use crate::kin::{Carried, Chain, Machine, RotaryPose};
+use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -83,13 +82,10 @@ pub struct Obstacles {
 impl Obstacles {
     /// Samples all surfaces of the part, and of what turns with it on a machine.
     pub fn new(part: &Part, machine: &Machine) -> Self {
-        let (mut walls, mut hub) = (Vec::new(), Vec::new());
-        for sample in design::sample(part, SPACING) {
-            match sample.surface.kind {
-                SurfaceKind::Hub => hub.push(sample.cloud_point()),
-                _ => walls.push(sample.cloud_point()),
-            }
-        }
+        let samples = sample::sample(part, SPACING);
+        let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
+            samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
+        let [hub, walls] = [hub, walls].map(sample::cloud_points);
         let carried = machine.carried.iter().map(|solid| carried(solid, machine.table_axis())).collect();
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }

@@ -10,9 +10,10 @@ use crate::diag::Aborted;
 use crate::geom::DualCurve;
 use crate::ir::{
     CcOperation, CcPass, CcPlan, CcPoint, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind,
-    Program, Side,
+    Program,
 };
 use crate::method::{AxisMethod, Flank, FlankMethod};
+use crate::part::{FaceId, Surface};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
@@ -85,7 +86,7 @@ fn path_points(path: &DualCurve, pass: &CcPass) -> Vec<ClPoint> {
 /// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12), or the offset of its middle with
 /// the axis along the ruling (Liu 1995). The first and the last station
 /// lie on the lead, where the tool shifts along its path without turning.
-fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: Side) -> Vec<ClPoint> {
+fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: FaceId) -> Vec<ClPoint> {
     let part = &program.part;
     let OperationKind::Flank { flank: Flank { method, .. }, .. } = operation.kind else { return Vec::new() };
     let turn = part.sector_rotation(pass.sector);

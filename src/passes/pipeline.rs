@@ -8,8 +8,8 @@ use super::{
 };
 use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
-use crate::ir::design;
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
+use crate::part::sample;
 use crate::progress::Progress;
 use crate::units;
 
@@ -93,8 +93,8 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 
 /// Refuses parts that cannot be sampled.
 fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
-    let samples = design::estimate(&program.part, FINEST_SPACING);
-    if samples <= design::MOST_SAMPLES {
+    let samples = sample::estimate(&program.part, FINEST_SPACING);
+    if samples <= sample::MOST_SAMPLES {
         return Ok(());
     }
     let outlet = program.part.hub.meridian(1.0).point.x;
@@ -103,7 +103,7 @@ fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
             planning::TOO_LARGE,
             format!(
                 "a part of {outlet:.0} mm radius needs {samples:.1e} samples; at most {:.1e} are made",
-                design::MOST_SAMPLES
+                sample::MOST_SAMPLES
             ),
         )
         .help("check the units of the points"),
@@ -168,7 +168,7 @@ pub(super) fn check_fillet(
 ) -> Result<(), Aborted> {
     let tool = &cx.program.tools[operation.tool];
     let radius = tool.solid.cutter.tip_radius();
-    let Some(fillet) = cx.program.part.fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
+    let Some(fillet) = cx.program.part.main().fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
     cx.sink.push(
         Diag::error(
             planning::BALL_TOO_BIG,

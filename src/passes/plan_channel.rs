@@ -12,8 +12,9 @@ use super::scallop;
 use super::surface_lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
-use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Side};
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Spacing;
+use crate::part::{FaceId, Part, Surface};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -103,10 +104,10 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     };
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
-    let rolling = part.fillet.map_or(radius, |f| f.get());
+    let rolling = part.main().fillet.map_or(radius, |f| f.get());
     check_hollow(cx, operation, radius)?;
-    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
-    let bounds = (contact(part, part.first_wall, rolling), contact(part, second, rolling));
+    let [ahead, behind] = part.first_passage().walls;
+    let bounds = (contact(part, ahead, rolling), contact(part, behind, rolling));
     let (Some(first), Some(second)) = bounds else {
         cx.sink.push(
             Diag::error(
@@ -155,7 +156,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         return Ok(());
     }
     // In the middle of the channel, nearly.
-    let root = part.face(part.first_wall).surface.point(worst, 0.0);
+    let root = part.face(part.first_passage().walls[0]).surface.point(worst, 0.0);
     let at = part.hub.point(worst, libm::atan2(root.y, root.x) + 0.5 * part.pitch());
     cx.sink.push(
         Diag::error(
@@ -168,7 +169,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(operation.span, "this operation finishes the hub")
         .label(tool.span, "this ball would touch it beside the line that it is to cut")
         .place(format!("hub at u = {worst:.3}"), at)
-        .help(part.fillet.map_or_else(
+        .help(part.main().fillet.map_or_else(
             || what_would_do(part, radius),
             |f| format!("take a ball of less than {:.2} mm diameter", (200.0 * room.min(f.get())).floor() / 100.0),
         )),
@@ -192,7 +193,7 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>)
         return Ok(());
     }
     let (name, at) = place(narrow);
-    let most = part.fillet.map_or(floor.radius, |f| f.get());
+    let most = part.main().fillet.map_or(floor.radius, |f| f.get());
     cx.sink.push(
         Diag::error(
             planning::TOOL_TOO_LARGE,
@@ -216,9 +217,9 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let sharpest = stations().map(hollow).fold(f64::INFINITY, f64::min);
-    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
+    let [ahead, behind] = part.first_passage().walls;
     let fits = |radius: f64| {
-        let walls = contact(part, part.first_wall, radius).zip(contact(part, second, radius));
+        let walls = contact(part, ahead, radius).zip(contact(part, behind, radius));
         walls.is_some_and(|(first, second)| {
             let floor = Floor { part, radius, walls: [first, second] };
             -sharpest * radius < 1.0 && stations().all(|u| floor.walls(u).1 > 0.0)
@@ -231,7 +232,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
         if fits(f64::from(middle) * RADIUS_STEP) { low = middle } else { high = middle }
     }
     let radius = f64::from(low) * RADIUS_STEP;
-    match (low, part.fillet) {
+    match (low, part.main().fillet) {
         (0, _) => "no ball rolls along both walls of this channel: correct the faces, or take fewer vanes".to_owned(),
         (_, None) => format!("take a ball of at most {:.2} mm diameter", 2.0 * radius),
         (_, Some(_)) => {
@@ -302,7 +303,7 @@ fn equal_division(
 }
 
 /// Contact line of the ball that rolls between the hub and a face of sector 0.
-fn contact(part: &Part, side: Side, radius: f64) -> Option<Contact> {
+fn contact(part: &Part, side: FaceId, radius: f64) -> Option<Contact> {
     let face = part.face(side);
     let mut line: Contact = Vec::with_capacity(STATIONS + 1);
     // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.

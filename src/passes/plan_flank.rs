@@ -13,9 +13,9 @@ use crate::analysis::flank_room::{SLACK, kept};
 use crate::collide::Cutter;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::DualCurve;
-use crate::ir::design::SurfaceKind;
-use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Part, Program, Side};
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Program};
 use crate::method::{Flank, FlankMethod};
+use crate::part::{FaceId, Part, Surface, SurfaceKind};
 use crate::units::length;
 use rayon::prelude::*;
 
@@ -40,7 +40,7 @@ const WORTH: f64 = 0.8;
 
 /// A band of a face in sector 0, ready to be turned into the sectors.
 struct Planned {
-    side: Side,
+    side: FaceId,
     strip: u32,
     points: Vec<CcPoint>,
     sweep: Option<Sweep>,
@@ -75,7 +75,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     Ok(CcOperation { operation: id, passes, notes })
 }
 
-fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: Side, rolling: f64) -> Aborted {
+fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {
     cx.sink.push(
         Diag::error(
             planning::NO_FILLET,
@@ -107,7 +107,7 @@ enum Bands {
 pub fn axis_paths(
     program: &Program,
     id: OperationId,
-    side: Side,
+    side: FaceId,
     around: &Surroundings<'_>,
     obstacles: &Obstacles,
 ) -> Option<Vec<DualCurve>> {
@@ -121,7 +121,7 @@ pub fn axis_paths(
 }
 
 /// The paths of the bands of a face. `None` where no ball rolls along the root.
-fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter) -> Option<Bands> {
+fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
     let sweeps = |bands: &[(Band<'_>, Worst)]| {
         bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>()
     };
@@ -185,7 +185,7 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: Side, cutter: Cutter)
 /// Largest sizes of the cutter that keep an error in numbers of bands, as shares of its size.
 fn fitting(
     around: &Surroundings<'_>,
-    side: Side,
+    side: FaceId,
     cutter: Cutter,
     strips: &[u32],
     error: f64,
@@ -200,7 +200,7 @@ fn optimised(
     cx: &mut PassContext<'_>,
     id: OperationId,
     operation: &Operation,
-    faces: &[Side],
+    faces: &[FaceId],
     choices: Flank,
 ) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
     let program = cx.program;
@@ -223,7 +223,7 @@ fn optimised(
                 continue;
             }
             None => {
-                let rolling = program.part.fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.get());
+                let rolling = program.part.main().fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.get());
                 return Err(no_ball(cx, operation, *side, rolling));
             }
         };
@@ -280,7 +280,7 @@ fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
 fn never(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    side: Side,
+    side: FaceId,
     worst: &Worst,
     needed: f64,
     fitting: &[(u32, Option<f64>)],
@@ -321,7 +321,7 @@ fn lacking(
     operation: &Operation,
     task: &Task<'_>,
     around: &Surroundings<'_>,
-    side: Side,
+    side: FaceId,
     strips: u32,
     lacks: f64,
 ) {
@@ -350,7 +350,7 @@ fn lacking(
 }
 
 /// Contact stations of an optimised band, with the ends of both leads.
-fn stations(part: &Part, side: Side, sweep: &Sweep) -> Vec<CcPoint> {
+fn stations(part: &Part, side: FaceId, sweep: &Sweep) -> Vec<CcPoint> {
     let face = part.face(side);
     let at = |t: f64| {
         let tip = sweep.path.at(t).lower;
@@ -373,12 +373,12 @@ fn stations(part: &Part, side: Side, sweep: &Sweep) -> Vec<CcPoint> {
 fn by_ruling(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    faces: &[Side],
+    faces: &[FaceId],
     flank: Flank,
 ) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
-    let rolling = part.fillet.map_or(radius, |f| f.get());
+    let rolling = part.main().fillet.map_or(radius, |f| f.get());
     let strips = flank.strips.unwrap_or(1);
     let mut bands = Vec::new();
     for side in faces {

@@ -9,6 +9,7 @@ use super::step;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::interpolate;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId};
+use crate::part::Surface;
 use nalgebra::Point3;
 
 /// Longest step of a roughing line, mm: the axis of the tool turns along the line too, and the law of the curvature
@@ -55,7 +56,7 @@ pub(super) fn check_room(
     let Some(last) = layers.last() else {
         if let End::Narrow { level, u } = end {
             let tool = &cx.program.tools[operation.tool];
-            let place = cx.program.part.face(cx.program.part.first_wall).surface.point(*u, *level);
+            let place = cx.program.part.face(cx.program.part.first_passage().walls[0]).surface.point(*u, *level);
             cx.sink.push(
                 Diag::error(
                     planning::NO_ROOM,

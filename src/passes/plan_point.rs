@@ -12,10 +12,12 @@ use super::surface_lines::{self, Ground, constant_scallop};
 use super::vane_axis::{VaneAxis, tip_at};
 use super::vane_ground::{VaneGround, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
-use crate::ir::chart::{Shape, charts, edges};
-use crate::ir::design::SurfaceKind;
-use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Side};
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
+use crate::part::{
+    BladeId, FaceId, SurfaceKind,
+    chart::{Shape, charts, edges, edges_of},
+};
 use crate::units::length;
 use rayon::prelude::*;
 
@@ -47,10 +49,10 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let ground = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
         let side = match kind {
             SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
-            _ => Side::Pressure,
+            _ => FaceId::PRESSURE,
         };
         let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
-        let hollow = part.fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
+        let hollow = part.main().fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
         let mut ground = VaneGround { chart, side, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
         if matches!(kind, SurfaceKind::Face(_)) {
             ground.low = lowest(cx, operation, &ground);
@@ -59,7 +61,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         Ok(ground)
     };
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
-    let faces = [Side::Pressure, Side::Suction].map(SurfaceKind::Face);
+    let faces = BladeId::MAIN.faces().map(SurfaceKind::Face);
     let round = order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f));
     if round {
         let grounds = [ground(cx, faces[0])?, ground(cx, faces[1])?];
@@ -107,7 +109,7 @@ fn spiral(
     grounds: [&VaneGround<'_>; 2],
     height: f64,
 ) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
-    let edges = edges(&cx.program.part);
+    let edges = edges_of(&cx.program.part, BladeId::MAIN);
     let low = grounds.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
     let around = Around { faces: [grounds[0], grounds[1]], edges: &edges, low };
     let target = surface_lines::left_to_ridges(cx, height);
@@ -189,7 +191,11 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) 
             Some(((v - low) / (high - low)).clamp(0.0, 1.0))
         };
         // With a fillet the chart begins where any ball that fits it may stand.
-        return if part.fillet.is_some() { vec![0.0; 2] } else { stations.map(|x| height(x).unwrap_or(0.0)).collect() };
+        return if part.main().fillet.is_some() {
+            vec![0.0; 2]
+        } else {
+            stations.map(|x| height(x).unwrap_or(0.0)).collect()
+        };
     }
     let stands = |x: f64, y: f64| {
         let place = ground.chart.place(x, y);

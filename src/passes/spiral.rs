@@ -14,7 +14,7 @@
 use super::plan_flank::STATIONS;
 use super::surface_lines::{Ground, Line};
 use crate::ir::CcPoint;
-use crate::ir::chart::{Chart, Shape};
+use crate::part::chart::{Chart, Shape};
 use nalgebra::Vector3;
 
 /// Levels at which the steps of a turn are found.

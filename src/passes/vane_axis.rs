@@ -3,8 +3,7 @@
 use super::chart::Chart;
 use super::orient_tool::Lean;
 use crate::collide::Cutter;
-use crate::ir::design::SurfaceKind;
-use crate::ir::{Part, Side};
+use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 
 /// Least tilt off an edge, radians: the room before it is free, so that the tool need not lie along it.
@@ -27,7 +26,7 @@ impl<'a> VaneAxis<'a> {
         let (side, v) = match surface {
             SurfaceKind::Face(side) => (side, v),
             SurfaceKind::Fillet(side) => (side, 0.0),
-            SurfaceKind::InletEdge => return self.off_edge(0.0, lean),
+            SurfaceKind::InletEdge(_) => return self.off_edge(0.0, lean),
             _ => return self.off_edge(1.0, lean),
         };
         let u = u.clamp(0.0, 1.0);
@@ -37,7 +36,7 @@ impl<'a> VaneAxis<'a> {
             Lean::Along => return face.surface.ruling(u),
             Lean::Away(tilt) => tilt,
         };
-        let along = if side == self.part.first_wall {
+        let along = if self.part.looks_ahead(side) {
             self.channel.leaning(u, 0.0, 0.0)
         } else {
             self.part.sector_rotation(1).inverse() * self.channel.leaning(u, 1.0, 1.0)
@@ -49,7 +48,7 @@ impl<'a> VaneAxis<'a> {
     /// Tool axis round a vane: of the pressure face (`round` 0), over the inlet edge (to 2) to the suction face (2), over the
     /// outlet edge (to 4) back.
     pub(super) fn round(&self, round: f64, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
-        let [pressure, suction] = [Side::Pressure, Side::Suction].map(SurfaceKind::Face);
+        let [pressure, suction] = BladeId::MAIN.faces().map(SurfaceKind::Face);
         if round == 0.0 || round == 2.0 {
             return self.axis(if round < 1.0 { pressure } else { suction }, u, v, lean);
         }
@@ -64,13 +63,13 @@ impl<'a> VaneAxis<'a> {
         }
     }
 
-    pub(super) fn first_wall(&self) -> Side {
-        self.part.first_wall
+    pub(super) fn first_wall(&self) -> FaceId {
+        self.part.first_passage().walls[0]
     }
 
     /// Between the ruling and away from the vane at inlet (u = 0) or outlet (1).
     fn off_edge(&self, u: f64, lean: Lean) -> Vector3<f64> {
-        let faces = [Side::Pressure, Side::Suction].map(|side| &self.part.face(side).surface);
+        let faces = BladeId::MAIN.faces().map(|side| &self.part.face(side).surface);
         let ruling = (faces[0].ruling(u) + faces[1].ruling(u)).normalize();
         let Lean::Away(tilt) = lean else { return ruling };
         let (_, along, _) = faces[0].tangents(u, 0.5);

@@ -7,9 +7,11 @@ use super::vane_axis::{VaneAxis, tip_at};
 use crate::collide::Cutter;
 use crate::collide::tool::tool_coordinates;
 use crate::geom::BandMetric;
-use crate::ir::chart::{Chart, Shape};
-use crate::ir::design::SurfaceKind;
-use crate::ir::{CcPoint, Side};
+use crate::ir::CcPoint;
+use crate::part::{
+    FaceId, SurfaceKind,
+    chart::{Chart, Shape},
+};
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
@@ -32,7 +34,7 @@ const BARREL_LEAN: f64 = 0.5;
 pub(super) struct VaneGround<'a> {
     pub(super) chart: &'a Chart<'a>,
     /// Its face, that of a fillet; of an edge either.
-    pub(super) side: Side,
+    pub(super) side: FaceId,
     /// Radius of the fillet, where this is one.
     pub(super) hollow: Option<f64>,
     pub(super) cutter: Cutter,
@@ -235,8 +237,8 @@ pub(super) fn nominal_tilt(cutter: &Cutter) -> f64 {
 impl Ground for VaneGround<'_> {
     fn name(&self) -> String {
         match self.chart.kind {
-            SurfaceKind::InletEdge => "inlet edge".to_owned(),
-            SurfaceKind::OutletEdge => "outlet edge".to_owned(),
+            SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),
+            SurfaceKind::OutletEdge(_) => "outlet edge".to_owned(),
             SurfaceKind::Fillet(side) => format!("{} fillet", side.name()),
             _ => format!("{} face", self.side.name()),
         }
@@ -256,8 +258,8 @@ impl Ground for VaneGround<'_> {
         let off = x - inside;
         let (u, w) = match self.chart.kind {
             // Along an edge u stays at its end.
-            SurfaceKind::InletEdge => (0.0, y),
-            SurfaceKind::OutletEdge => (1.0, y),
+            SurfaceKind::InletEdge(_) => (0.0, y),
+            SurfaceKind::OutletEdge(_) => (1.0, y),
             _ => (u + off, if self.side == self.axes.first_wall() { 0.0 } else { 1.0 }),
         };
         let position = if off == 0.0 { place.position } else { place.position + self.local(inside, y).px * off };
@@ -266,7 +268,7 @@ impl Ground for VaneGround<'_> {
 
     /// Below an edge is the hub, beside it free room.
     fn open(&self) -> [bool; 2] {
-        [!matches!(self.chart.kind, SurfaceKind::InletEdge | SurfaceKind::OutletEdge), true]
+        [!matches!(self.chart.kind, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)), true]
     }
 
     fn speed(&self, x: f64, y: f64, slope: f64) -> f64 {

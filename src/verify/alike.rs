@@ -53,8 +53,7 @@ pub fn alike(surfaces: &[SurfaceReport], told: impl Fn(&SurfaceReport) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ir::Side;
-    use crate::ir::design::{SurfaceId, SurfaceKind};
+    use crate::part::{FaceId, PassageId, SurfaceId, SurfaceKind};
     use crate::verify::surface::Worst;
 
     fn surface(kind: SurfaceKind, sector: u32, depth: f64) -> SurfaceReport {
@@ -79,8 +78,14 @@ mod tests {
 
     #[test]
     fn groups_are_of_one_kind_and_one_figure() {
-        let face = SurfaceKind::Face(Side::Pressure);
-        let depths = [(face, 0, 5.0), (face, 1, 5.1), (face, 2, 7.0), (face, 4, 5.2), (SurfaceKind::Hub, 0, 5.0)];
+        let face = SurfaceKind::Face(FaceId::PRESSURE);
+        let depths = [
+            (face, 0, 5.0),
+            (face, 1, 5.1),
+            (face, 2, 7.0),
+            (face, 4, 5.2),
+            (SurfaceKind::Hub(PassageId::FIRST), 0, 5.0),
+        ];
         let surfaces: Vec<_> = depths.into_iter().map(|(kind, sector, d)| surface(kind, sector, d)).collect();
         let groups = alike(&surfaces, |s| Some(format!("{:.0}", s.gouge.depth)));
         let found: Vec<_> = groups.iter().map(|g| (g.name.as_str(), g.members.as_slice())).collect();
@@ -91,6 +96,6 @@ mod tests {
         // What is not told of is in no group.
         let deep = alike(&surfaces, |s| (s.gouge.depth > 6.0).then(String::new));
         assert_eq!(deep.iter().map(|g| g.members.as_slice()).collect::<Vec<_>>(), [[2]]);
-        assert_eq!(SurfaceKind::Hub.in_sectors(&[0, 1, 2, 7, 9]), "hub of channels 1-3, 8, 10");
+        assert_eq!(SurfaceKind::Hub(PassageId::FIRST).in_sectors(&[0, 1, 2, 7, 9]), "hub of channels 1-3, 8, 10");
     }
 }

@@ -1,8 +1,10 @@
 //! A surface in one sector, the points of a patch of it, and the cells between them.
 
 use super::bounds::Hull;
-use crate::ir::chart::{Patch, Shape};
-use crate::ir::design::SurfaceId;
+use crate::part::{
+    SurfaceId,
+    chart::{Patch, Shape},
+};
 use nalgebra::{Point3, Rotation3};
 
 /// Share of the third difference over half a cell by which a surface may leave the biquadratic through nine points: a

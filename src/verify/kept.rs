@@ -10,10 +10,12 @@ use super::grid::{Grid, Surface};
 use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
 use super::sweep::Sweep;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::chart::Shape;
-use crate::ir::design::{SurfaceId, SurfaceKind};
-use crate::ir::kept::{Kept, kept};
 use crate::ir::{Motion, Program};
+use crate::part::{
+    SurfaceId, SurfaceKind,
+    chart::Shape,
+    kept::{Kept, kept},
+};
 use crate::progress::Progress;
 use crate::units::length;
 use nalgebra::Rotation3;
@@ -106,7 +108,7 @@ pub(super) fn cover<'a>(
     let mut all = Vec::new();
     let mut covered = Vec::new();
     for shape in shapes {
-        let touched = |patch: &crate::ir::chart::Patch| {
+        let touched = |patch: &crate::part::chart::Patch| {
             shape
                 .ball(patch)
                 .is_none_or(|(middle, radius)| sweeps.iter().any(|sweep| sweep.near(&middle, radius + reach).is_some()))

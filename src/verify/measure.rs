@@ -7,8 +7,6 @@ use super::stock::{OperationStock, StockReport};
 use super::surface::SurfaceReport;
 use super::sweep::At;
 use crate::contract::{ContractKind, Guarded, Region, SurfaceClass};
-use crate::ir::Side;
-use crate::ir::design::SurfaceKind;
 use crate::units::length;
 
 /// A measured value with its place.
@@ -52,25 +50,6 @@ pub(super) trait Narrow {
 
     /// Distance within which bodies are looked for, mm.
     fn search(&self) -> f64;
-}
-
-/// Class of a design surface.
-pub(super) fn class(kind: SurfaceKind) -> SurfaceClass {
-    match kind {
-        SurfaceKind::Face(Side::Pressure) => SurfaceClass::Pressure,
-        SurfaceKind::Face(Side::Suction) => SurfaceClass::Suction,
-        SurfaceKind::Fillet(_) => SurfaceClass::Fillet,
-        SurfaceKind::Hub => SurfaceClass::Hub,
-        SurfaceKind::Tip
-        | SurfaceKind::InletEdge
-        | SurfaceKind::OutletEdge
-        | SurfaceKind::InletRoot
-        | SurfaceKind::OutletRoot
-        | SurfaceKind::Rim
-        | SurfaceKind::Back
-        | SurfaceKind::Bore
-        | SurfaceKind::Nose => SurfaceClass::Edge,
-    }
 }
 
 /// The figure of a quantity on a region; `after` is the operation after which it is asked for, the last one where none
@@ -128,7 +107,7 @@ fn worst(
         }
         let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
         let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
-        for s in reports.iter().filter(|s| class(s.id.kind) == surface) {
+        for s in reports.iter().filter(|s| s.id.kind.class() == surface) {
             let (value, point, at) = pick(s);
             if found.as_ref().is_none_or(|f| value > f.value) {
                 let operation = at.map(|a| a.operation as usize);
@@ -307,7 +286,7 @@ fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Res
     let report = report.ok_or(Unmeasured::NoRoughing)?;
     let has =
         |s: SurfaceClass| SurfaceClass::ALL.into_iter().zip(&region.rows).any(|(c, row)| c == s && row.contains(&true));
-    let surfaces = report.surfaces.iter().filter(|s| has(class(s.id.kind)));
+    let surfaces = report.surfaces.iter().filter(|s| has(s.id.kind.class()));
     let surfaces = surfaces.map(|s| (s.most, format!("on {}", s.surface), s.point));
     let island = report.island.iter().filter(|_| has(SurfaceClass::Edge));
     let island = island.map(|i| (i.most, "an island in a channel".to_owned(), i.point));

@@ -15,8 +15,9 @@
 use super::SPACING;
 use super::sweep::{self, PIECE_LENGTH};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
-use crate::ir::{Motion, Program, design};
+use crate::ir::{Motion, Program};
 use crate::kin::feedrate::AXES;
+use crate::part::sample;
 use crate::units;
 
 /// Memory of the part, bytes.
@@ -84,7 +85,7 @@ impl Counted {
 
 /// Peak memory of [`certify`](super::certify) for the moves of all operations, bytes.
 fn peak(program: &Program, counted: &[Counted]) -> f64 {
-    let samples = SAMPLE * design::estimate(&program.part, SPACING);
+    let samples = SAMPLE * sample::estimate(&program.part, SPACING);
     // The runs of the operations follow each other.
     let run = counted.iter().map(Counted::run).fold(0.0, f64::max);
     PART + samples + counted.iter().map(Counted::kept).sum::<f64>() + run

@@ -51,9 +51,8 @@ pub use certificate::Certificate;
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::contract::{Guarded, SurfaceClass};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
-use crate::ir::design::{self, Sample};
-use crate::ir::solid;
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
+use crate::part::{Sample, sample, solid};
 use crate::progress::{Progress, Work};
 use crate::units::length;
 use certificate::{OperationReport, describe};
@@ -133,16 +132,14 @@ pub fn certify_with(
     if !structure::check(program, motion, sink) {
         return Err(Aborted);
     }
-    let samples = design::sample(&program.part, SPACING);
+    let samples = sample::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let surfaces =
         surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
     let kept = kept::check(program, &sweeps, progress);
     let allowance = allowance::check(program, motion, progress);
-    let (design_cloud, blank) = rayon::join(
-        || Cloud::new(samples.iter().map(Sample::cloud_point).collect()),
-        || Cloud::new(stock_points(program)),
-    );
+    let (design_cloud, blank) =
+        rayon::join(|| Cloud::new(sample::cloud_points(&samples)), || Cloud::new(stock_points(program)));
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
         .map(|o| operation_report(program, motion, o, [&design_cloud, &blank], search, progress))
@@ -242,8 +239,8 @@ impl measure::Narrow for Narrower<'_> {
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {
-        let chosen = self.samples.iter().filter(|s| classes.contains(&measure::class(s.surface.kind)));
-        let cloud = Cloud::new(chosen.map(Sample::cloud_point).collect());
+        let chosen = self.samples.iter().filter(|s| classes.contains(&s.surface.kind.class()));
+        let cloud = Cloud::new(sample::cloud_points(chosen));
         let declared = &self.program.operations[self.motion.operations.get(operation)?.operation];
         let pieces = sweep::pieces(&self.program.machine, self.motion, operation);
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };

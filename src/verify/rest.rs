@@ -7,7 +7,7 @@
 use super::sweep::{At, Sweep};
 use crate::collide::Cloud;
 use crate::ir::Program;
-use crate::ir::design::{Sample, SurfaceId};
+use crate::part::{Sample, SurfaceId};
 use crate::progress::Progress;
 use nalgebra::Point3;
 use rayon::prelude::*;

@@ -13,12 +13,12 @@
 pub use super::cells::CORNER_SLACK;
 use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
 use super::grid::{Grid, Surface};
-use super::measure::class;
 use super::sweep::{At, Sweep};
 use crate::contract::SurfaceClass;
-use crate::ir::Part;
-use crate::ir::chart::{self, Patch, Shape, charts};
-use crate::ir::design::SurfaceId;
+use crate::part::{
+    Part, SurfaceId,
+    chart::{self, Patch, Shape, charts},
+};
 use crate::progress::{Progress, Work};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
@@ -188,7 +188,7 @@ fn prove_together(
         ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
     }
     let goals: Vec<Goals> =
-        ranges.iter().zip(surfaces).map(|(range, (_, s))| goals(*range, class(s.id.kind), limits)).collect();
+        ranges.iter().zip(surfaces).map(|(range, (_, s))| goals(*range, s.id.kind.class(), limits)).collect();
     let proved: Vec<Proved> = tasks
         .par_iter()
         .zip(&looked)

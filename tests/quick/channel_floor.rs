@@ -5,8 +5,9 @@ use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::proximity::Patch;
-use impellerc::ir::{CcPass, CcPoint, Contract, ContractKind, OperationKind, Program, Side};
+use impellerc::ir::{CcPass, CcPoint, Contract, ContractKind, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::part::{FaceId, Surface};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -151,7 +152,10 @@ fn walls_are_lines() {
     let program = floor_only(0.05, Spacing::ConstantScallop);
     let lines = passes(&program);
     let part = &program.part;
-    let sides = [(&lines[0], part.first_wall, 0), (lines.last().unwrap(), other(part.first_wall), 1)];
+    let sides = [
+        (&lines[0], part.first_passage().walls[0], 0),
+        (lines.last().unwrap(), other(part.first_passage().walls[0]), 1),
+    ];
     for (line, side, sector) in sides {
         let turn = part.sector_rotation(sector).inverse();
         let face = part.face(side);
@@ -164,8 +168,8 @@ fn walls_are_lines() {
     }
 }
 
-fn other(side: Side) -> Side {
-    if side == Side::Pressure { Side::Suction } else { Side::Pressure }
+fn other(side: FaceId) -> FaceId {
+    if side == FaceId::PRESSURE { FaceId::SUCTION } else { FaceId::PRESSURE }
 }
 
 #[test]
@@ -211,7 +215,7 @@ fn codes(program: &Program) -> Vec<String> {
 fn what_does_not_fit_is_named() {
     let resized = |radius: f64, fillet: Option<f64>| {
         let mut program = with_ball(radius, 0.012, Spacing::ConstantScallop);
-        program.part.fillet = fillet.map(Mm);
+        program.part.blades[0].fillet = fillet.map(Mm);
         program
     };
     assert_eq!(codes(&resized(3.5, Some(3.0))), ["IMP0402"]);
@@ -232,7 +236,7 @@ fn the_ball_that_would_do_is_named() {
     {
         let refused = |radius: f64, fillet: Option<f64>| {
             let mut program = with_ball(radius, 0.5, Spacing::EqualDivision);
-            program.part.fillet = fillet.map(Mm);
+            program.part.blades[0].fillet = fillet.map(Mm);
             let mut sink = Sink::default();
             let _ = pipeline::run(&program, &mut sink);
             let error = |d: &&impellerc::diag::Diag| ["IMP0450", "IMP0403", "IMP0408"].contains(&d.code.id());

@@ -5,7 +5,8 @@ use crate::support;
 use impellerc::contract::{ContractKind, Guarded, Scope, SurfaceClass};
 use impellerc::diag::{Severity, Sink, codes::verification};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Allowed, Contract, Guides, Motion, OperationId, Part, Program, Side, solid};
+use impellerc::ir::{Allowed, Contract, Motion, OperationId, Program};
+use impellerc::part::{FaceId, Guides, Part, solid};
 use impellerc::passes::pipeline;
 use impellerc::source::Span;
 use impellerc::verify::{Certificate, certify};
@@ -18,10 +19,10 @@ static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| {
     let whole = &program.part;
     let guides = |side| {
         let surface = &whole.face(side).surface;
-        Guides { root: surface.root.clone(), tip: surface.tip.clone() }
+        Guides { root: surface.root().clone(), tip: surface.tip().clone() }
     };
     let (hub, shroud) = (whole.hub.generator().clone(), whole.shroud.generator().clone());
-    program.part = Part::new(3, guides(Side::Pressure), guides(Side::Suction), hub, shroud, whole.fillet);
+    program.part = Part::new(3, guides(FaceId::PRESSURE), guides(FaceId::SUCTION), hub, shroud, whole.main().fillet);
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations.push(support::operation("channel", support::channel(0.5), tool, vec![0, 1, 2], 8.0));
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;

@@ -7,9 +7,9 @@ use impellerc::diag::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
-use impellerc::ir::design::SurfaceKind;
-use impellerc::ir::{Contract, ContractKind, Guides, OperationKind, Part, Program, RulingEnd, Side};
+use impellerc::ir::{Contract, ContractKind, OperationKind, Program, RulingEnd};
 use impellerc::method::{AxisMethod, Lines};
+use impellerc::part::{BladeId, FaceId, Guides, Part, Surface, SurfaceKind};
 use impellerc::source::{SourceId, Span};
 use impellerc::units::Mm;
 use nalgebra::Point3;
@@ -83,12 +83,12 @@ fn faces_twist_and_miss_hub_and_shroud_as_known() {
     assert!((p.ruling[0] - 8.0288).abs() < 1e-3 && (s.ruling[1] - 26.5294).abs() < 1e-3);
     let gap = |side, end| *facts.ends.iter().find(|g| g.side == side && g.end == end).unwrap();
     // scipy 1.17.1, `minimize_scalar` along the other meridian at 401 stations.
-    let root = gap(Side::Suction, RulingEnd::Root);
+    let root = gap(FaceId::SUCTION, RulingEnd::Root);
     assert!((root.distance.abs() - 0.025_254_226_875).abs() < 1e-9 && (root.u - 0.675).abs() < 1e-12, "{root:?}");
-    let tip = gap(Side::Suction, RulingEnd::Tip);
+    let tip = gap(FaceId::SUCTION, RulingEnd::Tip);
     assert!((tip.distance.abs() - 0.052_463_602_017).abs() < 1e-9 && (tip.u - 0.42).abs() < 1e-12, "{tip:?}");
     for end in [RulingEnd::Root, RulingEnd::Tip] {
-        assert!(gap(Side::Pressure, end).distance.abs() < 1e-9);
+        assert!(gap(FaceId::PRESSURE, end).distance.abs() < 1e-9);
     }
     assert!(errors(&diags).is_empty(), "{diags:?}");
 }
@@ -98,7 +98,7 @@ fn the_misprint_of_table_1_is_found_and_nothing_else() {
     let found = outliers::find(&wei_data());
     assert_eq!(found.len(), 1, "{found:?}");
     let o = found[0];
-    assert_eq!((o.side, o.end, o.row), (Side::Pressure, RulingEnd::Tip, 3));
+    assert_eq!((o.side, o.end, o.row), (FaceId::PRESSURE, RulingEnd::Tip, 3));
     assert!((o.value.to_degrees() - 4.0437).abs() < 1e-3 && (o.expected.to_degrees() - 3.0).abs() < 1e-3);
     // The radius of the row is kept, and the angle of the others.
     assert!((o.suggestion.x.hypot(o.suggestion.y) - 43.9576).abs() < 1e-9 && o.suggestion.x > 0.7);
@@ -112,9 +112,9 @@ fn the_misprint_of_table_1_is_found_and_nothing_else() {
 #[test]
 fn a_misprint_anywhere_in_a_smooth_table_is_found_where_it_is() {
     let mut clean = wei_data();
-    clean.iter_mut().find(|c| c.side == Side::Pressure && c.end == RulingEnd::Tip).unwrap().points[3].point =
+    clean.iter_mut().find(|c| c.side == FaceId::PRESSURE && c.end == RulingEnd::Tip).unwrap().points[3].point =
         outliers::find(&wei_data())[0].suggestion;
-    for (side, row) in [(Side::Pressure, 1), (Side::Suction, 2), (Side::Suction, 5), (Side::Pressure, 4)] {
+    for (side, row) in [(FaceId::PRESSURE, 1), (FaceId::SUCTION, 2), (FaceId::SUCTION, 5), (FaceId::PRESSURE, 4)] {
         let mut data = clean.clone();
         let curve = data.iter_mut().find(|c| c.side == side && c.end == RulingEnd::Tip).unwrap();
         curve.points[row].point.z += 2.0;
@@ -128,7 +128,7 @@ fn a_misprint_anywhere_in_a_smooth_table_is_found_where_it_is() {
 fn the_warning_stands_under_the_point() {
     let mut program = program(None, &[Cutter::Flat { radius: 4.0 }]);
     let span = Span::new(SourceId(0), 7..9);
-    program.data.iter_mut().find(|c| c.side == Side::Pressure && c.end == RulingEnd::Tip).unwrap().points[3].span =
+    program.data.iter_mut().find(|c| c.side == FaceId::PRESSURE && c.end == RulingEnd::Tip).unwrap().points[3].span =
         Some(span);
     let (_, diags) = check(&program);
     let warning = diags.iter().find(|d| d.severity == Severity::Warning).unwrap();
@@ -262,8 +262,8 @@ fn a_finisher_that_does_not_fit_is_an_error() {
     assert!(errors(&diags)[0].message.contains("14 mm ball"));
 }
 
-const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(Side::Pressure), SurfaceKind::Face(Side::Suction)];
-const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(Side::Pressure), SurfaceKind::Fillet(Side::Suction)];
+const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(FaceId::PRESSURE), SurfaceKind::Face(FaceId::SUCTION)];
+const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(FaceId::PRESSURE), SurfaceKind::Fillet(FaceId::SUCTION)];
 
 /// What is said of point milling some surfaces of a part with a cutter.
 fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Facts, Vec<Diag>) {
@@ -294,7 +294,7 @@ fn point_milling_asks_for_no_floor() {
     // Nor does a corner of a wide bull nose care, or anything that stands before an edge.
     let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };
     assert!(errors(&pointed(&wei_part(Some(3.0)), bull, &FACES).1).is_empty());
-    let edges = [SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let edges = [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
     let (facts, diags) = pointed(&part, Cutter::Ball { radius: 20.0 }, &edges);
     assert!(facts.beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
 }
@@ -316,9 +316,9 @@ fn a_ball_that_meets_the_next_vane_is_told() {
     let largest = facts.beside[0].largest;
     assert!(told[0].help.as_ref().unwrap().contains(&format!("{largest} mm")), "{:?}", told[0]);
     assert!(ball(largest).0.beside[0].fits && !ball(largest + 0.02).0.beside[0].fits, "{largest}");
-    let face = |side: Side| part.face(side);
-    let turn = if part.first_wall == Side::Pressure { part.pitch() } else { -part.pitch() };
-    let next = face(Side::Suction).surface.rotated(turn);
+    let face = |side: FaceId| part.face(side);
+    let turn = if part.first_passage().walls[0] == FaceId::PRESSURE { part.pitch() } else { -part.pitch() };
+    let next = face(FaceId::SUCTION).surface.rotated(turn);
     let points: Vec<Point3<f64>> = (0..=300)
         .flat_map(|i| (0..=100).map(move |j| [f64::from(i) / 300.0, f64::from(j) / 100.0]))
         .map(|[u, v]| next.point(u, v))
@@ -328,7 +328,7 @@ fn a_ball_that_meets_the_next_vane_is_told() {
         let u = f64::from(i) / 60.0;
         for j in 0..=8 {
             let v = f64::from(j) / 8.0;
-            let (p, n) = (face(Side::Pressure).surface.point(u, v), face(Side::Pressure).normal(u, v));
+            let (p, n) = (face(FaceId::PRESSURE).surface.point(u, v), face(FaceId::PRESSURE).normal(u, v));
             // The ball through a point of the next face; balls that cut into the hub are none.
             let room = points.iter().map(|q| (q - p).norm_squared() / (2.0 * (q - p).dot(&n)));
             let room = room.filter(|r| *r > 0.0).fold(f64::INFINITY, f64::min);

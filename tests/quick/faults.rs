@@ -4,8 +4,9 @@
 use crate::support;
 use crate::support::jobs;
 use impellerc::diag::Sink;
-use impellerc::ir::{Motion, MoveKind, OperationKind, Program, Side};
+use impellerc::ir::{Motion, MoveKind, OperationKind, Program};
 use impellerc::method::{Flank, FlankMethod};
+use impellerc::part::{FaceId, Surface};
 use impellerc::passes::pipeline;
 use impellerc::verify::{Certificate, certify};
 use nalgebra::{Point3, Vector3};
@@ -148,7 +149,7 @@ fn a_dropped_strip_is_found() {
     for (id, _) in program.operations.clone().iter() {
         let mut operation = program.operations[id].clone();
         operation.kind =
-            OperationKind::Flank { faces: vec![Side::Pressure], flank: Flank::by_ruling(FlankMethod::TwoPoint, 4) };
+            OperationKind::Flank { faces: vec![FaceId::PRESSURE], flank: Flank::by_ruling(FlankMethod::TwoPoint, 4) };
         program.operations = impellerc::entity::PrimaryMap::new();
         program.operations.push(operation);
     }
@@ -167,10 +168,10 @@ fn a_dropped_strip_is_found() {
     // Inside the band of the strip, or at its border: between a quarter and a half of the ruling over the fillet.
     let foot = program
         .part
-        .face(Side::Pressure)
+        .face(FaceId::PRESSURE)
         .surface
         .closest(&Point3::from(found.point), impellerc::geom::proximity::Patch { u: [0.0, 1.0], v: [0.0, 1.0] });
-    let low = program.part.fillet_tangent(Side::Pressure, foot.u, 3.0).unwrap();
+    let low = program.part.fillet_tangent(FaceId::PRESSURE, foot.u, 3.0).unwrap();
     let share = (foot.v - low) / (1.0 - low);
     assert!(share > 0.2 && share < 0.55, "{share}");
 }

@@ -4,12 +4,9 @@
 use crate::support;
 use crate::support::jobs;
 use impellerc::diag::{Severity, Sink};
-use impellerc::ir::chart::Shape;
-use impellerc::ir::design::SurfaceKind;
-use impellerc::ir::kept::kept;
-use impellerc::ir::program::Clamping;
 use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program};
 use impellerc::kin::Chain;
+use impellerc::part::{BladeId, Clamping, SurfaceKind, chart::Shape, kept::kept};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
@@ -84,7 +81,7 @@ fn plunges_have_their_closed_form() {
         let (program, motion) = down([11.0, 0.0, -10.03], kind);
         let found = measured(&program, &motion);
         deep(of(&found, SurfaceKind::Nose), 0.03);
-        for other in [SurfaceKind::Rim, SurfaceKind::Bore, SurfaceKind::Back, SurfaceKind::Tip] {
+        for other in [SurfaceKind::Rim, SurfaceKind::Bore, SurfaceKind::Back, SurfaceKind::Tip(BladeId::MAIN)] {
             assert_eq!(of(&found, other).gouge_bound, 0.0, "{other:?}");
         }
         // Into the wall of the bore of 5 mm, a hollow cylinder, with the side of the cutter of 3 mm.
@@ -148,12 +145,12 @@ fn kept_surfaces_lie_on_the_blank() {
             let p = shape.place(x, y).position;
             let (r, z) = (p.x.hypot(p.y), p.z);
             let off = match shape.kind {
-                SurfaceKind::Rim | SurfaceKind::OutletRoot => r - outlet(&program),
+                SurfaceKind::Rim | SurfaceKind::OutletRoot(_) => r - outlet(&program),
                 SurfaceKind::Back => z + 40.0,
                 SurfaceKind::Bore => r - 5.0,
                 SurfaceKind::Nose => z + 10.0,
-                SurfaceKind::Tip => part.shroud.distance(&p),
-                SurfaceKind::InletRoot => inlet.x * (z - hub.y) - inlet.y * (r - hub.x),
+                SurfaceKind::Tip(_) => part.shroud.distance(&p),
+                SurfaceKind::InletRoot(_) => inlet.x * (z - hub.y) - inlet.y * (r - hub.x),
                 // Rulings between two points of a cone leave it.
                 _ => 0.0,
             };

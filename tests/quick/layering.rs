@@ -15,17 +15,18 @@ const MAY: &[(&str, &[&str])] = &[
     ("kin", &[]),
     ("collide", &[]),
     ("stock", &["collide"]),
+    ("part", &["geom", "collide"]),
     ("envelope", &["geom", "collide"]),
     ("orient", &["geom"]),
     ("syntax", &[]),
     ("job", &["syntax"]),
-    ("ir", &["geom", "kin", "collide"]),
-    ("lower", &["job", "ir", "geom", "kin", "collide"]),
-    ("analysis", &["envelope", "ir", "geom", "kin", "collide"]),
-    ("passes", &["analysis", "ir", "geom", "kin", "collide", "stock", "envelope", "orient"]),
-    ("verify", &["ir", "geom", "kin", "collide", "stock"]),
+    ("ir", &["part", "geom", "kin", "collide"]),
+    ("lower", &["job", "ir", "part", "geom", "kin", "collide"]),
+    ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
+    ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),
+    ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
     ("post", &["verify", "ir", "geom", "kin"]),
-    ("export", &["verify", "ir", "geom", "kin", "collide"]),
+    ("export", &["verify", "ir", "part", "geom", "kin", "collide"]),
     ("output", &[]),
 ];
 
@@ -34,7 +35,7 @@ const FOUNDATION: &[&str] =
     &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "envelope", "orient"];
+const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "part", "envelope", "orient"];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 

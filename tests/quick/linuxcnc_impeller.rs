@@ -6,8 +6,9 @@
 
 use impellerc::diag::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::ir::{Motion, Program, design};
+use impellerc::ir::{Motion, Program};
 use impellerc::kin::Machine;
+use impellerc::part::sample;
 use impellerc::post::{self, Post, motion_of::motion_of};
 use impellerc::source::Span;
 use impellerc::verify::{Certificate, certify};
@@ -195,7 +196,7 @@ fn its_moves_are_measured_against_a_job_for_it() {
         let n = (way / 0.05).ceil().max(1.0) as usize;
         poses.extend((0..=n).map(|k| pair[0].pose(&pair[1], k as f64 / n as f64)));
     }
-    let samples: Vec<_> = design::sample(&program.part, 0.5)
+    let samples: Vec<_> = sample::sample(&program.part, 0.5)
         .into_iter()
         .filter(|s| s.surface.milled() && s.surface.sector == 0)
         .collect();

@@ -5,10 +5,10 @@ use impellerc::collide::{Cloud, CloudPoint, Cutter};
 use impellerc::geom::elliptic_cone::{EllipticCone, frame_about};
 use impellerc::geom::moving_least_squares::{Patch, curvatures};
 use impellerc::geom::{SurfaceCurvature, Triangulation};
-use impellerc::ir::Side;
 use impellerc::kin::Chain;
 use impellerc::orient::inscribe::{Proof, covered, inscribe};
 use impellerc::orient::{Candidate, Corridor, Costs, Energy, Weights, greedy};
+use impellerc::part::{BladeId, Surface};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -145,10 +145,10 @@ fn curvatures_of_closed_forms_are_found() {
 #[test]
 fn curvatures_of_the_paper_vanes_are_found() {
     let part = support::wei_part(None);
-    for side in [Side::Pressure, Side::Suction] {
+    for side in BladeId::MAIN.faces() {
         let surface = &part.face(side).surface;
         // Rows 0.5 mm apart along the rulings, points 0.5 mm apart along the middle of a row.
-        let length = surface.root.length(0.0, 1.0).max(surface.tip.length(0.0, 1.0));
+        let length = surface.root().length(0.0, 1.0).max(surface.tip().length(0.0, 1.0));
         let columns = (length / 0.5).ceil() as usize;
         let (mut points, mut chart, mut truth) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..=columns {
@@ -159,7 +159,7 @@ fn curvatures_of_the_paper_vanes_are_found() {
                 let v = j as f64 / rows as f64;
                 points.push(surface.point(u, v));
                 // Along the chart lengths of the middle.
-                let at = surface.root.length(0.0, u) * (1.0 - v) + surface.tip.length(0.0, u) * v;
+                let at = surface.root().length(0.0, u) * (1.0 - v) + surface.tip().length(0.0, u) * v;
                 chart.push([at, height * v]);
                 truth.push(surface.derivatives(u, v).curvature().unwrap().principal);
             }

@@ -4,8 +4,8 @@ use crate::support;
 use impellerc::collide::{Cutter, Section};
 use impellerc::diag::{Sink, codes};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::design::{self, SurfaceKind};
 use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
+use impellerc::part::{PassageId, SurfaceKind, sample};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::passes::rest_machining;
 use impellerc::progress::Progress;
@@ -65,8 +65,8 @@ fn length<'a>(passes: impl IntoIterator<Item = &'a ClPass>) -> f64 {
 
 /// Area of the hub between two vanes, mm2.
 fn floor(program: &Program) -> f64 {
-    let samples = design::sample(&program.part, 1.0);
-    let hub = samples.iter().filter(|s| s.surface.kind == SurfaceKind::Hub).count() as f64;
+    let samples = sample::sample(&program.part, 1.0);
+    let hub = samples.iter().filter(|s| s.surface.kind == SurfaceKind::Hub(PassageId::FIRST)).count() as f64;
     hub / f64::from(program.part.vane_count)
 }
 

@@ -2,8 +2,8 @@
 
 use crate::support::jobs;
 use impellerc::diag::Sink;
-use impellerc::ir::design::{self, Sample};
 use impellerc::ir::{Motion, Program};
+use impellerc::part::{Sample, sample};
 use impellerc::progress::Progress;
 use impellerc::stock::{END_ERROR, Field};
 use impellerc::verify::stock::{Settings, StockReport, report, simulate};
@@ -77,7 +77,7 @@ fn agrees_with_the_surface_verifier() {
     });
     assert!(ends.len() > 1000 && centres > 1000, "{} {centres}", ends.len());
     // On the design surfaces: the stock left is where the verifier says, within the diagonal of a cell.
-    let samples: Vec<Sample> = design::sample(&program.part, 1.0)
+    let samples: Vec<Sample> = sample::sample(&program.part, 1.0)
         .into_iter()
         .filter(|s| s.surface.milled() && design_depth(&fresh, &s.position) && distance(&s.position) < 0.5)
         .collect();

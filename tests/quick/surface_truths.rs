@@ -2,9 +2,11 @@
 //! holds.
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::ir::chart::{Place, Shape};
-use impellerc::ir::design::{SurfaceId, SurfaceKind};
 use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};
+use impellerc::part::{
+    PassageId, SurfaceId, SurfaceKind,
+    chart::{Place, Shape},
+};
 use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
 use impellerc::verify::sweep::Sweep;
 use nalgebra::{Point3, Unit, Vector3};
@@ -34,7 +36,7 @@ fn certify(shape: &dyn Shape, solid: &ToolSolid, poses: &[RotaryPose]) -> Surfac
 
 fn certify_on(chain: &Chain, shape: &dyn Shape, solid: &ToolSolid, poses: &[RotaryPose]) -> SurfaceReport {
     let sweep = Sweep::through(solid, chain, poses).expect("a way");
-    let id = SurfaceId { kind: SurfaceKind::Hub, sector: 0 };
+    let id = SurfaceId { kind: SurfaceKind::Hub(PassageId::FIRST), sector: 0 };
     certify_shape(shape, id, &[sweep], 0.25).expect("a report")
 }
 

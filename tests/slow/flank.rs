@@ -5,8 +5,9 @@ use impellerc::collide::{Cutter, Section};
 use impellerc::contract::{Guarded, Scope, SurfaceClass};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program, Side};
+use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
 use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
+use impellerc::part::{BladeId, FaceId};
 use impellerc::passes::{Obstacles, pipeline};
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -16,7 +17,7 @@ fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) 
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
-    let kind = OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank: choices };
+    let kind = OperationKind::Flank { faces: BladeId::MAIN.faces().to_vec(), flank: choices };
     program.operations.push(support::operation("flank", kind, tool, (0..8).collect(), 15.0));
     program.tolerances.chord = Mm(chord * 1e-3);
     let surfaces = vec![SurfaceClass::Pressure, SurfaceClass::Suction, SurfaceClass::Fillet];
@@ -89,7 +90,7 @@ fn a_cutter_that_does_not_fit_in_any_number_of_bands_is_refused() {
         for (_, operation) in program.operations.iter() {
             let mut operation = operation.clone();
             operation.sectors = vec![0];
-            operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(None) };
+            operation.kind = OperationKind::Flank { faces: vec![FaceId::SUCTION], flank: minimax(None) };
             operations.push(operation);
         }
         operations
@@ -109,7 +110,7 @@ fn suction_only(cutter: Cutter, strips: Option<u32>, bound: f64) -> Program {
     for (_, operation) in program.operations.iter() {
         let mut operation = operation.clone();
         operation.sectors = vec![0];
-        operation.kind = OperationKind::Flank { faces: vec![Side::Suction], flank: minimax(strips) };
+        operation.kind = OperationKind::Flank { faces: vec![FaceId::SUCTION], flank: minimax(strips) };
         operations.push(operation);
     }
     program.operations = operations;
@@ -155,7 +156,7 @@ fn cutters_of_other_shapes_keep_contracts_as_well() {
 }
 
 /// One face of all vanes with a holder of a radius at a reach, and the contracts of one band on it.
-fn with_holder(side: Side, reach: f64, radius: f64) -> Program {
+fn with_holder(side: FaceId, reach: f64, radius: f64) -> Program {
     let mut program = program(BALL, minimax(Some(1)), 1.0, 12.0, 0.25);
     program.tools = {
         let mut tools = PrimaryMap::new();
@@ -180,7 +181,7 @@ fn with_holder(side: Side, reach: f64, radius: f64) -> Program {
     };
     for contract in &mut program.contracts {
         contract.scope.surfaces =
-            vec![if side == Side::Pressure { SurfaceClass::Pressure } else { SurfaceClass::Suction }];
+            vec![if side == FaceId::PRESSURE { SurfaceClass::Pressure } else { SurfaceClass::Suction }];
     }
     program
 }
@@ -203,7 +204,7 @@ fn lean_and_distance(program: &Program) -> (f64, f64) {
 
 #[test]
 fn the_path_keeps_to_the_travel_of_a() {
-    let mut program = with_holder(Side::Pressure, 50.0, 12.0);
+    let mut program = with_holder(FaceId::PRESSURE, 50.0, 12.0);
     let (free, _) = lean_and_distance(&program);
     let most = 66.5_f64;
     assert!(free > most + 0.5, "nothing to keep: {free}");
@@ -219,11 +220,11 @@ fn the_path_keeps_to_the_travel_of_a() {
 
 #[test]
 fn the_path_keeps_the_holder_clear() {
-    let mut program = with_holder(Side::Suction, 28.0, 16.0);
+    let mut program = with_holder(FaceId::SUCTION, 28.0, 16.0);
     program.contracts.push(Contract::whole(ContractKind::Clearance(Guarded::Holder), 0.5));
     // What the path would come to that knows of no holder.
     let free = {
-        let mut free = with_holder(Side::Suction, 80.0, 16.0);
+        let mut free = with_holder(FaceId::SUCTION, 80.0, 16.0);
         let mut sink = Sink::default();
         let plan = pipeline::run(&free, &mut sink).unwrap();
         free.tools = program.tools.clone();
@@ -248,7 +249,7 @@ fn the_path_keeps_the_holder_clear() {
 #[test]
 fn a_holder_that_no_path_clears_is_refused_with_the_tool_that_would_do() {
     let mut sink = Sink::default();
-    assert!(pipeline::run(&with_holder(Side::Pressure, 28.0, 16.0), &mut sink).is_err());
+    assert!(pipeline::run(&with_holder(FaceId::PRESSURE, 28.0, 16.0), &mut sink).is_err());
     let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0501").expect("the reason");
     let help = found.help.clone().expect("a way out");
     println!("{} {help}", found.message);
@@ -261,13 +262,13 @@ fn a_holder_that_no_path_clears_is_refused_with_the_tool_that_would_do() {
     // Both do.
     for (reach, radius) in [(number(["reach", "of"]), 16.0), (28.0, 0.5 * number(["at", "most"]) - 6.0)] {
         let mut sink = Sink::default();
-        assert!(pipeline::run(&with_holder(Side::Pressure, reach, radius), &mut sink).is_ok(), "{reach} {radius}");
+        assert!(pipeline::run(&with_holder(FaceId::PRESSURE, reach, radius), &mut sink).is_ok(), "{reach} {radius}");
     }
 }
 
 #[test]
 fn a_shank_that_touches_the_face_is_refused_with_the_flutes_that_would_do() {
-    let mut program = with_holder(Side::Pressure, 28.0, 16.0);
+    let mut program = with_holder(FaceId::PRESSURE, 28.0, 16.0);
     let with_flutes = |program: &Program, flutes: f64, reach: f64| {
         let mut tools = PrimaryMap::new();
         for (_, tool) in program.tools.iter() {

@@ -4,10 +4,9 @@ use crate::support;
 use impellerc::collide::{Cloud, Cutter, ToolSolid};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{
-    Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program, design,
-};
+use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::part::sample;
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use impellerc::verify::{clearance, dynamics, sweep};
@@ -62,7 +61,7 @@ fn directions(program: &Program, motion: &Motion) -> Vec<bool> {
 /// Least distance of a part of the tool to the part over the moves of a kind, mm; `far` where it is more.
 fn least(program: &Program, motion: &Motion, kind: MoveKind, of: fn(&ToolSolid, f64, f64) -> f64, far: f64) -> f64 {
     let spacing = 0.3;
-    let cloud = Cloud::new(design::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
+    let cloud = Cloud::new(sample::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
     let pieces: Vec<sweep::Piece> =
         sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;

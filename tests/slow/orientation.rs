@@ -11,10 +11,10 @@ use impellerc::contract::{ContractKind, Guarded};
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::design::SurfaceKind;
-use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program, Side, design};
+use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::kin::Carried;
 use impellerc::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
+use impellerc::part::{BladeId, SurfaceKind, sample};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::{Mm, MmPerMin, Rpm};
@@ -58,7 +58,7 @@ const ASKED: f64 = 0.012;
 
 /// Finishing of both faces of a vane alone.
 fn vanes(job: &Program, flank: Flank) -> Program {
-    let mut program = alone(job, OperationKind::Flank { faces: vec![Side::Pressure, Side::Suction], flank }, 12.0);
+    let mut program = alone(job, OperationKind::Flank { faces: BladeId::MAIN.faces().to_vec(), flank }, 12.0);
     program.contracts.extend([ContractKind::Gouge, ContractKind::Excess].map(|kind| Contract::whole(kind, ASKED)));
     program
 }
@@ -290,7 +290,7 @@ fn holder(solid: &ToolSolid, rho: f64, s: f64) -> f64 {
 /// joints alone, with samples other than the planner's: lower bounds, mm.
 fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
     let spacing = 0.3;
-    let cloud = Cloud::new(design::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
+    let cloud = Cloud::new(sample::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
     let pieces: Vec<sweep::Piece> =
         sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == MoveKind::Cut).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;

@@ -3,9 +3,10 @@
 use crate::support;
 use impellerc::diag::Sink;
 use impellerc::geom::{NurbsCurve, interpolate};
-use impellerc::ir::design;
-use impellerc::ir::solid::{self, Solid};
-use impellerc::ir::{Guides, Part, Stock};
+use impellerc::part::{
+    Guides, Part, Stock, sample,
+    solid::{self, Solid},
+};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
@@ -72,8 +73,8 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
     let sweeps: Vec<Sweep<'_>> =
         (0..motion.operations.len()).filter_map(|o| Sweep::new(&program, &motion, o)).collect();
-    let samples = design::sample(&program.part, 0.5);
-    let left = |s: &design::Sample| sweeps.iter().fold(2.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
+    let samples = sample::sample(&program.part, 0.5);
+    let left = |s: &Sample| sweeps.iter().fold(2.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
     let left: f64 = samples.iter().filter(|s| s.surface.milled()).map(|s| left(s) * s.area).sum();
     let blank = pappus(&program.stock.profile);
     let corners = |t: &[usize; 3]| t.map(|i| mesh.vertices[i]);

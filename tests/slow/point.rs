@@ -5,9 +5,9 @@ use crate::support;
 use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::design::SurfaceKind;
-use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program, Side};
+use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines};
+use impellerc::part::{BladeId, FaceId, SurfaceKind};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
 use impellerc::verify::certify;
@@ -98,8 +98,8 @@ fn stands_on_its_contacts(program: &Program, plan: &Plan) {
     }
 }
 
-const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(Side::Pressure), SurfaceKind::Face(Side::Suction)];
-const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(Side::Pressure), SurfaceKind::Fillet(Side::Suction)];
+const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(FaceId::PRESSURE), SurfaceKind::Face(FaceId::SUCTION)];
+const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(FaceId::PRESSURE), SurfaceKind::Fillet(FaceId::SUCTION)];
 
 #[test]
 fn ball_leaves_the_scallop_on_faces() {
@@ -129,7 +129,7 @@ fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
 
 #[test]
 fn ball_leaves_the_scallop_on_edges() {
-    let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let edges = vec![SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
     let program = program(Cutter::Ball { radius: 2.0 }, edges, 0.01, AxisMethod::Blend);
     let Left { gouge, excess, .. } = run(&program, &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
@@ -139,7 +139,7 @@ fn ball_leaves_the_scallop_on_edges() {
 /// Before an edge is free room: the ball may be bigger than the fillet, which it does not touch.
 #[test]
 fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
-    let edges = vec![SurfaceKind::InletEdge, SurfaceKind::OutletEdge];
+    let edges = vec![SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
     let big = Cutter::Ball { radius: 5.0 };
     let Left { gouge, excess, .. } = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
@@ -202,7 +202,7 @@ fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
 #[test]
 fn bull_nose_and_lollipop_leave_the_scallop() {
     for cutter in [Cutter::Bull { radius: 2.5, corner: 1.0 }, Cutter::Lollipop { radius: 2.0 }] {
-        let program = program(cutter, vec![SurfaceKind::Face(Side::Suction)], 0.03, AxisMethod::Blend);
+        let program = program(cutter, vec![SurfaceKind::Face(FaceId::SUCTION)], 0.03, AxisMethod::Blend);
         let Left { gouge, excess, .. } = run(&program, &["suction face"]);
         assert!(excess.iter().all(|e| *e <= 0.03), "{cutter:?}: {excess:?}");
         assert!(gouge <= 0.001, "{cutter:?}: {gouge}");

@@ -12,11 +12,12 @@ use impellerc::entity::PrimaryMap;
 use impellerc::geom::{NurbsCurve, interpolate};
 use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{
-    DataCurve, DataPoint, Guides, Operation, OperationId, OperationKind, Part, PostChoice, Program, RulingEnd, Side,
-    Stock, Tolerances, Tool, ToolId,
+    DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, RulingEnd, Tolerances, Tool,
+    ToolId,
 };
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
+use impellerc::part::{BladeId, FaceId, Guides, Part, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
@@ -88,10 +89,10 @@ pub fn wei_data() -> Vec<DataCurve> {
         points: points.iter().map(|p| DataPoint { point: Point3::from(*p), span: None }).collect(),
     };
     vec![
-        curve(Side::Pressure, RulingEnd::Root, &ROOT_PRESSURE),
-        curve(Side::Pressure, RulingEnd::Tip, &TIP_PRESSURE),
-        curve(Side::Suction, RulingEnd::Root, &ROOT_SUCTION),
-        curve(Side::Suction, RulingEnd::Tip, &TIP_SUCTION),
+        curve(FaceId::PRESSURE, RulingEnd::Root, &ROOT_PRESSURE),
+        curve(FaceId::PRESSURE, RulingEnd::Tip, &TIP_PRESSURE),
+        curve(FaceId::SUCTION, RulingEnd::Root, &ROOT_SUCTION),
+        curve(FaceId::SUCTION, RulingEnd::Tip, &TIP_SUCTION),
     ]
 }
 
@@ -214,7 +215,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     operations.push(operation("expand", expand(3.0, 1.4), t1, sectors.clone(), 12.0));
     operations.push(operation("groove2", groove(1.5), t2, sectors.clone(), 12.0));
     operations.push(operation("expand2", expand(1.5, 0.4), t2, sectors.clone(), 12.0));
-    let faces = vec![Side::Pressure, Side::Suction];
+    let faces = BladeId::MAIN.faces().to_vec();
     operations.push(operation(
         "flank",
         OperationKind::Flank { faces, flank: Flank::by_ruling(FlankMethod::TwoPoint, 6) },
@@ -245,7 +246,7 @@ pub fn flank_only(sectors: &[u32]) -> Program {
     let mut program = wei_program(sectors);
     let tool = program.operations.iter().last().unwrap().1.tool;
     program.operations = PrimaryMap::new();
-    let faces = vec![Side::Pressure, Side::Suction];
+    let faces = BladeId::MAIN.faces().to_vec();
     let kind = OperationKind::Flank { faces, flank: Flank::by_ruling(FlankMethod::TwoPoint, 2) };
     program.operations.push(operation("flank", kind, tool, sectors.to_vec(), 15.0));
     program

@@ -14,10 +14,13 @@ mod tables;
 pub use stock::StockStage;
 
 use crate::diag::Diag;
-use crate::ir::chart::{Shape, charts};
-use crate::ir::design::{self, Sample, SurfaceId};
 use crate::ir::{Motion, Program, Tool};
 use crate::kin::Carries;
+use crate::part::{
+    Sample, SurfaceId,
+    chart::{Shape, charts},
+    sample,
+};
 use crate::verify::Certificate;
 use crate::verify::surface::{self, PatchCorners};
 use serde::Serialize;
@@ -87,7 +90,7 @@ pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>,
             }
         }
     }
-    let turned = design::sample(part, certificate.spacing);
+    let turned = sample::sample(part, certificate.spacing);
     samples.extend(turned.into_iter().filter(|s| s.surface.sector == 0 && !s.surface.milled()));
     let mut deviations = Vec::with_capacity(samples.len() * part.vane_count as usize);
     for sector in 0..part.vane_count {

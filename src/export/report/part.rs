@@ -1,8 +1,7 @@
 //! The finished part for the page: the samples of sector 0 in rows, and the deviation of each of them in all sectors.
 
 use super::pack::{self, Bytes, Frame};
-use crate::ir::Part;
-use crate::ir::design::{Sample, SurfaceKind};
+use crate::part::{Part, Sample, SurfaceKind};
 use crate::verify::surface::FAR;
 use serde::Serialize;
 
@@ -51,12 +50,12 @@ fn name(kind: SurfaceKind) -> String {
     match kind {
         SurfaceKind::Face(side) => format!("{} face", side.name()),
         SurfaceKind::Fillet(side) => format!("{} fillet", side.name()),
-        SurfaceKind::Hub => "hub".to_owned(),
-        SurfaceKind::Tip => "tip".to_owned(),
-        SurfaceKind::InletEdge => "inlet edge".to_owned(),
-        SurfaceKind::OutletEdge => "outlet edge".to_owned(),
-        SurfaceKind::InletRoot => "root at the inlet".to_owned(),
-        SurfaceKind::OutletRoot => "root at the outlet".to_owned(),
+        SurfaceKind::Hub(_) => "hub".to_owned(),
+        SurfaceKind::Tip(_) => "tip".to_owned(),
+        SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),
+        SurfaceKind::OutletEdge(_) => "outlet edge".to_owned(),
+        SurfaceKind::InletRoot(_) => "root at the inlet".to_owned(),
+        SurfaceKind::OutletRoot(_) => "root at the outlet".to_owned(),
         SurfaceKind::Rim | SurfaceKind::Back | SurfaceKind::Bore | SurfaceKind::Nose => kind.in_sectors(&[0]),
     }
 }

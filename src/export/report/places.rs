@@ -2,7 +2,7 @@
 
 use super::Input;
 use crate::diag::Severity;
-use crate::ir::design::Sample;
+use crate::part::Sample;
 use crate::units::length;
 use crate::verify::alike::alike;
 use crate::verify::certificate::describe;

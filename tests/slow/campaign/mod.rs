@@ -50,7 +50,7 @@ struct Said {
     /// Errors with the NC lines of their labels.
     errors: Vec<(Code, Vec<usize>)>,
     /// Deepest gouge: depth, point, surface, line.
-    gouge: Option<(f64, Point3<f64>, impellerc::ir::design::SurfaceId, usize)>,
+    gouge: Option<(f64, Point3<f64>, impellerc::part::SurfaceId, usize)>,
     /// Least distance of shank and holder with its line.
     bodies: Option<(f64, usize)>,
 }

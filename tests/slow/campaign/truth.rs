@@ -3,8 +3,8 @@
 
 use super::blocks::{Station, axis};
 use impellerc::collide::{Cutter, Section};
-use impellerc::ir::design::{self, Sample, SurfaceId, SurfaceKind};
-use impellerc::ir::{Part, Program, Side};
+use impellerc::ir::Program;
+use impellerc::part::{BladeId, FaceId, Part, Sample, Surface, SurfaceId, SurfaceKind, sample};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -143,12 +143,12 @@ fn cell(p: &Point3<f64>) -> [i32; 3] {
 
 impl<'a> Design<'a> {
     pub fn new(part: &'a Part) -> Self {
-        let samples: Vec<Sample> = design::sample(part, POINTS).into_iter().filter(|s| s.surface.milled()).collect();
+        let samples: Vec<Sample> = sample::sample(part, POINTS).into_iter().filter(|s| s.surface.milled()).collect();
         let mut cells: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
         for (i, s) in samples.iter().enumerate() {
             cells.entry(cell(&s.position)).or_default().push(i as u32);
         }
-        Self { part, samples, cells, coarse: clusters(&design::sample(part, 0.4), 2.0) }
+        Self { part, samples, cells, coarse: clusters(&sample::sample(part, 0.4), 2.0) }
     }
 
     /// Points of the cells that a cutter at a pose may touch.
@@ -493,8 +493,8 @@ impl Design<'_> {
 }
 
 /// Point and normal of a fillet: the rolling ball touches the face at u, and the arc runs from there to the hub.
-fn fillet(part: &Part, side: Side, u: f64, share: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
-    let radius = part.fillet?.get();
+fn fillet(part: &Part, side: FaceId, u: f64, share: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
+    let radius = part.main().fillet?.get();
     let v = part.fillet_tangent(side, u, radius)?;
     let face = part.face(side);
     let n = face.normal(u, v);
@@ -525,7 +525,7 @@ fn chart(part: &Part, surface: SurfaceId, p: &Point3<f64>) -> Option<[f64; 2]> {
 
 /// Whether parameters lie on the part of a surface that the finished part has.
 fn belongs(part: &Part, surface: SurfaceId, [u, v]: [f64; 2]) -> bool {
-    let radius = part.fillet.map_or(0.0, |r| r.get());
+    let radius = part.main().fillet.map_or(0.0, |r| r.get());
     match surface.kind {
         SurfaceKind::Face(side) => {
             let high = part.ruling_meets(side, u, &part.shroud, 1.0);
@@ -543,7 +543,7 @@ fn belongs(part: &Part, surface: SurfaceId, [u, v]: [f64; 2]) -> bool {
             let pitch = 2.0 * PI / f64::from(part.vane_count);
             (0..part.vane_count).all(|k| {
                 let own = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), -pitch * f64::from(k)) * centre;
-                [Side::Pressure, Side::Suction].into_iter().all(|side| {
+                BladeId::MAIN.faces().into_iter().all(|side| {
                     let patch = impellerc::geom::proximity::Patch { u: [0.0, 1.0], v: [-0.1, 1.1] };
                     let foot = part.face(side).surface.closest(&own, patch);
                     (part.face(side).surface.point(foot.u, foot.v) - own).norm() >= radius

@@ -10,10 +10,8 @@
 //! | root | from the hub to the edge | between the two fillets of the vane |
 
 use super::chart::{self, Chart, Patch, Place, Shape, charts};
-use super::design::SurfaceKind;
-use super::part::{Part, Side};
-use super::program::Stock;
 use super::solid::Sheet;
+use super::{BladeId, Part, Stock, Surface, SurfaceKind};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -75,7 +73,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     .into_iter()
     .flatten()
     .collect();
-    all.push(tip(part));
+    all.extend(part.blade_ids().map(|blade| tip(part, blade)));
     if !milled_edges {
         all.extend(chart::edges(part).map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }));
     }
@@ -88,26 +86,31 @@ pub fn milled(part: &Part) -> Vec<Kept<'_>> {
     charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }).collect()
 }
 
-fn tip(part: &Part) -> Kept<'_> {
-    let borders = [Side::Pressure, Side::Suction].map(|side| {
+fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
+    let borders = blade.faces().map(|id| {
         let at = |i: usize| {
             let u = i as f64 / ROWS as f64;
-            let p = part.face(side).surface.point(u, part.ruling_meets(side, u, &part.shroud, 1.0));
+            let p = part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0));
             let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
             [along, libm::atan2(p.y, p.x)]
         };
         (0..=ROWS).into_par_iter().map(at).collect()
     });
-    Kept { kind: SurfaceKind::Tip, form: Form::Tip { part, borders } }
+    Kept { kind: SurfaceKind::Tip(blade), form: Form::Tip { part, borders } }
 }
 
 /// Roots at inlet and outlet; none without fillets, or where a fillet ends before.
 fn roots(part: &Part) -> Vec<Kept<'_>> {
-    if part.fillet.is_none() {
+    let rounded = |blade: &BladeId| part.blade(*blade).fillet.is_some();
+    if !part.blade_ids().any(|blade| rounded(&blade)) {
         return Vec::new();
     }
     let charts = charts(part);
-    let sheets = [Side::Pressure, Side::Suction].map(|side| Sheet::new(part, &charts, side));
+    part.blade_ids().filter(rounded).flat_map(|blade| roots_of(part, &charts, blade)).collect()
+}
+
+fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'a>> {
+    let sheets = blade.faces().map(|id| Sheet::new(part, charts, id));
     let [Some(pressure), Some(suction)] = sheets else { return Vec::new() };
     let root = |(kind, end): (SurfaceKind, f64)| {
         let border = |sheet: &Sheet<'_>| -> Option<Vec<[f64; 3]>> {
@@ -118,15 +121,16 @@ fn roots(part: &Part) -> Vec<Kept<'_>> {
             };
             (0..=ROOT_ROWS).map(at).collect()
         };
-        let (hub, shroud) = (part.hub.meridian(end).point, part.shroud.meridian(end).point);
+        let [hub, shroud] = part.end_line(blade, end);
         let across = (shroud - hub).normalize();
         // Away from the other end of the hub.
         let normal = Vector2::new(across.y, -across.x);
-        let away = hub - part.hub.meridian(1.0 - end).point;
+        let away = hub - part.end_line(blade, 1.0 - end)[0];
         let normal = if normal.dot(&away) < 0.0 { -normal } else { normal };
         Some(Kept { kind, form: Form::Root { borders: [border(&pressure)?, border(&suction)?], normal } })
     };
-    [(SurfaceKind::InletRoot, 0.0), (SurfaceKind::OutletRoot, 1.0)].into_iter().filter_map(root).collect()
+    let ends = [(SurfaceKind::InletRoot(blade), 0.0), (SurfaceKind::OutletRoot(blade), 1.0)];
+    ends.into_iter().filter_map(root).collect()
 }
 
 impl Kept<'_> {

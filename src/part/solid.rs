@@ -6,9 +6,7 @@
 //! outside of the blank close the rest. Neighbouring grids share the points of their borders, so that nothing gapes.
 
 use super::chart::{Chart, Shape, charts};
-use super::design::SurfaceKind;
-use super::part::{Part, Side};
-use super::program::Stock;
+use super::{FaceId, Part, Stock, Surface, SurfaceKind};
 use crate::geom::Revolution;
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
@@ -63,7 +61,7 @@ const STEPS: [usize; 4] = [24, 12, 12, 4];
 /// Volume of the finished part: all vanes milled, nothing left over the shroud. Chords of grids of even steps are wrong
 /// by the square of the step, which two refinements take out.
 ///
-/// `None` when a fillet does not reach from inlet to outlet.
+/// `None` when a fillet does not reach from inlet to outlet, and for a part with splitters.
 pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
     let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
     let (coarse, middle, fine) = (of(1)?, of(2)?, of(4)?);
@@ -75,8 +73,10 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
 /// Mesh of the finished part, with steps along a wall, up each of its two surfaces, across a channel, across a vane.
 /// `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Solid> {
-    let ahead = part.first_wall;
-    let behind = if ahead == Side::Pressure { Side::Suction } else { Side::Pressure };
+    if part.blades.len() > 1 {
+        return None;
+    }
+    let [ahead, behind] = part.first_passage().walls;
     let charts = charts(part);
     let sheets = [Sheet::new(part, &charts, ahead)?, Sheet::new(part, &charts, behind)?];
     let (ahead, behind) = (sheets[0].grid(along, up)?, sheets[1].grid(along, up)?);
@@ -179,16 +179,16 @@ fn bridge(
 /// A wall of a channel with its fillet, sector 0.
 pub(super) struct Sheet<'a> {
     part: &'a Part,
-    side: Side,
+    id: FaceId,
     fillet: Option<&'a Chart<'a>>,
     /// Values of u between which the wall is known.
     range: [f64; 2],
 }
 
 impl<'a> Sheet<'a> {
-    pub(super) fn new(part: &'a Part, charts: &'a [Chart<'a>], side: Side) -> Option<Self> {
-        let fillet = charts.iter().find(|c| c.kind == SurfaceKind::Fillet(side));
-        if part.fillet.is_some() && fillet.is_none() {
+    pub(super) fn new(part: &'a Part, charts: &'a [Chart<'a>], id: FaceId) -> Option<Self> {
+        let fillet = charts.iter().find(|c| c.kind == SurfaceKind::Fillet(id));
+        if part.fillet(id).is_some() && fillet.is_none() {
             return None;
         }
         let range = match fillet {
@@ -196,12 +196,12 @@ impl<'a> Sheet<'a> {
             // The guides go on along their tangents.
             None => [-0.2, 1.2],
         };
-        Some(Self { part, side, fillet, range })
+        Some(Self { part, id, fillet, range })
     }
 
     /// Point at u; `w` from 0 to 1 goes along the fillet, from 1 to 2 up the ruling.
     pub(super) fn point(&self, u: f64, w: f64) -> Point3<f64> {
-        let surface = &self.part.face(self.side).surface;
+        let surface = &self.part.face(self.id).surface;
         let low = match self.fillet {
             Some(chart) => {
                 let x = (u - self.range[0]) / (self.range[1] - self.range[0]);
@@ -212,9 +212,9 @@ impl<'a> Sheet<'a> {
                 let (root, _, ruling) = surface.tangents(u, 0.0);
                 (contact - root).dot(&ruling) / ruling.norm_squared()
             }
-            None => self.part.ruling_meets(self.side, u, &self.part.hub, 0.0),
+            None => self.part.ruling_meets(self.id, u, &self.part.hub, 0.0),
         };
-        let high = self.part.ruling_meets(self.side, u, &self.part.shroud, 1.0);
+        let high = self.part.ruling_meets(self.id, u, &self.part.shroud, 1.0);
         surface.point(u, low + (high - low) * (w - 1.0))
     }
 
@@ -232,7 +232,7 @@ impl<'a> Sheet<'a> {
 
     /// u at which a row meets the line of the meridian plane between the ends of hub and shroud at 0 or 1.
     pub(super) fn meets(&self, end: f64, w: f64) -> Option<f64> {
-        let (hub, shroud) = (self.part.hub.meridian(end).point, self.part.shroud.meridian(end).point);
+        let [hub, shroud] = self.part.end_line(self.id.blade, end);
         let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
         let gap = |u: f64| {
             let p = self.point(u, w);

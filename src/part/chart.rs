@@ -7,8 +7,8 @@
 //! | hub | u of the hub | from the clockwise wall of the channel to the other |
 //! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 
-use super::design::{self, Room, SurfaceKind};
-use super::part::{Part, Side};
+use super::borders::{Opening, arc_between};
+use super::{BladeId, Extent, FaceId, Part, Passage, Surface, SurfaceKind, hub_normal};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -22,20 +22,20 @@ pub struct Chart<'a> {
     /// Which one.
     pub kind: SurfaceKind,
     part: &'a Part,
-    room: Room,
+    extent: Extent,
     form: Form,
 }
 
 #[derive(Clone, Debug)]
 enum Form {
     /// v at the lower and upper border of a face, row by row.
-    Face { borders: Vec<[f64; 2]> },
+    Face { face: FaceId, borders: Vec<[f64; 2]> },
     /// Centre of the rolling ball, unit vectors from it to face and hub.
     Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
     /// First azimuth and opening angle of the channel.
     Hub { borders: Vec<[f64; 2]> },
-    /// u of the end, and v at the lower and upper border on the pressure and on the suction face.
-    Edge { u: f64, ranges: [[f64; 2]; 2] },
+    /// u of the end, and v at the lower and upper border on each face.
+    Edge { blade: BladeId, u: f64, ranges: [[f64; 2]; 2] },
 }
 
 /// A place of a chart.
@@ -113,49 +113,51 @@ const PATCH: usize = 8;
 
 /// Charts of all milled surfaces of sector 0.
 pub fn charts(part: &Part) -> Vec<Chart<'_>> {
-    let sides = [Side::Pressure, Side::Suction];
-    let mut charts: Vec<Chart<'_>> = sides.iter().map(|side| face(part, *side)).collect();
-    if let Some(radius) = part.fillet {
-        charts.extend(sides.iter().filter_map(|side| fillet(part, *side, radius.get())));
-    }
-    charts.extend(hub(part));
+    let mut charts: Vec<Chart<'_>> = part.faces().map(|id| face(part, id)).collect();
+    charts.extend(part.faces().filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
+    charts.extend(part.passages().filter_map(|passage| hub(part, &passage)));
     charts
 }
 
-/// Charts of the edges of the vane of sector 0 at inlet and outlet, between its faces.
-pub fn edges(part: &Part) -> [Chart<'_>; 2] {
-    [(SurfaceKind::InletEdge, 0.0), (SurfaceKind::OutletEdge, 1.0)].map(|(kind, u)| {
-        let ranges = [Side::Pressure, Side::Suction].map(|side| borders(part, side, u));
-        Chart { kind, part, room: part.room(), form: Form::Edge { u, ranges } }
+/// Charts of the edges of all blades of sector 0.
+pub fn edges(part: &Part) -> impl Iterator<Item = Chart<'_>> {
+    part.blade_ids().flat_map(|blade| edges_of(part, blade))
+}
+
+/// Charts of the edges of a blade of sector 0 at inlet and outlet, between its faces.
+pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
+    [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)].map(|(kind, u)| {
+        let ranges = blade.faces().map(|id| borders(part, id, u));
+        Chart { kind, part, extent: part.extent(blade), form: Form::Edge { blade, u, ranges } }
     })
 }
 
 /// v at the lower and the upper border of a face on the ruling at u.
-fn borders(part: &Part, side: Side, u: f64) -> [f64; 2] {
+fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
     let low = part
-        .fillet
-        .and_then(|r| part.fillet_tangent(side, u, r.get()))
-        .unwrap_or_else(|| part.ruling_meets(side, u, &part.hub, 0.0));
-    [low, part.ruling_meets(side, u, &part.shroud, 1.0)]
+        .fillet(id)
+        .and_then(|r| part.fillet_tangent(id, u, r.get()))
+        .unwrap_or_else(|| part.ruling_meets(id, u, &part.hub, 0.0));
+    [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
 }
 
 fn rows() -> impl IndexedParallelIterator<Item = f64> {
     (0..ROWS + 1).into_par_iter().map(|i| i as f64 / ROWS as f64)
 }
 
-fn face(part: &Part, side: Side) -> Chart<'_> {
-    let borders = rows().map(|u| borders(part, side, u)).collect();
-    Chart { kind: SurfaceKind::Face(side), part, room: part.room(), form: Form::Face { borders } }
+fn face(part: &Part, id: FaceId) -> Chart<'_> {
+    let borders = rows().map(|u| borders(part, id, u)).collect();
+    Chart { kind: SurfaceKind::Face(id), part, extent: part.extent(id.blade), form: Form::Face { face: id, borders } }
 }
 
-fn fillet(part: &Part, side: Side, radius: f64) -> Option<Chart<'_>> {
-    let face = part.face(side);
-    let [from, to] = part.fillet_ends(side, radius);
+fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
+    let face = part.face(id);
+    let [from, to] = part.fillet_ends(id, radius);
     let ball = |u: f64| {
-        let v = part.fillet_tangent(side, u, radius)?;
+        let v = part.fillet_tangent(id, u, radius)?;
         let to_face = -face.normal(u, v);
         let centre = face.surface.point(u, v) - to_face * radius;
-        Some([centre.coords, to_face, -design::hub_normal(part, &centre)])
+        Some([centre.coords, to_face, -hub_normal(part, &centre)])
     };
     let found: Vec<Option<[Vector3<f64>; 3]>> = rows().map(|x| ball(from + (to - from) * x)).collect();
     // Far beyond an end there may be no ball; the surface is the run about the middle.
@@ -166,43 +168,36 @@ fn fillet(part: &Part, side: Side, radius: f64) -> Option<Chart<'_>> {
     let balls: Vec<[Vector3<f64>; 3]> = found[first..last].iter().copied().flatten().collect();
     let u = [first, last - 1].map(|i| from + (to - from) * i as f64 / ROWS as f64);
     (balls.len() > 3).then_some(Chart {
-        kind: SurfaceKind::Fillet(side),
+        kind: SurfaceKind::Fillet(id),
         part,
-        room: part.room(),
+        extent: part.extent(id.blade),
         form: Form::Fillet { radius, u, balls },
     })
 }
 
-fn hub(part: &Part) -> Option<Chart<'_>> {
-    let second = if part.first_wall == Side::Pressure { Side::Suction } else { Side::Pressure };
-    let (a, b) = (design::hub_border(part, part.first_wall), design::hub_border(part, second));
-    let borders: Option<Vec<[f64; 2]>> = (0..=ROWS)
-        .map(|i| {
-            let u = i as f64 / ROWS as f64;
-            let (from, to) = (design::border_azimuth(&a, u)?, design::border_azimuth(&b, u)?);
-            let ahead = to - from;
-            let angle = ahead - std::f64::consts::TAU * (ahead / std::f64::consts::TAU).round() + part.pitch();
-            Some([from, angle.max(0.0)])
-        })
-        .collect();
-    Some(Chart { kind: SurfaceKind::Hub, part, room: part.room(), form: Form::Hub { borders: borders? } })
+fn hub<'a>(part: &'a Part, passage: &Passage) -> Option<Chart<'a>> {
+    let opening = Opening::of(part, passage);
+    let border = |i| opening.at(i as f64 / ROWS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
+    let borders: Option<Vec<[f64; 2]>> = (0..=ROWS).map(border).collect();
+    let extent = part.extent(BladeId::MAIN);
+    Some(Chart { kind: SurfaceKind::Hub(passage.id), part, extent, form: Form::Hub { borders: borders? } })
 }
 
 impl Chart<'_> {
     /// Point of an edge.
-    fn on_edge(&self, u: f64, ranges: &[[f64; 2]; 2], x: f64, y: f64) -> Point3<f64> {
-        let [p, s] = [(Side::Pressure, 0), (Side::Suction, 1)].map(|(side, i)| {
-            let [low, high] = ranges[i];
-            self.turned(side, u, low + (high - low) * x)
+    fn on_edge(&self, blade: BladeId, u: f64, ranges: &[[f64; 2]; 2], x: f64, y: f64) -> Point3<f64> {
+        let [p, s] = blade.faces().map(|id| {
+            let [low, high] = ranges[id.index()];
+            self.turned(id, u, low + (high - low) * x)
         });
-        design::arc_between(&p, &s, y)
+        arc_between(&p, &s, y)
     }
 
     /// The end of the line of equal v of a face at u = 0 or 1, or where it meets the inlet cone or the outlet cylinder, if that
     /// lies farther out: a straight ruling between two points of a cone leaves it.
-    fn turned(&self, side: Side, u: f64, v: f64) -> Point3<f64> {
-        let surface = &self.part.face(side).surface;
-        let gap = |u: f64| self.room.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
+    fn turned(&self, id: FaceId, u: f64, v: f64) -> Point3<f64> {
+        let surface = &self.part.face(id).surface;
+        let gap = |u: f64| self.extent.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
         let (mut a, mut b) = (u, u + 1e-3);
         let (mut fa, mut fb) = (gap(a), gap(b));
         // Secants: the face is nearly straight over some hundredths of a millimetre.
@@ -216,20 +211,15 @@ impl Chart<'_> {
         }
         surface.point(if u > 0.5 { b.max(u) } else { b.min(u) }, v)
     }
-
-    fn nowhere(&self) -> Place {
-        Place { position: Point3::origin(), normal: Vector3::z(), parameters: [0.0; 2] }
-    }
 }
 
 impl Shape for Chart<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         match &self.form {
-            Form::Face { borders } => {
-                let SurfaceKind::Face(side) = self.kind else { return self.nowhere() };
+            Form::Face { face, borders } => {
                 let [low, high] = level(borders, x);
                 let v = low + (high - low) * y;
-                let face = self.part.face(side);
+                let face = self.part.face(*face);
                 let (position, su, sv) = face.surface.tangents(x, v);
                 let normal = su.cross(&sv).normalize() * face.orientation;
                 Place { position, normal, parameters: [x, v] }
@@ -253,15 +243,15 @@ impl Shape for Chart<'_> {
                 let position = self.part.hub.point(x, azimuth);
                 Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
             }
-            Form::Edge { u, ranges } => {
+            Form::Edge { blade, u, ranges } => {
                 /// Step of differences: their error is below a billionth over the thickness of a vane.
                 const STEP: f64 = 1e-5;
-                let at = |x: f64, y: f64| self.on_edge(*u, ranges, x, y);
+                let at = |x: f64, y: f64| self.on_edge(*blade, *u, ranges, x, y);
                 let along = at(x + STEP, y) - at(x - STEP, y);
                 let across = at(x, y + STEP) - at(x, y - STEP);
                 let normal = along.cross(&across).normalize();
                 // The vane lies on the side of its other end.
-                let (_, su, _) = self.part.vane.pressure.surface.tangents(*u, 0.5);
+                let (_, su, _) = self.part.blade(*blade).faces[0].surface.tangents(*u, 0.5);
                 let outward = if *u > 0.5 { su } else { -su };
                 let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
                 Place { position: at(x, y), normal, parameters: [x, y] }
@@ -271,7 +261,7 @@ impl Shape for Chart<'_> {
 
     /// Fillets end at the inlet cone and the outlet cylinder.
     fn is_milled(&self, position: &Point3<f64>) -> bool {
-        !matches!(self.form, Form::Fillet { .. }) || self.room.holds(position)
+        !matches!(self.form, Form::Fillet { .. }) || self.extent.holds(position)
     }
 }
 

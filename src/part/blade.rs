@@ -1,0 +1,146 @@
+//! Blades of a row: their faces and the names of these.
+
+use super::surface::{FaceSurface, Surface};
+use crate::geom::NurbsCurve;
+use crate::geom::{LoftedSurface, RuledSurface};
+use crate::units::Mm;
+use nalgebra::Vector3;
+
+/// A blade of a sector. The first one is the main blade, the others are its splitters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BladeId(u16);
+
+impl BladeId {
+    /// The main blade.
+    pub const MAIN: Self = Self(0);
+
+    /// The blade at a place of [`super::Part::blades`].
+    pub fn new(index: usize) -> Self {
+        Self(u16::try_from(index).unwrap_or(u16::MAX))
+    }
+
+    /// Its place in [`super::Part::blades`].
+    pub fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
+    /// Its faces, the pressure face first.
+    pub fn faces(self) -> [FaceId; 2] {
+        [0, 1].map(|face| FaceId { blade: self, face })
+    }
+
+    /// What it is called, and what follows the number of its sector: `vane 3`, `splitter 3.1`.
+    pub(super) fn words(self) -> (&'static str, String) {
+        if self == Self::MAIN { ("vane", String::new()) } else { ("splitter", format!(".{}", self.0)) }
+    }
+}
+
+/// A face of a blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FaceId {
+    /// Its blade.
+    pub blade: BladeId,
+    face: u8,
+}
+
+impl FaceId {
+    /// Names of the two faces in the job language.
+    pub const NAMES: [&'static str; 2] = ["pressure", "suction"];
+    /// The pressure face of the main blade.
+    pub const PRESSURE: Self = Self { blade: BladeId::MAIN, face: 0 };
+    /// The suction face of the main blade.
+    pub const SUCTION: Self = Self { blade: BladeId::MAIN, face: 1 };
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self.index()]
+    }
+
+    /// Its place among the faces of its blade.
+    pub fn index(self) -> usize {
+        usize::from(self.face)
+    }
+
+    /// The other face of its blade.
+    #[must_use]
+    pub fn other(self) -> Self {
+        Self { face: 1 - self.face, ..self }
+    }
+}
+
+/// One face of a blade. Its material lies on the side opposite to the outward normal.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// The surface in sector 0.
+    pub surface: FaceSurface,
+    /// +1 when `S_u` x `S_v` points out of the material, else -1.
+    pub orientation: f64,
+}
+
+impl Face {
+    /// Unit normal out of the material, sector 0.
+    pub fn normal(&self, u: f64, v: f64) -> Vector3<f64> {
+        self.surface.normal(u, v) * self.orientation
+    }
+}
+
+/// Curves of a face, from the hub to the shroud.
+#[derive(Clone, Debug)]
+pub struct Guides {
+    /// Curve at the hub.
+    pub root: NurbsCurve,
+    /// Curve at the shroud.
+    pub tip: NurbsCurve,
+}
+
+impl From<Guides> for FaceSurface {
+    fn from(guides: Guides) -> Self {
+        Self::Ruled(RuledSurface { root: guides.root, tip: guides.tip })
+    }
+}
+
+impl From<LoftedSurface> for FaceSurface {
+    fn from(surface: LoftedSurface) -> Self {
+        Self::Lofted(surface)
+    }
+}
+
+/// A blade of sector 0: the main blade, or a splitter.
+#[derive(Clone, Debug)]
+pub struct Blade {
+    /// Its faces, the pressure face first.
+    pub faces: [Face; 2],
+    /// Fillet radius between blade and hub; `None` for a sharp root.
+    pub fillet: Option<Mm>,
+    /// Which of its faces looks ahead, counter-clockwise about Z.
+    ahead: u8,
+}
+
+impl Blade {
+    /// The blade between a pressure and a suction face. Which side of each the material is on, and which face looks
+    /// ahead, is found from the geometry.
+    pub fn new([pressure, suction]: [FaceSurface; 2], fillet: Option<Mm>) -> Self {
+        let (p, s) = (pressure.point(0.5, 0.5), suction.point(0.5, 0.5));
+        // A face points away from the other face of its blade.
+        let across = p - s;
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let orientation = [sign(pressure.normal(0.5, 0.5).dot(&across)), sign(-suction.normal(0.5, 0.5).dot(&across))];
+        // The suction face is ahead when the turn from pressure to suction is positive.
+        let ahead = u8::from(p.x * s.y - p.y * s.x > 0.0);
+        let [pressure, suction] = [(pressure, orientation[0]), (suction, orientation[1])]
+            .map(|(surface, orientation)| Face { surface, orientation });
+        Self { faces: [pressure, suction], fillet, ahead }
+    }
+
+    /// The blade turned about Z.
+    #[must_use]
+    pub fn rotated(&self, angle: f64) -> Self {
+        let faces = self.faces.each_ref().map(|f| Face { surface: f.surface.rotated(angle), ..*f });
+        Self { faces, ..*self }
+    }
+
+    /// Place of the face that looks ahead, counter-clockwise about Z, in its faces.
+    pub(super) fn ahead(&self) -> usize {
+        usize::from(self.ahead)
+    }
+}

@@ -1,0 +1,40 @@
+//! The part: surfaces, blades, the row of a sector, its passages, and what is made of them once for all readers.
+//!
+//! Sector 0 stands for all others; sector k is turned about Z by k pitches. Lengths are in mm, angles in radians.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `surface` | what all surfaces of blades can do; ruled and lofted ones |
+//! | `blade` | a blade with its two faces and their names |
+//! | `row` | the part: main blade and splitters between hub and shroud; passages between neighbours |
+//! | `names` | every surface of the finished part by kind and sector |
+//! | `stock` | the turned blank and what holds it |
+//! | `rolling_ball` | the ball that touches face and hub: fillets |
+//! | `extent` | between inlet and outlet: where milled surfaces are |
+//! | `borders` | where one surface ends at the next |
+//! | `chart` | milled surfaces over the unit square |
+//! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
+//! | `sample` | points of all surfaces |
+//! | `solid` | the closed part, and its volume |
+
+mod blade;
+mod borders;
+pub mod chart;
+mod extent;
+pub mod kept;
+mod names;
+mod rolling_ball;
+mod row;
+pub mod sample;
+pub mod solid;
+mod stock;
+pub mod surface;
+
+pub use blade::{Blade, BladeId, Face, FaceId, Guides};
+pub use extent::Extent;
+pub use names::{SurfaceId, SurfaceKind};
+pub use rolling_ball::hub_normal;
+pub use row::{Part, Passage, PassageId};
+pub use sample::{Sample, sample};
+pub use stock::{Clamping, Stock};
+pub use surface::{FaceSurface, Surface};

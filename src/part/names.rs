@@ -1,0 +1,108 @@
+//! Names of all surfaces of the finished part.
+
+use crate::contract::SurfaceClass;
+
+use super::{BladeId, FaceId, PassageId};
+
+/// What a design surface is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SurfaceKind {
+    /// A face of a blade.
+    Face(FaceId),
+    /// The fillet between a face and the hub.
+    Fillet(FaceId),
+    /// The hub in a passage.
+    Hub(PassageId),
+    /// The turned tip of a blade.
+    Tip(BladeId),
+    /// The turned inlet edge of a blade.
+    InletEdge(BladeId),
+    /// The turned outlet edge of a blade.
+    OutletEdge(BladeId),
+    /// Between the fillets of a blade below its inlet edge, down to the hub.
+    InletRoot(BladeId),
+    /// The same at the outlet.
+    OutletRoot(BladeId),
+    /// Outside of the hub disc below the outlet.
+    Rim,
+    /// Back face of the hub disc.
+    Back,
+    /// Bore.
+    Bore,
+    /// Front face between the bore and the inlet of the hub.
+    Nose,
+}
+
+/// A surface of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SurfaceId {
+    /// What it is.
+    pub kind: SurfaceKind,
+    /// Sector, from 0.
+    pub sector: u32,
+}
+
+impl SurfaceId {
+    /// True for the surfaces that milling makes.
+    pub fn milled(self) -> bool {
+        matches!(self.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_) | SurfaceKind::Hub(_))
+    }
+}
+
+impl std::fmt::Display for SurfaceId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.kind.in_sectors(&[self.sector]))
+    }
+}
+
+impl SurfaceKind {
+    /// Its class in contracts.
+    pub fn class(self) -> SurfaceClass {
+        match self {
+            Self::Face(face) => [SurfaceClass::Pressure, SurfaceClass::Suction][face.index()],
+            Self::Fillet(_) => SurfaceClass::Fillet,
+            Self::Hub(_) => SurfaceClass::Hub,
+            Self::Tip(_)
+            | Self::InletEdge(_)
+            | Self::OutletEdge(_)
+            | Self::InletRoot(_)
+            | Self::OutletRoot(_)
+            | Self::Rim
+            | Self::Back
+            | Self::Bore
+            | Self::Nose => SurfaceClass::Edge,
+        }
+    }
+
+    /// Name of these surfaces in some sectors, from 0 and ascending: `vanes 1-3, 5 pressure face`.
+    pub fn in_sectors(self, sectors: &[u32]) -> String {
+        let runs: Vec<[u32; 2]> =
+            sectors.chunk_by(|a, b| a + 1 == *b).filter_map(|run| Some([run.first()? + 1, run.last()? + 1])).collect();
+        let many = if sectors.len() > 1 { "s" } else { "" };
+        let numbers = |suffix: &str| {
+            let texts = runs.iter().map(|[first, last]| {
+                if first == last { format!("{first}{suffix}") } else { format!("{first}{suffix}-{last}{suffix}") }
+            });
+            texts.collect::<Vec<_>>().join(", ")
+        };
+        let of = |blade: BladeId| {
+            let (word, suffix) = blade.words();
+            format!("{word}{many} {}", numbers(&suffix))
+        };
+        match self {
+            Self::Face(face) => format!("{} {} face", of(face.blade), face.name()),
+            Self::Fillet(face) => format!("{} {} fillet", of(face.blade), face.name()),
+            Self::Hub(passage) => format!("hub of channel{many} {}", numbers(&passage.suffix())),
+            Self::Tip(blade) => format!("{} tip", of(blade)),
+            Self::InletEdge(blade) => format!("{} inlet edge", of(blade)),
+            Self::OutletEdge(blade) => format!("{} outlet edge", of(blade)),
+            Self::InletRoot(blade) => format!("{} root at the inlet", of(blade)),
+            Self::OutletRoot(blade) => format!("{} root at the outlet", of(blade)),
+            // Turned all around: no sector has its own.
+            Self::Rim => "rim".to_owned(),
+            Self::Back => "back face".to_owned(),
+            Self::Bore => "bore".to_owned(),
+            Self::Nose => "nose".to_owned(),
+        }
+    }
+}

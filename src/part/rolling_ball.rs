@@ -1,0 +1,180 @@
+//! The ball that rolls along a face and the hub: the fillet, and where faces end.
+
+use super::{FaceId, Part, Surface};
+use crate::geom::Revolution;
+use nalgebra::{Point3, Vector2, Vector3};
+
+impl Part {
+    /// v at which a ball of a radius, touching the face at (u, v) from outside, touches the hub too: the upper edge of
+    /// the fillet. `None` when there is no such place on the ruling. Sector 0.
+    pub fn fillet_tangent(&self, id: FaceId, u: f64, radius: f64) -> Option<f64> {
+        let face = self.face(id);
+        let gap = |v: f64| {
+            let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
+            self.hub.distance(&centre) - radius
+        };
+        // The ball sinks into the hub at the root and is clear of it at some height; a face that leans over the hub
+        // may need a start below the root.
+        let ends = [-0.5, 1.0].map(|v| (v, gap(v)));
+        (ends[0].1 <= 0.0 && ends[1].1 >= 0.0).then(|| halved(gap, ends))
+    }
+
+    /// v at which the ruling of a face meets a surface of revolution, near `guess`. Sector 0.
+    pub fn ruling_meets(&self, id: FaceId, u: f64, surface: &Revolution, guess: f64) -> f64 {
+        let face = self.face(id);
+        let gap = |v: f64| surface.distance(&face.surface.point(u, v));
+        // Secant steps: the distance along a ruling is nearly linear.
+        let (mut a, mut b) = (guess, guess + 1e-3);
+        let (mut fa, mut fb) = (gap(a), gap(b));
+        for _ in 0..12 {
+            if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-12 {
+                break;
+            }
+            // A ruling that never meets the surface must not run away.
+            let next = (b - fb * (b - a) / (fb - fa)).clamp(guess - 0.5, guess + 0.5);
+            (a, fa) = (b, fb);
+            (b, fb) = (next, gap(next));
+        }
+        b
+    }
+}
+
+/// Where a function leaves what is below zero, between two places with the values there: by 50 halvings, which end below
+/// rounding for a ruling of some 100 mm. Most of them are decided by a bracket.
+fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
+    let [(mut low, _), (mut high, _)] = ends;
+    let (below, above) = bracket(&f, ends);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if middle <= below || (middle < above && f(middle) < 0.0) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Two places close to each other between which a function leaves what is below zero, from such a pair with the values
+/// there: by secants, of which the weight of an end that stays is halved (Illinois).
+fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)]: [(f64, f64); 2]) -> (f64, f64) {
+    /// Steps at most: on rulings some six are enough.
+    const STEPS: usize = 20;
+    /// Width to end with: some steps over rounding.
+    const CLOSE: f64 = 2e-14;
+    let mut stays = None;
+    let mut last = f64::NAN;
+    for _ in 0..STEPS {
+        let next = high - f_high * (high - low) / (f_high - f_low);
+        if !(next > low && next < high) {
+            break;
+        }
+        // The last step was so short that the place lies as near to this one.
+        let ends = if (next - last).abs() < CLOSE { [next - CLOSE, next + CLOSE] } else { [next; 2] };
+        last = next;
+        for v in ends {
+            if v <= low || v >= high {
+                continue;
+            }
+            let value = f(v);
+            if value < 0.0 {
+                (low, f_low) = (v, value);
+                f_high *= if stays == Some(true) { 0.5 } else { 1.0 };
+                stays = Some(true);
+            } else {
+                (high, f_high) = (v, value);
+                f_low *= if stays == Some(false) { 0.5 } else { 1.0 };
+                stays = Some(false);
+            }
+        }
+        if high - low <= 2.0 * CLOSE {
+            break;
+        }
+    }
+    (low, high)
+}
+
+impl Part {
+    /// Change of u that moves along the root of a face by a length at u = 0 or u = 1.
+    pub fn root_step(&self, id: FaceId, u: f64, length: f64) -> f64 {
+        length / self.face(id).surface.root().derivatives_extended(u).first.norm()
+    }
+
+    /// Where the ball of a fillet is on the part: u of its first and of its last place. The ball touches the hub before or
+    /// behind the ruling whose face it touches, the farther the more the face leans, so that it runs on beyond both ends of the
+    /// face until it touches the hub outside of the part.
+    pub fn fillet_ends(&self, id: FaceId, radius: f64) -> [f64; 2] {
+        /// Ball radii beyond an end at most.
+        const MOST: u32 = 4;
+        let extent = self.extent(id.blade);
+        let face = self.face(id);
+        let on_part = |u: f64| {
+            self.fillet_tangent(id, u, radius).is_some_and(|v| {
+                let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
+                extent.holds(&(centre - hub_normal(self, &centre) * radius))
+            })
+        };
+        [(0.0, -1.0), (1.0, 1.0)].map(|(end, outward)| {
+            let step = outward * self.root_step(id, end, radius);
+            let beyond = (1..MOST).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MOST);
+            end + step * f64::from(beyond)
+        })
+    }
+}
+
+/// Normal of the hub at the foot of a point.
+pub fn hub_normal(part: &Part, at: &Point3<f64>) -> Vector3<f64> {
+    let r = libm::hypot(at.x, at.y);
+    let (u, _) = part.hub.closest(Vector2::new(r, at.z));
+    let n = part.hub.meridian_normal(u);
+    Vector3::new(n.x * at.x / r, n.x * at.y / r, n.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// The same bits as by halvings that all ask the function, with a third of the questions.
+    #[test]
+    fn halvings_by_a_bracket() {
+        let plain = |f: &dyn Fn(f64) -> f64| {
+            let (mut low, mut high) = (-0.5, 1.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if f(middle) < 0.0 { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        };
+        let mut asked = 0;
+        let mut count = 0;
+        for k in 0..200 {
+            let root = -0.49 + 1.48 * f64::from(k) / 199.0;
+            let functions: [&dyn Fn(f64) -> f64; 5] = [
+                &|v| 20.0 * (v - root),
+                &|v| (v - root) * (3.0 + v * v),
+                &|v| (v.exp() - root.exp()) * 7.0,
+                &|v| (4.0 * (v - root)).atan(),
+                &|v| (v * v + 40.0 * (v + 1.0)).sqrt() - (root * root + 40.0 * (root + 1.0)).sqrt(),
+            ];
+            for f in functions {
+                let questions = Cell::new(0);
+                let g = |v: f64| {
+                    questions.set(questions.get() + 1);
+                    f(v)
+                };
+                let found = halved(g, [-0.5, 1.0].map(|v| (v, f(v))));
+                assert_eq!(found.to_bits(), plain(f).to_bits(), "root {root}");
+                assert!((found - root).abs() < 1e-12);
+                asked += questions.get();
+                count += 1;
+            }
+        }
+        assert!(asked <= 17 * count, "{} questions", f64::from(asked) / f64::from(count));
+    }
+
+    /// A zero in the end of the bracket, and a function that jumps.
+    #[test]
+    fn halvings_at_the_ends() {
+        let at = |f: &dyn Fn(f64) -> f64| halved(f, [-0.5, 1.0].map(|v| (v, f(v))));
+        assert!((at(&|v| v - 1.0) - 1.0).abs() < 1e-14);
+        assert!((at(&|v| v + 0.5) + 0.5).abs() < 1e-14);
+        assert!((at(&|v| if v < 0.25 { -1.0 } else { 2.0 }) - 0.25).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,180 @@
+//! The design part: a row of blades between hub and shroud.
+
+use super::blade::{Blade, BladeId, Face, FaceId, Guides};
+use super::surface::{FaceSurface, Surface};
+use crate::geom::{NurbsCurve, Revolution};
+use crate::units::Mm;
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
+
+/// The design part. Sector k is sector 0 turned about Z by k pitches (Wei 18).
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Number of sectors: of main blades.
+    pub vane_count: u32,
+    /// Blades of sector 0: the main blade, then its splitters counter-clockwise, less than a pitch ahead of it.
+    pub blades: Vec<Blade>,
+    /// Hub: outward normal points into the channel.
+    pub hub: Revolution,
+    /// Surface of the blade tips.
+    pub shroud: Revolution,
+}
+
+/// A passage of a sector: the channel between two neighbouring blades. The first one follows the main blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PassageId(u16);
+
+impl PassageId {
+    /// The passage that follows the main blade counter-clockwise.
+    pub const FIRST: Self = Self(0);
+
+    /// What follows the number of its sector; nothing in the first passage: `channel 3`, `channel 3.1`.
+    pub(super) fn suffix(self) -> String {
+        if self == Self::FIRST { String::new() } else { format!(".{}", self.0) }
+    }
+}
+
+/// The space between two neighbouring blades.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// Which one.
+    pub id: PassageId,
+    /// Faces of its walls, the clockwise one first.
+    pub walls: [FaceId; 2],
+    /// Sectors from the first wall on to the second: 1 behind the last blade of a sector, else 0.
+    pub sectors: u32,
+}
+
+impl Part {
+    /// The part of a vane's guide curves, with hub and shroud turned from curves of the vane. Orientation of the faces
+    /// and the order of the walls are found from the geometry.
+    pub fn new(
+        vane_count: u32,
+        pressure: Guides,
+        suction: Guides,
+        hub: NurbsCurve,
+        shroud: NurbsCurve,
+        fillet: Option<Mm>,
+    ) -> Self {
+        let faces = [FaceSurface::from(pressure), FaceSurface::from(suction)];
+        Self::with_blades(vane_count, Blade::new(faces, fillet), Vec::new(), hub, shroud)
+    }
+
+    /// The part of a main blade and its splitters, in any order.
+    pub fn with_blades(
+        vane_count: u32,
+        main: Blade,
+        mut splitters: Vec<Blade>,
+        hub: NurbsCurve,
+        shroud: NurbsCurve,
+    ) -> Self {
+        let meridian = |q: Point3<f64>| Vector2::new(libm::hypot(q.x, q.y), q.z);
+        let pressure = &main.faces[0].surface;
+        let outside = meridian(pressure.point(0.5, 1.0));
+        // Beyond the tips by the height of the vane.
+        let beyond = meridian(pressure.point(0.5, 2.0));
+        let from = main.faces[0].surface.point(1.0, 0.5);
+        splitters.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|blade| ahead_of(&from, &blade.faces[0].surface.point(1.0, 0.5)));
+            a.total_cmp(&b)
+        });
+        Self {
+            vane_count,
+            hub: Revolution::new(hub, outside),
+            shroud: Revolution::new(shroud, beyond),
+            blades: std::iter::once(main).chain(splitters).collect(),
+        }
+    }
+
+    /// Angle between neighbouring main blades.
+    pub fn pitch(&self) -> f64 {
+        std::f64::consts::TAU / f64::from(self.vane_count)
+    }
+
+    /// Turn that carries sector 0 to a sector.
+    pub fn sector_rotation(&self, sector: u32) -> Rotation3<f64> {
+        Rotation3::from_axis_angle(&Vector3::z_axis(), self.pitch() * f64::from(sector))
+    }
+
+    /// The main blade.
+    pub fn main(&self) -> &Blade {
+        &self.blades[0]
+    }
+
+    /// Blades of a sector.
+    pub fn blade_ids(&self) -> impl Iterator<Item = BladeId> + use<> {
+        (0..self.blades.len()).map(BladeId::new)
+    }
+
+    /// A blade of sector 0.
+    pub fn blade(&self, id: BladeId) -> &Blade {
+        &self.blades[id.index()]
+    }
+
+    /// Faces of all blades of a sector.
+    pub fn faces(&self) -> impl Iterator<Item = FaceId> + use<> {
+        self.blade_ids().flat_map(BladeId::faces)
+    }
+
+    /// A face in sector 0.
+    pub fn face(&self, id: FaceId) -> &Face {
+        &self.blade(id.blade).faces[id.index()]
+    }
+
+    /// Radius of the fillet at the foot of a face.
+    pub fn fillet(&self, face: FaceId) -> Option<Mm> {
+        self.blade(face.blade).fillet
+    }
+
+    /// Point of a face of a sector.
+    pub fn face_point(&self, face: FaceId, sector: u32, u: f64, v: f64) -> Point3<f64> {
+        self.sector_rotation(sector) * self.face(face).surface.point(u, v)
+    }
+
+    /// The face of a blade that looks ahead, counter-clockwise about Z.
+    pub fn face_ahead(&self, blade: BladeId) -> FaceId {
+        blade.faces()[self.blade(blade).ahead()]
+    }
+
+    /// True for a face that looks ahead, counter-clockwise about Z: the first wall of its passage.
+    pub fn looks_ahead(&self, face: FaceId) -> bool {
+        self.face_ahead(face.blade) == face
+    }
+
+    /// Passages of a sector, counter-clockwise from the main blade.
+    pub fn passages(&self) -> impl Iterator<Item = Passage> + '_ {
+        (0..self.blades.len()).map(|k| {
+            let next = (k + 1) % self.blades.len();
+            Passage {
+                id: PassageId(u16::try_from(k).unwrap_or(u16::MAX)),
+                walls: [self.face_ahead(BladeId::new(k)), self.face_ahead(BladeId::new(next)).other()],
+                sectors: u32::from(next == 0),
+            }
+        })
+    }
+
+    /// The passage that follows the main blade.
+    pub fn first_passage(&self) -> Passage {
+        let next = 1 % self.blades.len();
+        Passage {
+            id: PassageId::FIRST,
+            walls: [self.face_ahead(BladeId::MAIN), self.face_ahead(BladeId::new(next)).other()],
+            sectors: u32::from(next == 0),
+        }
+    }
+
+    /// The wall on the other side of the passage that a face looks into, and the angle about Z by which that wall is
+    /// turned from its place in sector 0.
+    pub fn opposite(&self, face: FaceId) -> (FaceId, f64) {
+        let facing = self.passages().find_map(|p| match p.walls {
+            [a, b] if a == face => Some((b, self.pitch() * f64::from(p.sectors))),
+            [a, b] if b == face => Some((a, -self.pitch() * f64::from(p.sectors))),
+            _ => None,
+        });
+        facing.unwrap_or((face.other(), 0.0))
+    }
+}
+
+/// Angle about Z from one point ahead to another, from 0 to a whole turn.
+fn ahead_of(from: &Point3<f64>, to: &Point3<f64>) -> f64 {
+    (libm::atan2(to.y, to.x) - libm::atan2(from.y, from.x)).rem_euclid(std::f64::consts::TAU)
+}

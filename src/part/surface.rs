@@ -1,0 +1,203 @@
+//! Surfaces of blades: what all of them can do, whatever they were made of.
+
+use crate::geom::proximity::{ClosestPair, Patch, Projection};
+use crate::geom::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
+use nalgebra::{Point3, Vector3};
+
+/// A surface over u, from inlet (0) to outlet (1), and v, from root (0) to tip (1). It goes on straight outside of both.
+pub trait Surface {
+    /// Point with first and second derivatives.
+    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives;
+
+    /// Closest point of a patch.
+    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection;
+
+    /// The surface turned about Z (Wei 18).
+    #[must_use]
+    fn rotated(&self, angle: f64) -> Self
+    where
+        Self: Sized;
+
+    /// Point, `S_u` and `S_v`.
+    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        let d = self.derivatives(u, v);
+        (d.point, d.su, d.sv)
+    }
+
+    /// Point.
+    fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        self.tangents(u, v).0
+    }
+
+    /// Unit normal along `S_u` x `S_v`.
+    fn normal(&self, u: f64, v: f64) -> Vector3<f64> {
+        let (_, su, sv) = self.tangents(u, v);
+        su.cross(&sv).normalize()
+    }
+}
+
+impl Surface for RuledSurface {
+    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
+        self.derivatives(u, v)
+    }
+    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        self.closest(p, patch)
+    }
+    fn rotated(&self, angle: f64) -> Self {
+        self.rotated(angle)
+    }
+    // Without second derivatives.
+    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        self.tangents(u, v)
+    }
+    fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        self.point(u, v)
+    }
+}
+
+impl Surface for LoftedSurface {
+    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
+        self.derivatives(u, v)
+    }
+    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        self.closest(p, patch)
+    }
+    fn rotated(&self, angle: f64) -> Self {
+        self.rotated(angle)
+    }
+}
+
+/// The surface of a face of a blade, by its kind. A new kind is one line in each table below.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FaceSurface {
+    /// Straight lines between a root curve and a tip curve.
+    Ruled(RuledSurface),
+    /// A spline through sections.
+    Lofted(LoftedSurface),
+}
+
+macro_rules! of_its_kind {
+    ($surface:expr, $s:ident => $result:expr) => {
+        match $surface {
+            FaceSurface::Ruled($s) => $result,
+            FaceSurface::Lofted($s) => $result,
+        }
+    };
+}
+
+impl Surface for FaceSurface {
+    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
+        of_its_kind!(self, s => s.derivatives(u, v))
+    }
+    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        of_its_kind!(self, s => s.closest(p, patch))
+    }
+    fn rotated(&self, angle: f64) -> Self {
+        match self {
+            Self::Ruled(s) => Self::Ruled(s.rotated(angle)),
+            Self::Lofted(s) => Self::Lofted(s.rotated(angle)),
+        }
+    }
+    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        of_its_kind!(self, s => s.tangents(u, v))
+    }
+    fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        of_its_kind!(self, s => s.point(u, v))
+    }
+}
+
+impl FaceSurface {
+    /// Name of the kind in the job language.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Ruled(_) => "ruled",
+            Self::Lofted(_) => "lofted",
+        }
+    }
+
+    /// Curves that it goes through, from the root (v = 0) to the tip (v = 1).
+    pub fn sections(&self) -> Vec<&NurbsCurve> {
+        match self {
+            Self::Ruled(s) => vec![&s.root, &s.tip],
+            Self::Lofted(s) => s.sections().iter().collect(),
+        }
+    }
+
+    /// The curve at v = 0.
+    pub fn root(&self) -> &NurbsCurve {
+        match self {
+            Self::Ruled(s) => &s.root,
+            Self::Lofted(s) => &s.sections()[0],
+        }
+    }
+
+    /// The curve at v = 1.
+    pub fn tip(&self) -> &NurbsCurve {
+        match self {
+            Self::Ruled(s) => &s.tip,
+            Self::Lofted(s) => &s.sections()[s.sections().len() - 1],
+        }
+    }
+
+    /// Unit vector from root to tip at u: along the ruling of a ruled face (Wei 10).
+    pub fn ruling(&self, u: f64) -> Vector3<f64> {
+        match self {
+            Self::Ruled(s) => s.ruling(u),
+            Self::Lofted(_) => (self.point(u, 1.0) - self.point(u, 0.0)).normalize(),
+        }
+    }
+
+    /// Length from root to tip per unit of v, at its most along the line of equal u, mm.
+    pub fn height(&self, u: f64) -> f64 {
+        /// Stations up a lofted face: some ten between two sections.
+        const STATIONS: u32 = 64;
+        match self {
+            Self::Ruled(s) => s.tangents(u, 0.0).2.norm(),
+            Self::Lofted(s) => (0..=STATIONS)
+                .map(|i| s.derivatives(u, f64::from(i) / f64::from(STATIONS)).sv.norm())
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// The closest pair of points of a patch of this surface and a patch of another.
+    pub fn closest_pair(&self, patch: Patch, other: &Self, other_patch: Patch) -> ClosestPair {
+        if let (Some(a), Some(b)) = (self.as_ruled(), other.as_ruled()) {
+            return a.closest_pair(patch, b, other_patch);
+        }
+        /// Seeds along u and v.
+        const SEEDS: [u32; 2] = [40, 12];
+        /// Feet from one surface to the other and back at most; each comes nearer.
+        const STEPS: usize = 200;
+        /// What is nearer by less is the same, mm.
+        const SAME: f64 = 1e-12;
+        let at = |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n);
+        let from = |p: &Point3<f64>| {
+            let second = other.closest(p, other_patch);
+            let first = self.closest(&second.point, patch);
+            ClosestPair { first, second, distance: first.distance }
+        };
+        let seeds = (0..=SEEDS[0]).flat_map(|i| (0..=SEEDS[1]).map(move |j| (i, j)));
+        let starts = seeds.map(|(i, j)| from(&self.point(at(patch.u, i, SEEDS[0]), at(patch.v, j, SEEDS[1]))));
+        let nearest = starts.min_by(|a, b| a.distance.total_cmp(&b.distance));
+        let mut best = nearest.unwrap_or_else(|| from(&self.point(patch.u[0], patch.v[0])));
+        for _ in 0..STEPS {
+            let next = from(&best.first.point);
+            let nearer = next.distance < best.distance - SAME;
+            if next.distance < best.distance {
+                best = next;
+            }
+            if !nearer {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The straight lines that it consists of, where it does.
+    pub fn as_ruled(&self) -> Option<&RuledSurface> {
+        match self {
+            Self::Ruled(s) => Some(s),
+            Self::Lofted(_) => None,
+        }
+    }
+}
