@@ -111,6 +111,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     analysis::machine_kind::check(&program, sink)?;
+    analysis::part_kind::check(&program, sink)?;
     let post = find_post(&program, sink)?;
     // Told before the minute that planning takes, not after it.
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];

@@ -1,6 +1,6 @@
 //! How far the ends of the faces lie off hub and shroud. The lowering says it under the text of the curve.
 
-use crate::ir::RulingEnd;
+use crate::part::RulingEnd;
 use crate::part::{BladeId, FaceId, Part, Surface};
 use nalgebra::Point3;
 

@@ -9,6 +9,7 @@ pub mod flank;
 pub mod flank_room;
 pub mod machine_kind;
 pub mod outliers;
+pub mod part_kind;
 pub mod reach;
 mod retract;
 pub mod throat;

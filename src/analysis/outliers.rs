@@ -6,7 +6,8 @@
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{DataCurve, RulingEnd};
+use crate::ir::DataCurve;
+use crate::part::RulingEnd;
 use crate::part::{BladeId, FaceId};
 use nalgebra::Point3;
 

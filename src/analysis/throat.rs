@@ -1,8 +1,9 @@
 //! Width of the channel: true distance between neighbouring vanes.
 
 use crate::geom::proximity::Patch;
-use crate::ir::{DataCurve, RulingEnd};
+use crate::ir::DataCurve;
 use crate::part::FaceSurface;
+use crate::part::RulingEnd;
 use crate::part::{FaceId, Part, Surface};
 use nalgebra::Point3;
 

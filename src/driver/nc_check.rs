@@ -78,6 +78,7 @@ fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outco
     let options = Options { job: job.to_path_buf(), run: check.run.clone(), ..Options::default() };
     let program = front(&options, stages, outcome)?.ok_or(Aborted)?;
     analysis::machine_kind::check(&program, &mut outcome.sink)?;
+    analysis::part_kind::check(&program, &mut outcome.sink)?;
     Ok(program)
 }
 

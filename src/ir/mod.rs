@@ -22,5 +22,5 @@ pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
 pub use motion::{JointMove, Motion, MotionOperation};
 pub use program::{
     Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
-    RulingEnd, Tolerances, Tool, ToolId,
+    Tolerances, Tool, ToolId,
 };

@@ -2,7 +2,7 @@
 
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
 use crate::kin::{Carries, Machine};
-use crate::part::{BladeId, SurfaceKind};
+use crate::part::{Blade, BladeId, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -32,24 +32,43 @@ pub fn program(program: &Program) -> String {
         part.pitch().to_degrees(),
         part.first_passage().walls[0].name()
     );
-    for side in BladeId::MAIN.faces() {
-        let s = &part.face(side).surface;
+    for side in part.faces() {
+        let face = part.face(side);
+        let s = &face.surface;
+        let blade = part.blade(side.blade);
+        let splitter = if side.blade == BladeId::MAIN { String::new() } else { format!("{} ", blade.name) };
+        let sections = match s.sections().len() {
+            2 => String::new(),
+            n => format!(" through {n} sections"),
+        };
         let _ = writeln!(
             t,
-            "face {} = ruled root {} .. {} tip {} .. {} orientation {:+}",
+            "face {splitter}{} = {}{sections} root {} .. {} tip {} .. {} orientation {:+}",
             side.name(),
+            s.kind(),
             at(&s.root().point(0.0)),
             at(&s.root().point(1.0)),
             at(&s.tip().point(0.0)),
             at(&s.tip().point(1.0)),
-            part.face(side).orientation
+            face.orientation
         );
+    }
+    if part.blades.len() > 1 {
+        for passage in part.passages() {
+            let [from, to] = passage.walls.map(|wall| format!("{} {}", part.blade(wall.blade).name, wall.name()));
+            let next = if passage.sectors == 1 { " of the next sector" } else { "" };
+            let _ = writeln!(t, "passage from {from} to {to}{next}");
+        }
     }
     for (name, s) in [("hub", &part.hub), ("shroud", &part.shroud)] {
         let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
         let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
     }
-    let _ = writeln!(t, "fillet {}", part.main().fillet.map_or("none".to_owned(), |f| f.to_string()));
+    let fillet = |blade: &Blade| blade.fillet.map_or("none".to_owned(), |f| f.to_string());
+    let _ = writeln!(t, "fillet {}", fillet(part.main()));
+    for splitter in &part.blades[1..] {
+        let _ = writeln!(t, "fillet of {} {}", splitter.name, fillet(splitter));
+    }
     let s = &program.stock;
     let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
     let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());

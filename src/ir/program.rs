@@ -8,7 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::kin::Machine;
 use crate::method::{AxisMethod, Flank, Lines, Spacing};
-use crate::part::{FaceId, Part, Stock, SurfaceKind};
+use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
 use nalgebra::Point3;
@@ -76,25 +76,6 @@ pub struct DataPoint {
     pub point: Point3<f64>,
     /// Its place in the text, where there is one.
     pub span: Option<Span>,
-}
-
-/// End of a ruling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum RulingEnd {
-    /// At the hub.
-    Root,
-    /// At the shroud.
-    Tip,
-}
-
-impl RulingEnd {
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Root => "root",
-            Self::Tip => "tip",
-        }
-    }
 }
 
 /// Tolerances of path making.

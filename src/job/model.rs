@@ -4,6 +4,7 @@ pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
 use crate::method::Planning;
 use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
+use crate::part::{FaceId, RulingEnd};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
 
@@ -141,27 +142,68 @@ pub struct PartSpec {
     pub name: String,
     /// Vanes, with the place of the number.
     pub vanes: (u32, Span),
-    /// Pressure side.
-    pub pressure: FaceSpec,
-    /// Suction side.
-    pub suction: FaceSpec,
-    /// Fillet radius; zero is a sharp root.
-    pub fillet: Mm,
-    /// Which curve is turned to the hub.
+    /// The main blade, then the splitters.
+    pub blades: Vec<BladeSpec>,
+    /// Which curve of the main blade is turned to the hub.
     pub hub: CurveRef,
-    /// Which curve is turned to the shroud.
+    /// Which curve of the main blade is turned to the shroud.
     pub shroud: CurveRef,
     /// Whole item.
     pub span: Span,
 }
 
-/// A ruled face.
+impl PartSpec {
+    /// The main blade.
+    pub fn main(&self) -> &BladeSpec {
+        &self.blades[0]
+    }
+}
+
+/// A blade: the main one, or a splitter.
+#[derive(Clone, Debug)]
+pub struct BladeSpec {
+    /// Name.
+    pub name: String,
+    /// Its faces, the pressure face first.
+    pub faces: [FaceSpec; 2],
+    /// Fillet radius; zero is a sharp root.
+    pub fillet: Mm,
+    /// Turn about Z from its curves to its place.
+    pub angle: Rad,
+    /// Its name in the text.
+    pub span: Span,
+}
+
+/// How a face is made of its curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceForm {
+    /// Straight lines from root to tip.
+    Ruled,
+    /// A spline through root, sections and tip.
+    Lofted,
+}
+
+impl FaceForm {
+    /// All of them with their names in the job language.
+    pub const NAMES: [(Self, &'static str); 2] = [(Self::Ruled, "ruled"), (Self::Lofted, "lofted")];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.into_iter().find(|n| n.0 == self).map_or("ruled", |n| n.1)
+    }
+}
+
+/// A face.
 #[derive(Clone, Debug)]
 pub struct FaceSpec {
+    /// How it is made.
+    pub form: FaceForm,
     /// Curve at the shroud.
     pub tip: CurveSpec,
     /// Curve at the hub.
     pub root: CurveSpec,
+    /// Curves between them, from the root to the tip; none in a ruled face.
+    pub sections: Vec<CurveSpec>,
 }
 
 /// Points of a curve in mm, from inlet to outlet.
@@ -175,13 +217,13 @@ pub struct CurveSpec {
     pub span: Span,
 }
 
-/// One of the four curves of the vane.
+/// A curve of the main blade at one end of its rulings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveRef {
-    /// Pressure, else suction.
-    pub pressure: bool,
-    /// Tip, else root.
-    pub tip: bool,
+    /// Its face.
+    pub face: FaceId,
+    /// The end.
+    pub end: RulingEnd,
     /// Where it is named.
     pub span: Span,
 }

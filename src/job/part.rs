@@ -4,15 +4,16 @@ use super::curve_file;
 use super::eval::{mismatch, suggest, unknown_unit};
 use super::files::Fault;
 use super::limits;
-use super::model::{CurveRef, CurveSpec, FaceSpec, PartSpec};
+use super::model::{BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
 use super::quantity::{Dimension, Quantity};
 use super::resolve::Context;
 use crate::diag::Diag;
 use crate::diag::codes::{files as file_codes, geometry, job as codes};
+use crate::part::{BladeId, FaceId, RulingEnd};
 use crate::source::Span;
 use crate::syntax::ast::{Block, Name, Path, Spline, SplinePoints, Text, Value};
-use crate::units::Mm;
+use crate::units::{Mm, Rad};
 
 /// Bound of the number that is read; how many vanes have room is found from their thickness.
 const MAX_VANES: u32 = 10_000;
@@ -20,9 +21,13 @@ const MAX_VANES: u32 = 10_000;
 /// Points of one curve. Splines of measured blades have hundreds.
 pub(super) const MAX_POINTS: usize = 2000;
 
+/// Sections of a lofted face between root and tip. Designers give some 5 to 30.
+const MAX_SECTIONS: usize = 200;
+
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
-    let known = ["vanes", "vane", "hub", "shroud"];
-    let mut p = Properties::new(format!("part {}", name.text), head, body, &known, &mut cx.scope, cx.sink);
+    let known = ["vanes", "vane", "splitter", "hub", "shroud"];
+    let owner = format!("part {}", name.text);
+    let mut p = Properties::repeated(owner, head, body, (&known, &["splitter"]), &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
     let vane = p.take("vane");
     if vane.is_none() {
@@ -30,21 +35,59 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     }
     let hub = revolved("hub", &mut p);
     let shroud = revolved("shroud", &mut p);
-    let (vane_name, vane_block) = match vane? {
-        (_, values) if matches!(values.as_slice(), [Value::Block(Some(_), _)]) => match values.into_iter().next()? {
-            Value::Block(Some(name), block) => (name, block),
-            _ => return None,
-        },
-        (word, _) => {
-            p.wrong_form(word.span, "vane", "a name and a block", "vane main { pressure ruled { ... } ... }");
-            return None;
-        }
-    };
+    let vane = named_block(vane?, "vane main { pressure ruled { ... } ... }", &mut p);
+    let mut splitters = Vec::new();
+    while let Some(splitter) = p.take("splitter") {
+        splitters.push(named_block(splitter, "splitter half { pressure ruled { ... } ... }", &mut p));
+    }
+    let (vane_name, vane_block) = vane?;
     let hub = hub.and_then(|path| curve_ref(path, vane_name, cx));
     let shroud = shroud.and_then(|path| curve_ref(path, vane_name, cx));
-    let known = ["pressure", "suction", "fillet"];
-    let owner = format!("vane {}", vane_name.text);
-    let mut p = Properties::new(owner, vane_name.span, vane_block, &known, &mut cx.scope, cx.sink);
+    let mut blades = vec![blade("vane", vane_name, vane_block, cx)];
+    let mut names: Vec<&Name> = vec![vane_name];
+    for splitter in splitters {
+        let (name, block) = splitter?;
+        if let Some(first) = names.iter().find(|n| n.text == name.text) {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("two blades are called `{}`", name.text))
+                    .label(name.span, "the same name again")
+                    .label(first.span, "first given here")
+                    .help("give each blade a name of its own"),
+            );
+        }
+        names.push(name);
+        blades.push(blade("splitter", name, block, cx));
+    }
+    Some(PartSpec {
+        name: name.text.clone(),
+        vanes: vanes?,
+        blades: blades.into_iter().collect::<Option<Vec<_>>>()?,
+        hub: hub?,
+        shroud: shroud?,
+        span: head,
+    })
+}
+
+/// Name and block of a blade.
+fn named_block<'a>(
+    (word, values): (&'a Name, Vec<&'a Value>),
+    example: &str,
+    p: &mut Properties<'a, '_>,
+) -> Option<(&'a Name, &'a Block)> {
+    if let [Value::Block(Some(name), block)] = values.as_slice() {
+        return Some((name, block));
+    }
+    p.wrong_form(word.span, &word.text, "a name and a block", example);
+    None
+}
+
+fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option<BladeSpec> {
+    let known: &[&str] = match word {
+        "splitter" => &["pressure", "suction", "fillet", "angle"],
+        _ => &["pressure", "suction", "fillet"],
+    };
+    let owner = format!("{word} {}", name.text);
+    let mut p = Properties::new(owner, name.span, block, known, &mut cx.scope, cx.sink);
     let fillet = if p.has("fillet") {
         let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm");
         fillet.and_then(|(fillet, span)| {
@@ -57,23 +100,25 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     } else {
         Some(0.0)
     };
-    let sides = ["pressure", "suction"].map(|side| {
-        let value = p.take(side);
+    let angle = if p.has("angle") {
+        p.number("angle", Dimension::ANGLE, Range::Within(std::f64::consts::TAU), "angle 22.5 deg").map(|a| a.0)
+    } else {
+        Some(0.0)
+    };
+    let values = FaceId::NAMES.map(|face| {
+        let value = p.take(face);
         if value.is_none() {
-            p.missing(side, &format!("{side} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
+            p.missing(face, &format!("{face} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
         }
         value
     });
-    let [pressure, suction] = sides.map(|side| side.and_then(|(word, values)| face(word, &values, cx)));
-    Some(PartSpec {
+    let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
+    Some(BladeSpec {
         name: name.text.clone(),
-        vanes: vanes?,
-        pressure: pressure?,
-        suction: suction?,
+        faces: [pressure?, suction?],
         fillet: Mm(fillet?),
-        hub: hub?,
-        shroud: shroud?,
-        span: head,
+        angle: Rad(angle?),
+        span: name.span,
     })
 }
 
@@ -119,8 +164,10 @@ fn revolved<'a>(name: &str, p: &mut Properties<'a, '_>) -> Option<&'a Path> {
 
 /// `main.pressure.root`
 fn curve_ref(path: &Path, vane: &Name, cx: &mut Context<'_>) -> Option<CurveRef> {
+    let ends = [RulingEnd::Tip, RulingEnd::Root];
+    let end_names = ends.map(RulingEnd::name);
     let allowed: [(&str, &[&str]); 3] =
-        [("vane", &[vane.text.as_str()]), ("face", &["pressure", "suction"]), ("curve", &["tip", "root"])];
+        [("vane", &[vane.text.as_str()]), ("face", &FaceId::NAMES), ("curve", &end_names)];
     if path.names.len() != allowed.len() {
         cx.sink.push(
             Diag::error(codes::WRONG_FORM, format!("`{}` names no curve", path.text()))
@@ -137,8 +184,13 @@ fn curve_ref(path: &Path, vane: &Name, cx: &mut Context<'_>) -> Option<CurveRef>
             good = false;
         }
     }
-    let is = |at: usize, word: &str| path.names.get(at).is_some_and(|n| n.text == word);
-    good.then(|| CurveRef { pressure: is(1, "pressure"), tip: is(2, "tip"), span: path.span })
+    if !good {
+        return None;
+    }
+    let named = |at: usize, name: &str| path.names.get(at).is_some_and(|n| n.text == name);
+    let face = BladeId::MAIN.faces().into_iter().find(|face| named(1, face.name()))?;
+    let end = ends.into_iter().find(|end| named(2, end.name()))?;
+    Some(CurveRef { face, end, span: path.span })
 }
 
 fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec> {
@@ -151,14 +203,19 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
         );
         return None;
     };
-    if kind.text != "ruled" {
+    let Some((form, _)) = FaceForm::NAMES.into_iter().find(|(_, name)| *name == kind.text) else {
         let diag =
             Diag::error(codes::NOT_IN_LANGUAGE, format!("faces of the kind `{}` are not in the language", kind.text));
-        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of face", &["ruled"]));
+        let names = FaceForm::NAMES.map(|(_, name)| name);
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of face", &names));
         return None;
-    }
+    };
     let owner = format!("the {} face", word.text);
-    let mut p = Properties::new(owner, word.span, block, &["tip", "root"], &mut cx.scope, cx.sink);
+    let known: &[&str] = match form {
+        FaceForm::Ruled => &["tip", "root"],
+        FaceForm::Lofted => &["tip", "root", "sections"],
+    };
+    let mut p = Properties::new(owner, word.span, block, known, &mut cx.scope, cx.sink);
     let splines = ["tip", "root"].map(|name| match p.take(name) {
         None => {
             p.missing(name, &format!("{name} spline [(x, y, z) ...] mm"));
@@ -173,8 +230,30 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
             }
         },
     });
+    let mut between: Vec<Option<&Spline>> = Vec::new();
+    if form == FaceForm::Lofted {
+        let example = "sections spline [(x, y, z) ...] mm, spline [(x, y, z) ...] mm";
+        match p.take("sections") {
+            None => p.missing("sections", example),
+            Some((_, values)) => between.extend(values.iter().map(|value| match value {
+                Value::Spline(spline) => Some(spline),
+                other => {
+                    p.wrong_form(other.span(), "sections", "a list of splines", example);
+                    None
+                }
+            })),
+        }
+        if between.len() > MAX_SECTIONS {
+            p.out_of_range(word.span, "sections", &format!("at most {MAX_SECTIONS} splines"));
+            return None;
+        }
+    }
     let [tip, root] = splines.map(|s| s.and_then(|s| curve(s, cx)));
-    Some(FaceSpec { tip: tip?, root: root? })
+    let sections: Vec<Option<CurveSpec>> = between.into_iter().map(|s| s.and_then(|s| curve(s, cx))).collect();
+    let sections = sections.into_iter().collect::<Option<Vec<_>>>()?;
+    // Without its sections the face is reported already.
+    (form == FaceForm::Ruled || !sections.is_empty()).then_some(())?;
+    Some(FaceSpec { form, tip: tip?, root: root?, sections })
 }
 
 fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {

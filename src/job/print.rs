@@ -4,6 +4,7 @@ use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
 use crate::method::FlankMethod;
 use crate::method::Planning;
+use crate::part::FaceId;
 use crate::units::trim;
 use std::fmt::Write;
 
@@ -12,13 +13,15 @@ pub fn print(job: &Job) -> String {
     let mut out = String::new();
     machine(&mut out, job);
     let p = &job.part;
-    let _ = writeln!(out, "part {}\n  vanes {}\n  fillet {}", p.name, p.vanes.0, p.fillet);
-    face(&mut out, "pressure", &p.pressure);
-    face(&mut out, "suction", &p.suction);
+    let main = p.main();
+    let _ = writeln!(out, "part {}\n  vanes {}\n  fillet {}", p.name, p.vanes.0, main.fillet);
+    faces(&mut out, &main.faces);
+    for blade in &p.blades[1..] {
+        let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, blade.fillet);
+        faces(&mut out, &blade.faces);
+    }
     for (name, curve) in [("hub", p.hub), ("shroud", p.shroud)] {
-        let side = if curve.pressure { "pressure" } else { "suction" };
-        let end = if curve.tip { "tip" } else { "root" };
-        let _ = writeln!(out, "  {name} revolve {side}.{end}");
+        let _ = writeln!(out, "  {name} revolve {}.{}", curve.face.name(), curve.end.name());
     }
     let s = &job.stock;
     let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
@@ -78,15 +81,20 @@ fn machine(out: &mut String, job: &Job) {
     }
 }
 
-fn face(out: &mut String, name: &str, face: &FaceSpec) {
-    let curve = |out: &mut String, end: &str, curve: &CurveSpec| {
-        let _ = writeln!(out, "  {name} {end}");
-        for [x, y, z] in &curve.points {
-            let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
+fn faces(out: &mut String, faces: &[FaceSpec; 2]) {
+    for (name, face) in FaceId::NAMES.iter().zip(faces) {
+        let curve = |out: &mut String, end: &str, curve: &CurveSpec| {
+            let _ = writeln!(out, "  {name} {end}");
+            for [x, y, z] in &curve.points {
+                let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
+            }
+        };
+        curve(out, "tip", &face.tip);
+        curve(out, "root", &face.root);
+        for (k, section) in face.sections.iter().enumerate() {
+            curve(out, &format!("section {}", k + 1), section);
         }
-    };
-    curve(out, "tip", &face.tip);
-    curve(out, "root", &face.root);
+    }
 }
 
 fn tools(out: &mut String, job: &Job) {

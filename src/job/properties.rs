@@ -62,19 +62,32 @@ impl<'a, 'c> Properties<'a, 'c> {
         scope: &'c mut Scope,
         sink: &'c mut Sink,
     ) -> Self {
+        Self::repeated(owner, head, block, (known, &[]), scope, sink)
+    }
+
+    /// The same; those in `many`, which are known too, may be given more than once.
+    pub(super) fn repeated(
+        owner: String,
+        head: Span,
+        block: &'a Block,
+        (known, many): (&[&str], &[&str]),
+        scope: &'c mut Scope,
+        sink: &'c mut Sink,
+    ) -> Self {
         let mut this = Self { owner, head, entries: Vec::new(), damaged: block.damaged || scope.damaged, scope, sink };
         let mut before: Option<&Entry> = None;
         for entry in &block.entries {
-            this.add(entry, before, known);
+            this.add(entry, before, (known, many));
             before = Some(entry);
         }
         this
     }
 
-    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, known: &[&str]) {
+    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, (known, many): (&[&str], &[&str])) {
         let name = &entry.name;
         if known.contains(&name.text.as_str()) {
-            if let Some((first, _)) = self.entries.iter().find(|(n, _)| n.text == name.text) {
+            let first = self.entries.iter().find(|(n, _)| n.text == name.text && !many.contains(&n.text.as_str()));
+            if let Some((first, _)) = first {
                 self.sink.push(
                     Diag::error(codes::GIVEN_TWICE, format!("{} has `{}` twice", self.owner, name.text))
                         .label(name.span, "given again")

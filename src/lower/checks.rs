@@ -1,11 +1,13 @@
 //! Faults of the geometry that planning could not survive, each under the text that causes it.
 
+use super::FaceCurves;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Aborted, Diag, Sink};
-use crate::job::model::{CurveSpec, FaceSpec, Job, PartSpec};
-use crate::part::{BladeId, FaceId, Guides, Part, Surface};
+use crate::geom::proximity::Patch;
+use crate::job::model::{FaceSpec, Job, PartSpec};
+use crate::part::{Blade, FaceId, Part, RulingEnd, Surface};
 use crate::units::length;
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// Stations along a curve that the checks look at.
 const STATIONS: usize = 64;
@@ -30,19 +32,13 @@ fn meridian(p: &Point3<f64>) -> Vector2<f64> {
     Vector2::new(libm::hypot(p.x, p.y), p.z)
 }
 
-fn names(side: FaceId, tip: bool) -> String {
-    format!("{} {}", side.name(), if tip { "tip" } else { "root" })
+/// Name of a face in messages; in a splitter with the name of its blade.
+pub(super) fn face_name(spec: &PartSpec, blade: &str, face: &str) -> String {
+    if spec.main().name == blade { face.to_owned() } else { format!("{blade} {face}") }
 }
 
-/// The four curves with their faces.
-fn curves<'a>(spec: &'a PartSpec, faces: [&'a Guides; 2]) -> [(String, &'a CurveSpec, &'a crate::geom::NurbsCurve); 4] {
-    let [p, s] = faces;
-    [
-        (names(FaceId::PRESSURE, true), &spec.pressure.tip, &p.tip),
-        (names(FaceId::PRESSURE, false), &spec.pressure.root, &p.root),
-        (names(FaceId::SUCTION, true), &spec.suction.tip, &s.tip),
-        (names(FaceId::SUCTION, false), &spec.suction.root, &s.root),
-    ]
+fn name_of(spec: &PartSpec, part: &Part, face: FaceId) -> String {
+    face_name(spec, &part.blade(face.blade).name, face.name())
 }
 
 fn done(sink: &Sink, before: usize) -> Result<(), Aborted> {
@@ -52,9 +48,10 @@ fn done(sink: &Sink, before: usize) -> Result<(), Aborted> {
 /// The hub comes from a root curve, the shroud from a tip curve.
 pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (what, reference, due, wrong) in
-        [("hub", &spec.hub, "root", spec.hub.tip), ("shroud", &spec.shroud, "tip", !spec.shroud.tip)]
-    {
+    for (what, reference, due, wrong) in [
+        ("hub", &spec.hub, "root", spec.hub.end == RulingEnd::Tip),
+        ("shroud", &spec.shroud, "tip", spec.shroud.end == RulingEnd::Root),
+    ] {
         if wrong {
             sink.push(
                 Diag::error(codes::ROOT_AND_TIP, format!("the {what} is revolved from a {due} curve"))
@@ -67,9 +64,9 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
 }
 
 /// Every curve keeps away from the axis of rotation.
-pub(super) fn meridians(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -> Result<(), Aborted> {
+pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (name, text, curve) in curves(spec, faces) {
+    for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
         let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
         if let Some(p) = nearest.filter(|p| meridian(p).x < MIN_RADIUS) {
             sink.push(
@@ -86,10 +83,10 @@ pub(super) fn meridians(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -
     done(sink, before)
 }
 
-/// All four curves run the same way, from the inlet, which is nearer to the axis, to the outlet.
-pub(super) fn directions(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) -> Result<(), Aborted> {
+/// All curves run the same way, from the inlet, which is nearer to the axis, to the outlet.
+pub(super) fn directions(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (name, text, curve) in curves(spec, faces) {
+    for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
         let (first, last) = (curve.point(0.0), curve.point(1.0));
         if meridian(&last).x <= meridian(&first).x {
             sink.push(
@@ -106,9 +103,9 @@ pub(super) fn directions(spec: &PartSpec, faces: [&Guides; 2], sink: &mut Sink) 
 /// The tips lie outside of the hub, on the side away from the axis.
 pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for side in BladeId::MAIN.faces() {
+    for side in part.faces() {
         let surface = &part.face(side).surface;
-        let text = face_spec(spec, side);
+        let (text, name) = (face_spec(spec, part, side), name_of(spec, part, side));
         let (root, tip) = (surface.root().point(0.0), surface.tip().point(0.0));
         let swapped = meridian(&tip).x <= meridian(&root).x;
         let low = (0..=STATIONS)
@@ -121,55 +118,58 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
         }
         let place = low.map_or(tip, |l| l.0);
         let message = if swapped {
-            format!("the {} tip curve begins nearer to the axis than the root curve", side.name())
+            format!("the {} tip curve begins nearer to the axis than the root curve", name)
         } else {
-            format!("the {} tip curve does not stay above the hub", side.name())
+            format!("the {} tip curve does not stay above the hub", name)
         };
         sink.push(
             Diag::error(codes::ROOT_AND_TIP, message)
                 .label(text.tip.span, "tip: the curve at the shroud")
                 .label(text.root.span, "root: the curve at the hub")
-                .place(format!("{} tip curve", side.name()), place)
+                .place(format!("{} tip curve", name), place)
                 .help("`root` lies on the hub, `tip` at the shroud; swap them if they changed places"),
         );
     }
     done(sink, before)
 }
 
-fn face_spec(spec: &PartSpec, side: FaceId) -> &FaceSpec {
-    [&spec.pressure, &spec.suction][side.index()]
+fn face_spec<'a>(spec: &'a PartSpec, part: &Part, face: FaceId) -> &'a FaceSpec {
+    let name = &part.blade(face.blade).name;
+    let blade = spec.blades.iter().find(|b| b.name == *name).unwrap_or(spec.main());
+    &blade.faces[face.index()]
 }
 
 /// Azimuth by which the suction face is ahead of the pressure face at equal parameters, in (-pi, pi].
-fn gap(part: &Part, u: f64, v: f64) -> f64 {
-    let p = part.main().faces[0].surface.point(u, v);
-    let s = part.main().faces[1].surface.point(u, v);
+fn gap(blade: &Blade, u: f64, v: f64) -> f64 {
+    let [p, s] = blade.faces.each_ref().map(|face| face.surface.point(u, v));
     libm::atan2(p.x * s.y - p.y * s.x, p.x * s.x + p.y * s.y)
 }
 
-/// The faces of the vane do not cross, and no face folds over.
+/// The faces of a blade do not cross, and no face folds over.
 pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    let sign = gap(part, 0.5, 0.5).signum();
-    let crossing = grid().find(|(u, v)| gap(part, *u, *v) * sign <= 0.0);
-    if let Some((u, v)) = crossing {
+    for id in part.blade_ids() {
+        let blade = part.blade(id);
+        let sign = gap(blade, 0.5, 0.5).signum();
+        let Some((u, v)) = grid().find(|(u, v)| gap(blade, *u, *v) * sign <= 0.0) else { continue };
+        let [pressure, suction] = id.faces().map(|face| (face_spec(spec, part, face), name_of(spec, part, face)));
         sink.push(
-            Diag::error(codes::FACES_CROSS, "pressure and suction face cross each other")
-                .label(spec.suction.root.span, "suction side")
-                .label(spec.pressure.root.span, "pressure side")
-                .place(format!("pressure face, u = {u:.2}, v = {v:.2}"), part.main().faces[0].surface.point(u, v))
+            Diag::error(codes::FACES_CROSS, format!("{} and suction face cross each other", pressure.1))
+                .label(suction.0.root.span, "suction side")
+                .label(pressure.0.root.span, "pressure side")
+                .place(format!("{} face, u = {u:.2}, v = {v:.2}", pressure.1), blade.faces[0].surface.point(u, v))
                 .help("every point of the suction side lies on the same side of the pressure side; check the points"),
         );
     }
-    for side in BladeId::MAIN.faces() {
+    for side in part.faces() {
         let surface = &part.face(side).surface;
         if let Some((u, v)) = fold(surface) {
-            let text = face_spec(spec, side);
+            let (text, name) = (face_spec(spec, part, side), name_of(spec, part, side));
             sink.push(
-                Diag::error(codes::RULINGS_FOLD, format!("the rulings of the {} face fold over", side.name()))
+                Diag::error(codes::RULINGS_FOLD, format!("the rulings of the {} face fold over", name))
                     .label(text.root.span, "root")
                     .label(text.tip.span, "tip")
-                    .place(format!("{} face, u = {u:.2}, v = {v:.2}", side.name()), surface.point(u, v))
+                    .place(format!("{} face, u = {u:.2}, v = {v:.2}", name), surface.point(u, v))
                     .help("root and tip points of the same number belong together; spread both alike along the vane"),
             );
         }
@@ -196,7 +196,7 @@ fn fold(surface: &impl Surface) -> Option<(f64, f64)> {
 /// Neighbouring vanes leave a channel between them.
 pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    let thickest = grid().map(|(u, v)| (gap(part, u, v).abs(), u, v)).max_by(|a, b| a.0.total_cmp(&b.0));
+    let thickest = grid().map(|(u, v)| (gap(part.main(), u, v).abs(), u, v)).max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((thickness, u, v)) = thickest.filter(|t| t.0 >= part.pitch()) {
         let most = (2..=spec.vanes.0).rev().find(|n| std::f64::consts::TAU / f64::from(*n) > thickness);
         let help = match most {
@@ -220,10 +220,41 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     done(sink, before)
 }
 
+/// Splitters stand between their main blade and the next one, and apart from each other.
+pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
+    let before = sink.count();
+    for id in part.blade_ids().skip(1) {
+        let outside = |place: &(f64, f64)| {
+            id.faces().into_iter().find_map(|face| {
+                let p = part.face(face).surface.point(place.0, place.1);
+                let (wall, turn) = part.opposite(face);
+                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
+                let (wall, near) = (part.face(wall), turn.inverse() * p);
+                let foot = wall.surface.closest(&near, Patch { u: [-0.2, 1.2], v: [-0.2, 1.2] });
+                let inside = (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0;
+                inside.then_some((face, place.0, place.1, p))
+            })
+        };
+        let Some((face, u, v, p)) = grid().find_map(|place| outside(&place)) else { continue };
+        let blade = spec.blades.iter().find(|b| b.name == part.blade(id).name);
+        let name = name_of(spec, part, face);
+        sink.push(
+            Diag::error(codes::VANES_OVERLAP, format!("the {name} face reaches into the neighbouring blade"))
+                .label(blade.map_or(spec.span, |b| b.span), "this splitter")
+                .place(format!("{name} face, u = {u:.2}, v = {v:.2}"), p)
+                .help(format!(
+                    "a splitter stands between a vane and the next one, which is {:.3} deg ahead; check its `angle` and its curves",
+                    part.pitch().to_degrees()
+                )),
+        );
+    }
+    done(sink, before)
+}
+
 /// Says how far faces end from hub and shroud; they are extended or trimmed along their rulings.
 pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
     for (what, surface, tip) in [("hub", &part.hub, false), ("shroud", &part.shroud, true)] {
-        for side in BladeId::MAIN.faces() {
+        for side in part.faces() {
             let guides = &part.face(side).surface;
             let curve = if tip { guides.tip() } else { guides.root() };
             let farthest = (0..=STATIONS)
@@ -231,8 +262,8 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
                 .map(|p| (surface.distance(&p), p))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             let Some((distance, p)) = farthest.filter(|f| f.0.abs() > OFF_HUB) else { continue };
-            let text = face_spec(spec, side);
-            let name = names(side, tip);
+            let text = face_spec(spec, part, side);
+            let name = format!("{} {}", name_of(spec, part, side), if tip { "tip" } else { "root" });
             sink.push(
                 Diag::remark(
                     codes::OFF_HUB,

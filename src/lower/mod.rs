@@ -5,22 +5,25 @@ mod curves;
 
 use crate::collide::{Cutter, Section, ToolSolid};
 use crate::contract::Scope;
+use crate::diag::codes::geometry;
 use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
-use crate::geom::NurbsCurve;
+use crate::geom::{LoftedSurface, NurbsCurve};
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
-    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, RulingEnd,
-    Tolerances, Tool, ToolId,
+    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, Tolerances,
+    Tool, ToolId,
 };
 use crate::job::model::{
-    self, CurveSpec, CutterKind, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec,
+    self, BladeSpec, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, PartSpec,
+    RotarySpec, ToolSpec,
 };
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::method::VaneSurface;
-use crate::part::{BladeId, Clamping, FaceId, Guides, Part, Stock, SurfaceKind};
+use crate::part::RulingEnd;
+use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, Stock, SurfaceKind};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -71,44 +74,102 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
 /// The design part, checked from the points up; later checks need the earlier ones to hold.
 fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
     let spec = &job.part;
-    let pressure = guides(&spec.pressure, "pressure", sink);
-    let suction = guides(&spec.suction, "suction", sink);
-    let (Some(pressure), Some(suction)) = (pressure, suction) else { return Err(Aborted) };
-    let pick = |reference: &model::CurveRef| -> NurbsCurve {
-        let face = if reference.pressure { &pressure } else { &suction };
-        if reference.tip { face.tip.clone() } else { face.root.clone() }
+    let faces: Vec<_> =
+        spec.blades.iter().flat_map(|b| b.faces.iter().zip(FaceId::NAMES).map(move |f| (b, f))).collect();
+    let faces: Vec<Option<FaceCurves<'_>>> =
+        faces.into_iter().map(|(blade, (face, name))| FaceCurves::new(spec, blade, face, name, sink)).collect();
+    let Some(faces) = faces.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
+    let pick = |curve: &model::CurveRef| -> NurbsCurve {
+        let face = &faces[curve.face.index()];
+        if curve.end == RulingEnd::Tip { face.tip.clone() } else { face.root.clone() }
     };
     let (hub, shroud) = (pick(&spec.hub), pick(&spec.shroud));
     checks::ends(spec, sink)?;
-    checks::meridians(spec, [&pressure, &suction], sink)?;
-    checks::directions(spec, [&pressure, &suction], sink)?;
-    let fillet = (spec.fillet.get() > 0.0).then_some(spec.fillet);
-    let part = Part::new(spec.vanes.0, pressure, suction, hub, shroud, fillet);
+    checks::meridians(&faces, sink)?;
+    checks::directions(&faces, sink)?;
+    let surfaces: Vec<Option<FaceSurface>> = faces.into_iter().map(|face| face.surface(sink)).collect();
+    let Some(surfaces) = surfaces.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
+    let mut surfaces = surfaces.into_iter();
+    let mut blades = Vec::new();
+    for blade in &spec.blades {
+        let (Some(pressure), Some(suction)) = (surfaces.next(), surfaces.next()) else { return Err(Aborted) };
+        let fillet = (blade.fillet.get() > 0.0).then_some(blade.fillet);
+        let made = Blade::new(&blade.name, [pressure, suction], fillet);
+        blades.push(if blade.angle.get() == 0.0 { made } else { made.rotated(blade.angle.get()) });
+    }
+    let mut blades = blades.into_iter();
+    let Some(main) = blades.next() else { return Err(Aborted) };
+    let part = Part::with_blades(spec.vanes.0, main, blades.collect(), hub, shroud);
     checks::heights(spec, &part, sink)?;
     checks::faces(spec, &part, sink)?;
     checks::overlap(spec, &part, sink)?;
+    checks::beside(spec, &part, sink)?;
     Ok(part)
 }
 
-fn guides(face: &FaceSpec, side: &str, sink: &mut Sink) -> Option<Guides> {
-    let root = curves::curve(&face.root, &format!("{side} root"), sink);
-    let tip = curves::curve(&face.tip, &format!("{side} tip"), sink);
-    Some(Guides { root: root?, tip: tip? })
+/// The curves of a face with the text that they come from.
+struct FaceCurves<'a> {
+    spec: &'a FaceSpec,
+    /// Name of the face in messages: `pressure`, and in a splitter `half pressure`.
+    name: String,
+    root: NurbsCurve,
+    sections: Vec<NurbsCurve>,
+    tip: NurbsCurve,
 }
 
+impl<'a> FaceCurves<'a> {
+    fn new(part: &PartSpec, blade: &BladeSpec, spec: &'a FaceSpec, face: &str, sink: &mut Sink) -> Option<Self> {
+        let name = checks::face_name(part, &blade.name, face);
+        let root = curves::curve(&spec.root, &format!("{name} root"), sink);
+        let tip = curves::curve(&spec.tip, &format!("{name} tip"), sink);
+        let section =
+            |(k, section): (usize, &CurveSpec)| curves::curve(section, &format!("{name} section {}", k + 1), sink);
+        let sections: Vec<Option<NurbsCurve>> = spec.sections.iter().enumerate().map(section).collect();
+        Some(Self { spec, name, root: root?, sections: sections.into_iter().collect::<Option<Vec<_>>>()?, tip: tip? })
+    }
+
+    /// All curves with their names and texts.
+    fn curves(&self) -> impl Iterator<Item = (String, &CurveSpec, &NurbsCurve)> {
+        let ends = [("tip", &self.spec.tip, &self.tip), ("root", &self.spec.root, &self.root)];
+        let ends = ends.into_iter().map(|(end, spec, curve)| (format!("{} {end}", self.name), spec, curve));
+        let sections = self.spec.sections.iter().zip(&self.sections).enumerate();
+        ends.chain(sections.map(|(k, (spec, curve))| (format!("{} section {}", self.name, k + 1), spec, curve)))
+    }
+
+    fn surface(self, sink: &mut Sink) -> Option<FaceSurface> {
+        match self.spec.form {
+            FaceForm::Ruled => Some(Guides { root: self.root, tip: self.tip }.into()),
+            FaceForm::Lofted => {
+                let curves = std::iter::once(self.root).chain(self.sections).chain(std::iter::once(self.tip));
+                let lofted = LoftedSurface::through(curves.collect());
+                if let Err(fault) = &lofted {
+                    sink.push(
+                        Diag::error(
+                            geometry::POINTS,
+                            format!("the {} face has no surface through its sections", self.name),
+                        )
+                        .label(self.spec.root.span, "root: the first of them")
+                        .note(fault.to_string())
+                        .help("give the sections in order from the root to the tip, each in another place"),
+                    );
+                }
+                lofted.ok().map(FaceSurface::from)
+            }
+        }
+    }
+}
+
+/// Points of the main blade's curves at root and tip.
 fn data(job: &Job) -> Vec<DataCurve> {
     let curve = |side, end, spec: &CurveSpec| {
         let points = spec.points.iter().zip(&spec.spans);
         let points = points.map(|(p, span)| DataPoint { point: Point3::from(*p), span: Some(*span) }).collect();
         DataCurve { side, end, points }
     };
-    let (p, s) = (&job.part.pressure, &job.part.suction);
-    vec![
-        curve(FaceId::PRESSURE, RulingEnd::Tip, &p.tip),
-        curve(FaceId::PRESSURE, RulingEnd::Root, &p.root),
-        curve(FaceId::SUCTION, RulingEnd::Tip, &s.tip),
-        curve(FaceId::SUCTION, RulingEnd::Root, &s.root),
-    ]
+    let faces = BladeId::MAIN.faces().into_iter().zip(&job.part.main().faces);
+    faces
+        .flat_map(|(id, face)| [curve(id, RulingEnd::Tip, &face.tip), curve(id, RulingEnd::Root, &face.root)])
+        .collect()
 }
 
 fn tool(spec: &ToolSpec) -> Tool {

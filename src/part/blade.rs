@@ -68,6 +68,25 @@ impl FaceId {
     }
 }
 
+/// End of a ruling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RulingEnd {
+    /// At the hub.
+    Root,
+    /// At the shroud.
+    Tip,
+}
+
+impl RulingEnd {
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Root => "root",
+            Self::Tip => "tip",
+        }
+    }
+}
+
 /// One face of a blade. Its material lies on the side opposite to the outward normal.
 #[derive(Clone, Debug)]
 pub struct Face {
@@ -108,6 +127,8 @@ impl From<LoftedSurface> for FaceSurface {
 /// A blade of sector 0: the main blade, or a splitter.
 #[derive(Clone, Debug)]
 pub struct Blade {
+    /// Name in the job.
+    pub name: String,
     /// Its faces, the pressure face first.
     pub faces: [Face; 2],
     /// Fillet radius between blade and hub; `None` for a sharp root.
@@ -119,7 +140,7 @@ pub struct Blade {
 impl Blade {
     /// The blade between a pressure and a suction face. Which side of each the material is on, and which face looks
     /// ahead, is found from the geometry.
-    pub fn new([pressure, suction]: [FaceSurface; 2], fillet: Option<Mm>) -> Self {
+    pub fn new(name: impl Into<String>, [pressure, suction]: [FaceSurface; 2], fillet: Option<Mm>) -> Self {
         let (p, s) = (pressure.point(0.5, 0.5), suction.point(0.5, 0.5));
         // A face points away from the other face of its blade.
         let across = p - s;
@@ -129,14 +150,14 @@ impl Blade {
         let ahead = u8::from(p.x * s.y - p.y * s.x > 0.0);
         let [pressure, suction] = [(pressure, orientation[0]), (suction, orientation[1])]
             .map(|(surface, orientation)| Face { surface, orientation });
-        Self { faces: [pressure, suction], fillet, ahead }
+        Self { name: name.into(), faces: [pressure, suction], fillet, ahead }
     }
 
     /// The blade turned about Z.
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
         let faces = self.faces.each_ref().map(|f| Face { surface: f.surface.rotated(angle), ..*f });
-        Self { faces, ..*self }
+        Self { name: self.name.clone(), faces, ..*self }
     }
 
     /// Place of the face that looks ahead, counter-clockwise about Z, in its faces.

@@ -1,71 +1,106 @@
 //! Borders: where the surfaces of blades end on the hub, and how turned surfaces go from one blade face to the other.
 
-use super::{BladeId, FaceId, Part, Passage, Surface};
+use super::{BladeId, FaceId, Part, Passage, Surface, hub_normal};
 use nalgebra::{Point3, Vector2};
 use std::f64::consts::TAU;
 
 /// The hub between the walls of a passage, sector 0.
 pub(super) struct Opening {
-    borders: [Vec<[f64; 2]>; 2],
+    walls: [Wall; 2],
     /// Angle from the sector of the first wall to that of the second.
     turn: f64,
+    /// Between one main blade and the next, in a part with splitters.
+    whole: Option<Box<Opening>>,
+}
+
+/// A wall on the hub.
+struct Wall {
+    border: Vec<[f64; 2]>,
+    /// Shares of the whole opening at which the hub is divided before and behind a splitter, where this wall is not.
+    beyond: Option<[f64; 2]>,
 }
 
 impl Opening {
     pub(super) fn of(part: &Part, passage: &Passage) -> Self {
-        let borders = passage.walls.map(|wall| {
-            let mut border = hub_border(part, wall);
-            if wall.blade != BladeId::MAIN {
-                close_ahead(&mut border, &hub_border(part, wall.other()));
-            }
-            border
+        let whole = (part.blades.len() > 1).then(|| {
+            let ahead = part.face_ahead(BladeId::MAIN);
+            let walls = [ahead, ahead.other()].map(|wall| Wall { border: hub_border(part, wall), beyond: None });
+            Box::new(Self { walls, turn: part.pitch(), whole: None })
         });
-        Self { borders, turn: part.pitch() * f64::from(passage.sectors) }
+        let walls = passage.walls.map(|wall| {
+            let border = hub_border(part, wall);
+            let whole = whole.as_ref().filter(|_| wall.blade != BladeId::MAIN);
+            let beyond = whole.and_then(|whole| shares(whole, &border, &hub_border(part, wall.other())));
+            Wall { border, beyond }
+        });
+        Self { walls, turn: part.pitch() * f64::from(passage.sectors), whole }
     }
 
     /// Azimuth of the first wall and the angle from it to the second wall, at a parameter of the hub.
     pub(super) fn at(&self, u: f64) -> Option<[f64; 2]> {
-        let [a, b] = &self.borders;
-        let (from, to) = (border_azimuth(a, u)?, border_azimuth(b, u)?);
-        let ahead = to - from;
-        Some([from, ahead - TAU * (ahead / TAU).round() + self.turn])
+        let [from, to] = self.walls.each_ref().map(|wall| self.azimuth(wall, u));
+        let (from, to) = (from?, to?);
+        Some([from, nearest_turn(to - from) + self.turn])
+    }
+
+    fn azimuth(&self, wall: &Wall, u: f64) -> Option<f64> {
+        let end = match wall.border.as_slice() {
+            [first, ..] if u < first[0] => Some(0),
+            [.., last] if u > last[0] => Some(1),
+            _ => None,
+        };
+        match (end, wall.beyond, &self.whole) {
+            (Some(end), Some(shares), Some(whole)) => {
+                let [from, angle] = whole.at(u)?;
+                Some(from + angle * shares[end])
+            }
+            _ => border_azimuth(&wall.border, u),
+        }
     }
 }
 
-/// Before the inlet of a splitter and behind its outlet the hub goes on to the middle between its two borders.
-fn close_ahead(border: &mut Vec<[f64; 2]>, other: &[[f64; 2]]) {
-    let middle = |own: &[f64; 2], far: &[f64; 2]| {
-        let apart = far[1] - own[1];
-        [own[0], own[1] + 0.5 * (apart - TAU * (apart / TAU).round())]
+/// Shares of the whole opening in the middle between the two borders of a splitter, where they begin and where they end.
+fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let share = |own: &[f64; 2], other: &[f64; 2]| {
+        let [from, angle] = whole.at(own[0])?;
+        let middle = own[1] + 0.5 * nearest_turn(other[1] - own[1]);
+        Some((middle - from).rem_euclid(TAU) / angle)
     };
-    let (Some(first), Some(last), Some(from), Some(to)) = (border.first(), border.last(), other.first(), other.last())
-    else {
-        return;
-    };
-    let (before, behind) = (middle(first, from), middle(last, to));
-    border.insert(0, before);
-    border.push(behind);
+    Some([share(own.first()?, other.first()?)?, share(own.last()?, other.last()?)?])
+}
+
+/// The turn by an angle that is within half a turn.
+fn nearest_turn(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
 fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
     const ROWS: usize = 400;
     let face = part.face(id);
+    let fillet = part.fillet(id);
+    // Where the ball touches the hub, or the face ends on it; by the normal of the hub the azimuth is that of the centre.
+    let contact = |u: f64| match fillet {
+        Some(radius) => {
+            let v = part.fillet_tangent(id, u, radius.get())?;
+            Some(face.surface.point(u, v) + face.normal(u, v) * radius.get())
+        }
+        None => Some(face.surface.point(u, part.ruling_meets(id, u, &part.hub, 0.0))),
+    };
+    let mut ends = fillet.map_or([0.0, 1.0], |radius| part.fillet_ends(id, radius.get()));
+    if id.blade != BladeId::MAIN {
+        let extent = part.extent(id.blade);
+        let foot = |u: f64| {
+            let centre = contact(u)?;
+            Some(centre - hub_normal(part, &centre) * fillet.map_or(0.0, |radius| radius.get()))
+        };
+        ends = [0, 1].map(|end| inside(ends[end], |u| foot(u).is_some_and(|p| extent.holds(&p))));
+    }
+    let [from, to] = ends;
     let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
-    let (splitter, extent) = (id.blade != BladeId::MAIN, part.extent(id.blade));
-    let [from, to] = part.fillet(id).map_or([0.0, 1.0], |radius| part.fillet_ends(id, radius.get()));
     for i in 0..=ROWS {
         let u = from + (to - from) * i as f64 / ROWS as f64;
-        let at = match part.fillet(id) {
-            Some(radius) => match part.fillet_tangent(id, u, radius.get()) {
-                Some(v) => face.surface.point(u, v) + face.normal(u, v) * radius.get(),
-                None => continue,
-            },
-            None => face.surface.point(u, part.ruling_meets(id, u, &part.hub, 0.0)),
-        };
-        if splitter && !extent.holds(&at) {
-            continue;
-        }
+        let Some(at) = contact(u) else { continue };
         let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(at.x, at.y), at.z));
         let mut azimuth = libm::atan2(at.y, at.x);
         if let Some(last) = border.last() {
@@ -74,6 +109,20 @@ fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
         border.push([hub_u, azimuth]);
     }
     border
+}
+
+/// The place nearest to `end`, from there to the middle of a face, from which on a property holds.
+fn inside(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut out, mut within) = (end, 0.5);
+    if holds(out) {
+        return out;
+    }
+    // Halvings of a face of some 100 mm down to rounding.
+    for _ in 0..48 {
+        let middle = 0.5 * (out + within);
+        if holds(middle) { within = middle } else { out = middle }
+    }
+    within
 }
 
 /// Azimuth of a border at a hub parameter, its ends continued level.
@@ -91,8 +140,7 @@ fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
 /// The point a share of the way from one point to another about Z, as a lathe leaves them.
 pub(super) fn arc_between(from: &Point3<f64>, to: &Point3<f64>, share: f64) -> Point3<f64> {
     let [p, q] = [from, to].map(|p| [libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)]);
-    let ahead = q[2] - p[2];
-    let ahead = ahead - TAU * (ahead / TAU).round();
+    let ahead = nearest_turn(q[2] - p[2]);
     let ([r, z], angle) = ([0, 1].map(|k| p[k] + (q[k] - p[k]) * share), p[2] + ahead * share);
     Point3::new(r * libm::cos(angle), r * libm::sin(angle), z)
 }

@@ -30,7 +30,7 @@ pub mod solid;
 mod stock;
 pub mod surface;
 
-pub use blade::{Blade, BladeId, Face, FaceId, Guides};
+pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use extent::Extent;
 pub use names::{SurfaceId, SurfaceKind};
 pub use rolling_ball::hub_normal;

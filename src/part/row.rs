@@ -56,7 +56,7 @@ impl Part {
         fillet: Option<Mm>,
     ) -> Self {
         let faces = [FaceSurface::from(pressure), FaceSurface::from(suction)];
-        Self::with_blades(vane_count, Blade::new(faces, fillet), Vec::new(), hub, shroud)
+        Self::with_blades(vane_count, Blade::new("main", faces, fillet), Vec::new(), hub, shroud)
     }
 
     /// The part of a main blade and its splitters, in any order.

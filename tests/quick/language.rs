@@ -71,9 +71,9 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(read.codes(), []);
     let job = read.job.unwrap();
     assert_eq!(job.part.vanes.0, 8);
-    assert_eq!(job.part.fillet.get(), 3.0);
-    assert_eq!(job.part.pressure.tip.points[0], [15.0578, -38.5221, 0.0]);
-    assert_eq!(job.part.suction.root.points[6], [-3.9268, -58.9631, -32.5]);
+    assert_eq!(job.part.main().fillet.get(), 3.0);
+    assert_eq!(job.part.main().faces[0].tip.points[0], [15.0578, -38.5221, 0.0]);
+    assert_eq!(job.part.main().faces[1].root.points[6], [-3.9268, -58.9631, -32.5]);
     let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
     assert_eq!(job.operations[0].speed.get(), 4500.0);
@@ -98,8 +98,8 @@ fn the_main_job_reads_as_it_is_written() {
 #[test]
 fn curves_from_a_file_are_the_curves_of_the_main_job() {
     let (main, reduced) = (read(JOB).job.unwrap(), read(REDUCED).job.unwrap());
-    assert_eq!(main.part.pressure.tip.points, reduced.part.pressure.tip.points);
-    assert_eq!(main.part.suction.root.points, reduced.part.suction.root.points);
+    assert_eq!(main.part.main().faces[0].tip.points, reduced.part.main().faces[0].tip.points);
+    assert_eq!(main.part.main().faces[1].root.points, reduced.part.main().faces[1].root.points);
     assert_eq!(reduced.operations[0].sectors, [0]);
 }
 
@@ -240,10 +240,10 @@ fn fixes_mend_what_they_are_offered_for() {
 #[test]
 fn units_are_converted_and_checked() {
     let job = |text: String| read(&text).job.unwrap_or_else(|| panic!("faulty"));
-    assert_eq!(job(changed("fillet 3 mm", "fillet 0.25 in")).part.fillet.get(), 6.35);
-    assert_eq!(job(changed("fillet 3 mm", "fillet 3000 um")).part.fillet.get(), 3.0);
-    assert_eq!(job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.fillet.get(), 3.0);
-    assert_eq!(job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 0.25 in")).part.main().fillet.get(), 6.35);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 3000 um")).part.main().fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.main().fillet.get(), 3.0);
+    assert_eq!(job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.main().fillet.get(), 3.0);
     // A cutting speed of 100 m/min at 8 mm, and 0.01 mm a tooth.
     let job = job(changed("speed 4500 rpm  feed 150 mm/min", "speed 100 m/min  feed 0.01 mm/tooth"));
     let rpm = 100_000.0 / (std::f64::consts::PI * 8.0);
@@ -492,7 +492,7 @@ fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
         ("operation channel", "operation splitter", "groove, expand, flank, point, fillet, edge, channel"),
         ("stock turned", "stock casting", "turned"),
-        ("pressure ruled", "pressure lofted", "ruled"),
+        ("pressure ruled", "pressure swept", "ruled, lofted"),
         ("use tools  ", "use import ", "machine, tools"),
     ] {
         let read = read(&changed(right, wrong));

@@ -19,7 +19,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("envelope", &["geom", "collide"]),
     ("orient", &["geom"]),
     ("syntax", &[]),
-    ("job", &["syntax"]),
+    ("job", &["syntax", "part"]),
     ("ir", &["part", "geom", "kin", "collide"]),
     ("lower", &["job", "ir", "part", "geom", "kin", "collide"]),
     ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),

@@ -35,6 +35,7 @@ mod messages;
 mod mutations;
 mod orientation_engines;
 mod outputs;
+mod parts;
 mod perimeter;
 mod planning;
 mod platform;

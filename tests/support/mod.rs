@@ -12,11 +12,11 @@ use impellerc::entity::PrimaryMap;
 use impellerc::geom::{NurbsCurve, interpolate};
 use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{
-    DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, RulingEnd, Tolerances, Tool,
-    ToolId,
+    DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, Tolerances, Tool, ToolId,
 };
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
+use impellerc::part::RulingEnd;
 use impellerc::part::{BladeId, FaceId, Guides, Part, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};

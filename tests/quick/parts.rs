@@ -1,0 +1,245 @@
+//! Parts beyond one ruled vane a sector: a splitter with a lofted face is modelled, sampled and measured, and not planned.
+
+use crate::support::jobs;
+use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::geom::proximity::Patch;
+use impellerc::ir::Program;
+use impellerc::part::chart::{self, Shape};
+use impellerc::part::{BladeId, FaceId, FaceSurface, Part, Sample, Surface, SurfaceKind, kept, sample, solid};
+use impellerc::progress::Progress;
+use impellerc::verify::surface::{self, Limits};
+use impellerc::verify::sweep::Sweep;
+use nalgebra::{Point3, Rotation3, Vector3};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+fn job() -> Options {
+    Options { job: PathBuf::from("jobs/_errors/IMP0313-splitter.imp"), ..Options::default() }
+}
+
+fn front() -> (Program, Outcome) {
+    let mut outcome = Outcome::default();
+    let program = driver::front(&job(), &mut Stages::default(), &mut outcome).unwrap().unwrap();
+    (program, outcome)
+}
+
+static SPLITTER: LazyLock<Program> = LazyLock::new(|| front().0);
+
+/// The two faces of the splitter.
+fn faces() -> [FaceId; 2] {
+    BladeId::new(1).faces()
+}
+
+#[test]
+fn the_program_names_blades_and_passages() {
+    let text = impellerc::ir::print::program(&SPLITTER);
+    for line in [
+        "face half pressure = ruled root (4.1728, -12.4892, -11.4546)",
+        "face half suction = lofted through 3 sections root (5.4425, -11.9243, -11.4261)",
+        "passage from main suction to half pressure\n",
+        "passage from half suction to main pressure of the next sector\n",
+        "fillet 1.2 mm\nfillet of half 1 mm\n",
+    ] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+    // The first point of the splitter's pressure root in the job is (-0.9243, -13.1354, -11.4546), 22.5 deg behind.
+    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), 22.5_f64.to_radians())
+        * Point3::new(-0.9243, -13.1354, -11.4546);
+    assert!((SPLITTER.part.face(faces()[0]).surface.point(0.0, 0.0) - turned).norm() < 1e-12);
+}
+
+#[test]
+fn planning_refuses_it_and_says_so() {
+    let outcome = driver::compile(&job(), &mut Stages::default());
+    let errors: Vec<&str> = outcome
+        .sink
+        .diags()
+        .iter()
+        .filter(|d| d.severity == impellerc::diag::Severity::Error)
+        .map(|d| d.code.id())
+        .collect();
+    assert_eq!(errors, ["IMP0313"]);
+}
+
+/// A lofted face goes through its middle section, and bulges over the ruled face between its ends.
+#[test]
+fn the_lofted_face_goes_through_its_sections() {
+    let FaceSurface::Lofted(lofted) = &SPLITTER.part.face(faces()[1]).surface else { panic!("a lofted face") };
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 22.5_f64.to_radians());
+    let first = turn * Point3::new(1.0023, -15.3125, -8.4603);
+    assert!((lofted.derivatives(0.0, lofted.places()[1]).point - first).norm() < 1e-12);
+    let (root, tip) = (lofted.derivatives(0.5, 0.0).point, lofted.derivatives(0.5, 1.0).point);
+    let chord = tip - root;
+    let middle = lofted.derivatives(0.5, 0.5).point - root;
+    let bulge = (middle - chord * (middle.dot(&chord) / chord.norm_squared())).norm();
+    assert!((0.1..0.2).contains(&bulge), "{bulge}");
+}
+
+/// Every sample lies on its surface and outside of all blades, by distances to the surfaces themselves.
+#[test]
+fn samples_lie_on_the_part() {
+    let part = &SPLITTER.part;
+    let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
+    for s in sample::sample(part, 0.5).iter().filter(|s| s.surface.sector == 2) {
+        *count.entry(s.surface.kind).or_default() += 1;
+        let own = part.sector_rotation(2).inverse() * s.position;
+        match s.surface.kind {
+            SurfaceKind::Face(face) => {
+                let foot = part.face(face).surface.closest(&own, Patch { u: [0.0, 1.0], v: [-0.2, 1.2] });
+                assert!(foot.distance < 1e-9, "{face:?} {}", foot.distance);
+            }
+            SurfaceKind::Fillet(face) => {
+                let centre = own + (part.sector_rotation(2).inverse() * s.normal) * part.fillet(face).unwrap().get();
+                let foot = part.face(face).surface.closest(&centre, Patch { u: [-0.3, 1.3], v: [-0.3, 1.3] });
+                let radius = part.fillet(face).unwrap().get();
+                assert!((foot.distance - radius).abs() < 1e-6 && (part.hub.distance(&centre) - radius).abs() < 1e-6);
+            }
+            SurfaceKind::Hub(_) => {
+                assert!(part.hub.distance(&own).abs() < 1e-9);
+                for face in part.faces() {
+                    let (_, turn) = part.opposite(face);
+                    for turn in [0.0, turn] {
+                        let near = Rotation3::from_axis_angle(&Vector3::z_axis(), -turn) * own;
+                        let foot = part.face(face).surface.closest(&near, Patch { u: [0.0, 1.0], v: [-0.2, 1.0] });
+                        let inside = (near - foot.point).dot(&part.face(face).normal(foot.u, foot.v)) < -1e-6;
+                        let other =
+                            part.face(face.other()).surface.closest(&near, Patch { u: [0.0, 1.0], v: [-0.2, 1.0] });
+                        let behind =
+                            (near - other.point).dot(&part.face(face.other()).normal(other.u, other.v)) < -1e-6;
+                        // Before and behind a blade its faces go on as planes.
+                        let within = [foot.u, other.u].iter().all(|u| *u > 0.0 && *u < 1.0);
+                        assert!(!(inside && behind && within), "{:?} lies in a blade", s.position);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    let kinds: Vec<String> = count.keys().map(|k| k.in_sectors(&[2])).collect();
+    assert_eq!(
+        kinds,
+        [
+            "vane 3 pressure face",
+            "vane 3 suction face",
+            "splitter 3.1 pressure face",
+            "splitter 3.1 suction face",
+            "vane 3 pressure fillet",
+            "vane 3 suction fillet",
+            "splitter 3.1 pressure fillet",
+            "splitter 3.1 suction fillet",
+            "hub of channel 3",
+            "hub of channel 3.1",
+            "vane 3 tip",
+            "splitter 3.1 tip",
+            "vane 3 inlet edge",
+            "splitter 3.1 inlet edge",
+            "vane 3 outlet edge",
+            "splitter 3.1 outlet edge",
+        ]
+    );
+}
+
+/// Area vectors of a shape over the whole part, and its share of the volume, by differences of its places.
+fn flux(shape: &dyn Shape, times: f64) -> [f64; 2] {
+    const N: usize = 160;
+    let at = |k: usize| k as f64 / N as f64;
+    let mut sum = [0.0; 2];
+    for i in 0..N {
+        for j in 0..N {
+            let corner = |a: usize, b: usize| shape.place(at(a), at(b)).position;
+            let (p, q) = (corner(i + 1, j + 1) - corner(i, j), corner(i, j + 1) - corner(i + 1, j));
+            let middle = shape.place((i as f64 + 0.5) / N as f64, (j as f64 + 0.5) / N as f64);
+            if !shape.is_milled(&middle.position) {
+                continue;
+            }
+            let area = 0.5 * p.cross(&q);
+            let area = if area.dot(&middle.normal) < 0.0 { -area } else { area };
+            sum[0] += area.z * times;
+            sum[1] += area.dot(&middle.position.coords) / 3.0 * times;
+        }
+    }
+    sum
+}
+
+/// What all surfaces of a part enclose, and what they lack to be closed, seen along Z, mm2.
+fn enclosed(program: &Program) -> [f64; 2] {
+    let (part, sectors) = (&program.part, f64::from(program.part.vane_count));
+    let milled = chart::charts(part);
+    let kept = kept::kept(part, &program.stock, false);
+    let milled = milled.iter().map(|shape| flux(shape, sectors));
+    let kept = kept.iter().map(|shape| flux(shape, if shape.is_ring() { 1.0 } else { sectors }));
+    milled.chain(kept).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+}
+
+/// Volume of a blade between its faces, hub and shroud, without fillets.
+fn blade_volume(part: &Part, blade: BladeId) -> f64 {
+    const N: usize = 100;
+    let [p, s] = blade.faces();
+    let wall = |face: FaceId, u: f64, w: f64| {
+        let (low, high) = (part.ruling_meets(face, u, &part.hub, 0.0), part.ruling_meets(face, u, &part.shroud, 1.0));
+        part.face(face).surface.point(u, low + (high - low) * w)
+    };
+    let at = |k: usize| k as f64 / N as f64;
+    let mut volume = 0.0;
+    for i in 0..N {
+        for j in 0..N {
+            let [a, b] = [p, s].map(|f| {
+                let [x, y, z, w] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| wall(f, at(i), at(j)));
+                (0.5 * (z - x).cross(&(w - y)), Point3::from((x.coords + y.coords + z.coords + w.coords) / 4.0))
+            });
+            volume += (0.5 * (a.0 + b.0)).dot(&(b.1 - a.1)).abs();
+        }
+    }
+    volume
+}
+
+/// The surfaces of the vane wheel close: they enclose the volume of its mesh, of which they share no grid. Those of the
+/// wheel with the splitter enclose the splitter more, with its fillets.
+#[test]
+fn surfaces_of_the_wheel_close() {
+    let small = jobs::program("small", None);
+    let [open, volume] = enclosed(&small);
+    let mesh = solid::volume(&small.part, &small.stock).unwrap().value;
+    println!("small: open {open:.3} mm2, volume {volume:.2}, by the mesh {mesh:.2} mm3");
+    assert!((volume / mesh - 1.0).abs() < 2e-3 && open.abs() < 6.0, "{open} {volume} {mesh}");
+    let [open, with] = enclosed(&SPLITTER);
+    let least = f64::from(small.part.vane_count) * blade_volume(&SPLITTER.part, BladeId::new(1));
+    println!(
+        "splitter: open {open:.3} mm2, volume {with:.2}, {:.2} more; the splitters hold {least:.2}",
+        with - volume
+    );
+    assert!(open.abs() < 12.0, "{open}");
+    assert!(with - volume > least && with - volume < 1.25 * least, "{} {least}", with - volume);
+    assert!(solid::volume(&SPLITTER.part, &SPLITTER.stock).is_none());
+}
+
+/// The verifier divides, samples and bounds the surfaces of the splitter as any others: paths of the wheel without it cut
+/// through it as deep as the brute force of all samples says.
+#[test]
+fn the_verifier_measures_the_splitter() {
+    let (program, motion) = jobs::small("siemens-840d").planned();
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    let part = &SPLITTER.part;
+    let reports = surface::certify(part, true, &sweeps, 0.5, &Limits::default(), &Progress::default());
+    assert_eq!(reports.len(), 8 * (4 + 4 + 2 + 4));
+    let samples = sample::sample(part, 0.25);
+    for report in reports.iter().filter(|r| r.id.sector == 0) {
+        let own: Vec<&Sample> = samples.iter().filter(|s| s.surface == report.id).collect();
+        let area: f64 = own.iter().map(|s| s.area).sum();
+        println!("{}: area {:.2} and {area:.2} mm2, gouge {:.3}", report.surface, report.area, report.gouge.value);
+        if report.id.milled() {
+            assert!((area / report.area - 1.0).abs() < 0.08, "{}: {area} {}", report.surface, report.area);
+        }
+        let SurfaceKind::Face(face) = report.id.kind else { continue };
+        let distance =
+            |s: &&Sample| sweeps.iter().fold(5.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
+        let least = own.iter().map(distance).fold(f64::INFINITY, f64::min);
+        assert!(report.gouge_bound >= -least - 1e-3, "{}: {} {least}", report.surface, report.gouge_bound);
+        if face.blade != BladeId::MAIN {
+            assert!(least < -0.5, "the paths go through the splitter: {least}");
+            // A cut that is broken is not followed to its deepest place.
+            assert!(report.gouge.value < -surface::BROKEN, "{} {least}", report.gouge.value);
+        }
+    }
+}
