@@ -1,5 +1,6 @@
 //! What can be required of a program, and where: the words that job, stage values and verifier share.
 
+use crate::part::SurfaceClass;
 use crate::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, length, trim};
 use std::fmt;
 
@@ -245,37 +246,6 @@ impl fmt::Display for Bound {
 pub fn clock(seconds: f64) -> String {
     let s = seconds.round().max(0.0) as u64;
     format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
-}
-
-/// Surfaces that a scope can name; each is there in every sector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum SurfaceClass {
-    /// Pressure faces.
-    Pressure,
-    /// Suction faces.
-    Suction,
-    /// Fillets of both sides.
-    Fillet,
-    /// The hub.
-    Hub,
-    /// The turned tips and edges of the vanes, which no operation mills.
-    Edge,
-}
-
-impl SurfaceClass {
-    /// All of them; the first four are milled.
-    pub const ALL: [Self; 5] = [Self::Pressure, Self::Suction, Self::Fillet, Self::Hub, Self::Edge];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pressure => "pressure",
-            Self::Suction => "suction",
-            Self::Fillet => "fillet",
-            Self::Hub => "hub",
-            Self::Edge => "edge",
-        }
-    }
 }
 
 /// Where a contract holds; `O` is an index of an operation. An empty list is no restriction.

@@ -25,6 +25,7 @@ pub mod job;
 pub mod kin;
 pub mod lower;
 pub mod method;
+pub mod operation;
 pub mod orient;
 pub mod output;
 pub mod part;

@@ -88,49 +88,6 @@ impl AxisMethod {
     }
 }
 
-/// A surface of a vane that point milling finishes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VaneSurface {
-    /// The pressure face.
-    PressureFace,
-    /// The suction face.
-    SuctionFace,
-    /// The fillet at the pressure face.
-    PressureFillet,
-    /// The fillet at the suction face.
-    SuctionFillet,
-    /// The edge at the inlet.
-    InletEdge,
-    /// The edge at the outlet.
-    OutletEdge,
-}
-
-impl VaneSurface {
-    /// All of them with the operation that finishes them and the word that names them there.
-    pub const ALL: [(Self, &'static str, &'static str); 6] = [
-        (Self::PressureFace, "point", "pressure"),
-        (Self::SuctionFace, "point", "suction"),
-        (Self::PressureFillet, "fillet", "pressure"),
-        (Self::SuctionFillet, "fillet", "suction"),
-        (Self::InletEdge, "edge", "inlet"),
-        (Self::OutletEdge, "edge", "outlet"),
-    ];
-
-    fn entry(self) -> (Self, &'static str, &'static str) {
-        Self::ALL.into_iter().find(|x| x.0 == self).unwrap_or(Self::ALL[0])
-    }
-
-    /// Keyword of the operation in the job language.
-    pub fn operation(self) -> &'static str {
-        self.entry().1
-    }
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        self.entry().2
-    }
-}
-
 /// How the side of a cutter finishes a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlankMethod {

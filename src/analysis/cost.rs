@@ -109,16 +109,15 @@ impl Sizes {
         /// Pieces in which a curve is measured.
         const PIECES: u32 = 50;
         let at = |i: u32| f64::from(i) / f64::from(PIECES);
+        let [one, other] = BladeId::MAIN.faces();
         let surface = |side: FaceId| &part.face(side).surface;
         let along = |side: FaceId, v: f64| {
             (0..PIECES).map(|i| (surface(side).point(at(i + 1), v) - surface(side).point(at(i), v)).norm()).sum::<f64>()
         };
-        let between =
-            |u: f64, v: f64| (surface(FaceId::PRESSURE).point(u, v) - surface(FaceId::SUCTION).point(u, v)).norm();
+        let between = |u: f64, v: f64| (surface(one).point(u, v) - surface(other).point(u, v)).norm();
         let ends = [0.0, 1.0];
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let height =
-            |i: u32| (surface(FaceId::PRESSURE).point(at(i), 1.0) - surface(FaceId::PRESSURE).point(at(i), 0.0)).norm();
+        let height = |i: u32| (surface(one).point(at(i), 1.0) - surface(one).point(at(i), 0.0)).norm();
         let radius = largest(&ends.map(|u| part.hub.meridian(u).point.x));
         Self {
             length: largest(&BladeId::MAIN.faces().map(|s| along(s, 0.0).max(along(s, 1.0)))),

@@ -1,8 +1,9 @@
 //! What the contracts leave to a plan of flank milling.
 
-use crate::contract::{ContractKind, SurfaceClass};
+use crate::contract::ContractKind;
 use crate::ir::{OperationId, Program};
 use crate::method::ErrorSide;
+use crate::part::SurfaceClass;
 use crate::part::{FaceId, SurfaceKind};
 
 /// A bound is kept to this much, mm: what easing may overstep.

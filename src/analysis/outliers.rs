@@ -55,7 +55,7 @@ pub fn find(data: &[DataCurve]) -> Vec<Outlier> {
     let mut found: Vec<Outlier> = Vec::new();
     for end in [RulingEnd::Tip, RulingEnd::Root] {
         let curve = |side| data.iter().find(|c| c.side == side && c.end == end).map(|c| &c.points);
-        let (Some(p), Some(s)) = (curve(FaceId::PRESSURE), curve(FaceId::SUCTION)) else { continue };
+        let [Some(p), Some(s)] = BladeId::MAIN.faces().map(curve) else { continue };
         if p.len() != s.len() || p.len() < MIN_ROWS {
             continue;
         }

@@ -2,6 +2,7 @@
 
 use crate::geom::proximity::Patch;
 use crate::ir::DataCurve;
+use crate::part::BladeId;
 use crate::part::FaceSurface;
 use crate::part::RulingEnd;
 use crate::part::{FaceId, Part, Surface};
@@ -41,7 +42,7 @@ impl Narrow {
             v if v > 1.0 - 1e-6 => "tip".to_owned(),
             v => format!("face, v = {v:.3},"),
         };
-        format!("pressure {height} at u = {:.3}", self.u)
+        format!("{} {height} at u = {:.3}", FaceId::NAMES[0], self.u)
     }
 }
 
@@ -66,15 +67,16 @@ const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Measures the channel.
 pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
-    let pressure = &part.main().faces[0].surface;
-    // The wall on the other side of the passage that the pressure face of sector 0 looks into.
-    let (opposite, turn) = part.opposite(FaceId::PRESSURE);
-    let suction = part.face(opposite).surface.rotated(turn);
+    let [from, _] = BladeId::MAIN.faces();
+    let surface = &part.face(from).surface;
+    // The wall on the other side of the passage that the first face of the vane looks into.
+    let (opposite, turn) = part.opposite(from);
+    let facing = part.face(opposite).surface.rotated(turn);
     let narrow = |patch: Patch| {
-        let pair = pressure.closest_pair(patch, &suction, Patch::WHOLE);
+        let pair = surface.closest_pair(patch, &facing, Patch::WHOLE);
         Narrow { u: pair.first.u, v: pair.first.v, distance: pair.distance, point: pair.first.point }
     };
-    let width = |u: f64, v: f64| suction.closest(&pressure.point(u, v), Patch::WHOLE).distance;
+    let width = |u: f64, v: f64| facing.closest(&surface.point(u, v), Patch::WHOLE).distance;
     let profile = (0..=STATIONS)
         .map(|i| i as f64 / STATIONS as f64)
         .map(|u| Station { u, hub: width(u, 0.0), mid: width(u, 0.5), tip: width(u, 1.0) })
@@ -92,8 +94,8 @@ pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
 fn formula_8(part: &Part, data: &[DataCurve]) -> f64 {
     let root = |side| data.iter().find(|c| c.side == side && c.end == RulingEnd::Root).map(|c| &c.points);
     let stations = |s: &FaceSurface| (0..7).map(|i| s.point(f64::from(i) / 6.0, 0.0)).collect::<Vec<_>>();
-    let (p, s): (Vec<_>, Vec<_>) = match (root(FaceId::PRESSURE), root(FaceId::SUCTION)) {
-        (Some(p), Some(s)) if p.len() == s.len() => {
+    let (p, s): (Vec<_>, Vec<_>) = match BladeId::MAIN.faces().map(root) {
+        [Some(p), Some(s)] if p.len() == s.len() => {
             (p.iter().map(|d| d.point).collect(), s.iter().map(|d| d.point).collect())
         }
         _ => (stations(&part.main().faces[0].surface), stations(&part.main().faces[1].surface)),

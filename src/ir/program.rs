@@ -7,7 +7,7 @@ use crate::entity::PrimaryMap;
 use crate::entity_id;
 use crate::geom::Revolution;
 use crate::kin::Machine;
-use crate::method::{AxisMethod, Flank, Lines, Spacing};
+pub use crate::operation::OperationKind;
 use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -134,90 +134,6 @@ pub struct Operation {
     pub rest: Option<Mm>,
     /// Its declaration.
     pub span: Span,
-}
-
-/// Kind of an operation with what only this kind has.
-#[derive(Clone, Debug, PartialEq)]
-pub enum OperationKind {
-    /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
-    Groove {
-        /// Largest step between layers.
-        depth: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: Mm,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
-    },
-    /// Inverted V lines on both sides of the groove (Wei 3.1.2).
-    Expand {
-        /// Largest step between layers.
-        depth: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: Mm,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
-        /// Height left between neighbouring lines (h of formula 9).
-        residual: Mm,
-    },
-    /// Vane faces with the side of the cutter (Wei 3.2).
-    Flank {
-        /// Faces to finish.
-        faces: Vec<FaceId>,
-        /// How.
-        flank: Flank,
-    },
-    /// Hub between the vanes by streamlines (Wei 3.3).
-    Channel {
-        /// Scallop height between neighbouring lines.
-        scallop: Mm,
-        /// How the lines are spaced.
-        spacing: Spacing,
-        /// In which direction they are cut.
-        lines: Lines,
-        /// How tool axes are chosen.
-        method: AxisMethod,
-    },
-    /// Faces, fillets or edges of vanes by lines of constant scallop.
-    Point {
-        /// Surfaces to finish.
-        surfaces: Vec<SurfaceKind>,
-        /// Scallop height between neighbouring lines.
-        scallop: Mm,
-        /// In which direction the lines are cut.
-        lines: Lines,
-        /// How tool axes are chosen.
-        method: AxisMethod,
-    },
-}
-
-impl OperationKind {
-    /// Keyword in the job language.
-    pub fn keyword(&self) -> &'static str {
-        match self {
-            Self::Groove { .. } => "groove",
-            Self::Expand { .. } => "expand",
-            Self::Flank { .. } => "flank",
-            Self::Channel { .. } => "channel",
-            Self::Point { surfaces, .. } => match surfaces.first() {
-                Some(SurfaceKind::Fillet(_)) => "fillet",
-                Some(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)) => "edge",
-                _ => "point",
-            },
-        }
-    }
-
-    /// True for the operations that bring a surface to its final shape.
-    pub fn finishes(&self) -> bool {
-        matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
-    }
-
-    /// How tool axes are chosen, where an operation asks for it.
-    pub fn axis_method(&self) -> Option<AxisMethod> {
-        match self {
-            Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
-            _ => None,
-        }
-    }
 }
 
 /// A condition that stops the compilation when it does not hold.

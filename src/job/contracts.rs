@@ -4,9 +4,10 @@ use super::eval::{suggest, unknown};
 use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationKind, OperationSpec};
 use super::quantity::Dimension;
 use super::resolve::Context;
-use crate::contract::{Guarded, OfOperations, Region, Scope, SurfaceClass};
+use crate::contract::{Guarded, OfOperations, Region, Scope};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
+use crate::part::SurfaceClass;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, Target};
 use std::collections::BTreeSet;
@@ -260,7 +261,7 @@ impl Reader<'_, '_> {
 
     fn roughs(&self, operation: usize) -> bool {
         let kind = self.operations.get(operation).map(|o| &o.kind);
-        matches!(kind, Some(OperationKind::Groove(_) | OperationKind::Expand(..)))
+        matches!(kind, Some(OperationKind::Groove { .. } | OperationKind::Expand { .. }))
     }
 
     fn no_surface(&mut self, kind: ContractKind, surface: SurfaceClass, span: Span) {

@@ -3,7 +3,7 @@
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, OfOperations, Region, Scope};
 use crate::method::Planning;
-use crate::method::{AxisMethod, Flank, Lines, Spacing, VaneSurface};
+pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::source::Span;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
@@ -361,70 +361,6 @@ pub struct OperationSpec {
     pub sectors: Vec<u32>,
     /// Its item.
     pub span: Span,
-}
-
-/// Kinds of operations with their own properties.
-#[derive(Clone, Debug, PartialEq)]
-pub enum OperationKind {
-    /// Slot in the middle of the channel.
-    Groove(Layers),
-    /// Widen the slot.
-    Expand(Layers, Mm),
-    /// Vane faces: pressure, suction, strips.
-    Flank {
-        /// Finish the pressure side.
-        pressure: bool,
-        /// Finish the suction side.
-        suction: bool,
-        /// How.
-        flank: Flank,
-    },
-    /// Channel floor.
-    Channel {
-        /// Scallop height.
-        scallop: Mm,
-        /// How its lines are spaced.
-        spacing: Spacing,
-        /// In which direction they are cut.
-        lines: Lines,
-        /// How tool axes are chosen.
-        method: AxisMethod,
-    },
-    /// Vane faces or fillets by points: the surfaces in the order of the job, of one kind of operation.
-    Point {
-        /// What is finished; never empty.
-        surfaces: Vec<VaneSurface>,
-        /// Scallop height.
-        scallop: Mm,
-        /// In which direction the lines are cut.
-        lines: Lines,
-        /// How tool axes are chosen.
-        method: AxisMethod,
-    },
-}
-
-impl OperationKind {
-    /// Keyword of the language.
-    pub fn keyword(&self) -> &'static str {
-        match self {
-            Self::Groove(_) => "groove",
-            Self::Expand(..) => "expand",
-            Self::Flank { .. } => "flank",
-            Self::Channel { .. } => "channel",
-            Self::Point { surfaces, .. } => surfaces.first().map_or("point", |s| s.operation()),
-        }
-    }
-}
-
-/// What both roughing operations have.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layers {
-    /// Largest step.
-    pub depth: Mm,
-    /// Left on vanes.
-    pub allowance_vane: Mm,
-    /// Left on the hub.
-    pub allowance_hub: Mm,
 }
 
 /// A contract.

@@ -2,16 +2,16 @@
 
 use super::eval::{mismatch, suggest, unknown};
 use super::limits;
-use super::model::{
-    CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, Layers, MachineSpec, OperationKind, OperationSpec, ToolSpec,
-};
+use super::model::{CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing, VaneSurface};
+use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
+use crate::operation::by_lines;
+use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -64,8 +64,10 @@ pub(super) fn resolve(
         let first = used.names.len() == 1;
         let mut reader = Reader { name, first, tools, machine, vanes, groove: layers };
         let operation = reader.read(item, cx);
-        if let Some(OperationKind::Groove(l)) = operation.as_ref().map(|o| &o.kind) {
-            layers = Some(*l);
+        if let Some(OperationKind::Groove { depth, allowance_vane, allowance_hub }) =
+            operation.as_ref().map(|o| o.kind.clone())
+        {
+            layers = Some(Layers { depth, allowance_vane, allowance_hub });
         }
         out.extend(operation);
     }
@@ -122,6 +124,17 @@ struct Reader<'a> {
     machine: Option<&'a MachineSpec>,
     vanes: Option<u32>,
     groove: Option<Layers>,
+}
+
+/// What both roughing operations have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Layers {
+    /// Largest step.
+    depth: Mm,
+    /// Left on vanes.
+    allowance_vane: Mm,
+    /// Left on the hub.
+    allowance_hub: Mm,
 }
 
 impl Reader<'_> {
@@ -331,18 +344,22 @@ impl Reader<'_> {
     fn kind(&self, kind: &Name, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<OperationKind> {
         let radius = tool.map_or(250.0, |t| t.diameter.get() / 2.0);
         match kind.text.as_str() {
-            "groove" => self.layers(false, tool, p).map(OperationKind::Groove),
+            "groove" => {
+                let Layers { depth, allowance_vane, allowance_hub } = self.layers(false, tool, p)?;
+                Some(OperationKind::Groove { depth, allowance_vane, allowance_hub })
+            }
             "expand" => {
                 let layers = self.layers(true, tool, p);
                 let range = Range::Between(LEAST_RESIDUAL, radius);
                 let residual = p.required("residual", Dimension::LENGTH, range, "residual 0.5 mm");
-                Some(OperationKind::Expand(layers?, Mm(residual?.0)))
+                let Layers { depth, allowance_vane, allowance_hub } = layers?;
+                Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: Mm(residual?.0) })
             }
             "flank" => flank(p),
             "point" | "fillet" | "edge" => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
-                let of_kind = VaneSurface::ALL.iter().filter(|s| s.1 == kind.text);
+                let of_kind = by_lines(BladeId::MAIN).into_iter().filter(|s| s.1 == kind.text);
                 let given = match kind.text.as_str() {
                     "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
                     _ => faces(p),
@@ -351,7 +368,7 @@ impl Reader<'_> {
                 let all: &[Lines] = if kind.text == "point" { &Lines::ROUND } else { &Lines::ALL };
                 let spiral = p.is_word("lines", "spiral");
                 let lines = named(p, "lines", all, Lines::name);
-                if spiral && surfaces.as_ref().is_some_and(|s: &Vec<VaneSurface>| s.len() < 2) {
+                if spiral && surfaces.as_ref().is_some_and(|s: &Vec<SurfaceKind>| s.len() < 2) {
                     p.sink.push(
                         Diag::error(
                             codes::WRONG_FORM,
@@ -459,7 +476,7 @@ fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Axi
 
 /// The faces that are named; both where none is.
 fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
-    chosen(p, "faces", "face", ["pressure", "suction"])
+    chosen(p, "faces", "face", FaceId::NAMES)
 }
 
 /// Which of two the words of a property name, none twice; both where the property is not given.
@@ -488,7 +505,8 @@ fn chosen(p: &mut Properties<'_, '_>, property: &str, what: &str, all: [&'static
 }
 
 fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
-    let [pressure, suction] = faces(p).map(|named| ["pressure", "suction"].map(|f| named.contains(&f)))?;
+    let given = faces(p)?;
+    let faces = BladeId::MAIN.faces().into_iter().filter(|face| given.contains(&face.name())).collect();
     let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
     let optimised = method == FlankMethod::Minimax;
     for property in ["side", "conflict"] {
@@ -513,5 +531,5 @@ fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
         (!optimised).then_some(1)
     };
     let flank = Flank { method, strips, side, conflict };
-    Some(OperationKind::Flank { pressure, suction, flank })
+    Some(OperationKind::Flank { faces, flank })
 }

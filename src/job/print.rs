@@ -1,11 +1,12 @@
 //! Text form of the job: every default written out.
 
 use super::library::LINUXCNC;
-use super::model::{CurveSpec, CutterKind, FaceSpec, Job, Layers, OperationKind};
+use super::model::{CurveSpec, CutterKind, FaceSpec, Job, OperationKind};
 use crate::method::FlankMethod;
 use crate::method::Planning;
+use crate::operation::word;
 use crate::part::FaceId;
-use crate::units::trim;
+use crate::units::{Mm, trim};
 use std::fmt::Write;
 
 /// The job as text.
@@ -132,19 +133,19 @@ fn operations(out: &mut String, job: &Job) {
         let _ = writeln!(out, "  rest {}", o.rest.map_or_else(|| "off".to_owned(), |t| format!("over {t}")));
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
-        let layers = |out: &mut String, l: &Layers| {
-            let _ =
-                writeln!(out, "  depth {}\n  allowance vane {}, hub {}", l.depth, l.allowance_vane, l.allowance_hub);
+        let layers = |out: &mut String, [depth, vane, hub]: [&Mm; 3]| {
+            let _ = writeln!(out, "  depth {depth}\n  allowance vane {vane}, hub {hub}");
         };
         match &o.kind {
-            OperationKind::Groove(l) => layers(out, l),
-            OperationKind::Expand(l, residual) => {
-                layers(out, l);
+            OperationKind::Groove { depth, allowance_vane, allowance_hub } => {
+                layers(out, [depth, allowance_vane, allowance_hub]);
+            }
+            OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
+                layers(out, [depth, allowance_vane, allowance_hub]);
                 let _ = writeln!(out, "  residual {residual}");
             }
-            OperationKind::Flank { pressure, suction, flank } => {
-                let faces = [(*pressure, "pressure"), (*suction, "suction")];
-                let faces: Vec<_> = faces.iter().filter(|f| f.0).map(|f| f.1).collect();
+            OperationKind::Flank { faces, flank } => {
+                let faces: Vec<_> = faces.iter().map(|face| face.name()).collect();
                 let (method, strips) = (flank.method.name(), flank.strips_text());
                 let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
                 if flank.method == FlankMethod::Minimax {
@@ -156,7 +157,7 @@ fn operations(out: &mut String, job: &Job) {
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
             }
             OperationKind::Point { surfaces, scallop, lines, method } => {
-                let names: Vec<_> = surfaces.iter().map(|s| s.name()).collect();
+                let names: Vec<_> = surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1).collect();
                 let property = if o.kind.keyword() == "edge" { "edges" } else { "faces" };
                 let _ = writeln!(out, "  {property} {}\n  scallop {scallop}", names.join(", "));
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());

@@ -12,8 +12,7 @@ use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::{LoftedSurface, NurbsCurve};
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
-    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, Tolerances,
-    Tool, ToolId,
+    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, PostChoice, Program, Tolerances, Tool, ToolId,
 };
 use crate::job::model::{
     self, BladeSpec, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, PartSpec,
@@ -21,9 +20,8 @@ use crate::job::model::{
 };
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
-use crate::method::VaneSurface;
 use crate::part::RulingEnd;
-use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, Stock, SurfaceKind};
+use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, Stock};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -213,34 +211,9 @@ fn tool(spec: &ToolSpec) -> Tool {
 }
 
 fn operation(spec: &model::OperationSpec) -> Operation {
-    let kind = match &spec.kind {
-        model::OperationKind::Groove(l) => {
-            OperationKind::Groove { depth: l.depth, allowance_vane: l.allowance_vane, allowance_hub: l.allowance_hub }
-        }
-        model::OperationKind::Expand(l, residual) => OperationKind::Expand {
-            depth: l.depth,
-            allowance_vane: l.allowance_vane,
-            allowance_hub: l.allowance_hub,
-            residual: *residual,
-        },
-        model::OperationKind::Flank { pressure, suction, flank } => {
-            let sides = [(*pressure, FaceId::PRESSURE), (*suction, FaceId::SUCTION)];
-            let faces = sides.into_iter().filter(|s| s.0).map(|s| s.1).collect();
-            OperationKind::Flank { faces, flank: *flank }
-        }
-        model::OperationKind::Channel { scallop, spacing, lines, method } => {
-            OperationKind::Channel { scallop: *scallop, spacing: *spacing, lines: *lines, method: *method }
-        }
-        model::OperationKind::Point { surfaces, scallop, lines, method } => OperationKind::Point {
-            surfaces: surfaces.iter().map(|s| vane_surface(*s)).collect(),
-            scallop: *scallop,
-            lines: *lines,
-            method: *method,
-        },
-    };
     Operation {
         name: spec.name.clone(),
-        kind,
+        kind: spec.kind.clone(),
         tool: ToolId::new(spec.tool),
         speed: spec.speed,
         feed: spec.feed,
@@ -250,17 +223,6 @@ fn operation(spec: &model::OperationSpec) -> Operation {
         lead_out: spec.lead_out,
         rest: spec.rest,
         span: spec.span,
-    }
-}
-
-fn vane_surface(surface: VaneSurface) -> SurfaceKind {
-    match surface {
-        VaneSurface::PressureFace => SurfaceKind::Face(FaceId::PRESSURE),
-        VaneSurface::SuctionFace => SurfaceKind::Face(FaceId::SUCTION),
-        VaneSurface::PressureFillet => SurfaceKind::Fillet(FaceId::PRESSURE),
-        VaneSurface::SuctionFillet => SurfaceKind::Fillet(FaceId::SUCTION),
-        VaneSurface::InletEdge => SurfaceKind::InletEdge(BladeId::MAIN),
-        VaneSurface::OutletEdge => SurfaceKind::OutletEdge(BladeId::MAIN),
     }
 }
 

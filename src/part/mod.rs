@@ -32,7 +32,7 @@ pub mod surface;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use extent::Extent;
-pub use names::{SurfaceId, SurfaceKind};
+pub use names::{SurfaceClass, SurfaceId, SurfaceKind};
 pub use rolling_ball::hub_normal;
 pub use row::{Part, Passage, PassageId};
 pub use sample::{Sample, sample};

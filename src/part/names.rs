@@ -1,7 +1,5 @@
 //! Names of all surfaces of the finished part.
 
-use crate::contract::SurfaceClass;
-
 use super::{BladeId, FaceId, PassageId};
 
 /// What a design surface is.
@@ -103,6 +101,37 @@ impl SurfaceKind {
             Self::Back => "back face".to_owned(),
             Self::Bore => "bore".to_owned(),
             Self::Nose => "nose".to_owned(),
+        }
+    }
+}
+
+/// Surfaces that a scope can name; each is there in every sector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SurfaceClass {
+    /// Pressure faces.
+    Pressure,
+    /// Suction faces.
+    Suction,
+    /// Fillets of both sides.
+    Fillet,
+    /// The hub.
+    Hub,
+    /// The turned tips and edges of the vanes, which no operation mills.
+    Edge,
+}
+
+impl SurfaceClass {
+    /// All of them; the first four are milled.
+    pub const ALL: [Self; 5] = [Self::Pressure, Self::Suction, Self::Fillet, Self::Hub, Self::Edge];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pressure => "pressure",
+            Self::Suction => "suction",
+            Self::Fillet => "fillet",
+            Self::Hub => "hub",
+            Self::Edge => "edge",
         }
     }
 }

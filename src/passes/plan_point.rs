@@ -15,7 +15,7 @@ use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
 use crate::part::{
-    BladeId, FaceId, SurfaceKind,
+    BladeId, SurfaceKind,
     chart::{Shape, charts, edges, edges_of},
 };
 use crate::units::length;
@@ -49,7 +49,7 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let ground = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
         let side = match kind {
             SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
-            _ => FaceId::PRESSURE,
+            _ => BladeId::MAIN.faces()[0],
         };
         let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
         let hollow = part.main().fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());

@@ -45,14 +45,14 @@ impl<'a> VaneAxis<'a> {
         along * libm::cos(tilt) + normal * libm::sin(tilt)
     }
 
-    /// Tool axis round a vane: of the pressure face (`round` 0), over the inlet edge (to 2) to the suction face (2), over the
+    /// Tool axis round a vane: of the first face (`round` 0), over the inlet edge (to 2) to the other face (2), over the
     /// outlet edge (to 4) back.
     pub(super) fn round(&self, round: f64, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
-        let [pressure, suction] = BladeId::MAIN.faces().map(SurfaceKind::Face);
+        let [first, second] = BladeId::MAIN.faces().map(SurfaceKind::Face);
         if round == 0.0 || round == 2.0 {
-            return self.axis(if round < 1.0 { pressure } else { suction }, u, v, lean);
+            return self.axis(if round < 1.0 { first } else { second }, u, v, lean);
         }
-        let (end, from, to) = if round < 2.0 { (0.0, pressure, suction) } else { (1.0, suction, pressure) };
+        let (end, from, to) = if round < 2.0 { (0.0, first, second) } else { (1.0, second, first) };
         // From face to face the axis turns over the edge.
         let share = 0.5 * round - end;
         let edge = self.off_edge(end, lean);

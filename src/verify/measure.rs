@@ -6,7 +6,8 @@ use super::dynamics::{Departure, Run};
 use super::stock::{OperationStock, StockReport};
 use super::surface::SurfaceReport;
 use super::sweep::At;
-use crate::contract::{ContractKind, Guarded, Region, SurfaceClass};
+use crate::contract::{ContractKind, Guarded, Region};
+use crate::part::SurfaceClass;
 use crate::units::length;
 
 /// A measured value with its place.

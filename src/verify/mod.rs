@@ -49,9 +49,10 @@ pub mod sweep;
 pub use certificate::Certificate;
 
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
-use crate::contract::{Guarded, SurfaceClass};
+use crate::contract::Guarded;
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
+use crate::part::SurfaceClass;
 use crate::part::{Sample, sample, solid};
 use crate::progress::{Progress, Work};
 use crate::units::length;

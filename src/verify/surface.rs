@@ -14,7 +14,7 @@ pub use super::cells::CORNER_SLACK;
 use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
 use super::grid::{Grid, Surface};
 use super::sweep::{At, Sweep};
-use crate::contract::SurfaceClass;
+use crate::part::SurfaceClass;
 use crate::part::{
     Part, SurfaceId,
     chart::{self, Patch, Shape, charts},

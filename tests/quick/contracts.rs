@@ -2,10 +2,11 @@
 //! `allow` takes out.
 
 use crate::support;
-use impellerc::contract::{ContractKind, Guarded, Scope, SurfaceClass};
+use impellerc::contract::{ContractKind, Guarded, Scope};
 use impellerc::diag::{Severity, Sink, codes::verification};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, Program};
+use impellerc::part::SurfaceClass;
 use impellerc::part::{FaceId, Guides, Part, solid};
 use impellerc::passes::pipeline;
 use impellerc::source::Span;

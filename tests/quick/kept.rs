@@ -339,7 +339,7 @@ fn the_whole_contract_bounds_kept_surfaces() {
     let (mut program, motion) = down([11.0, 0.0, -10.03], MoveKind::Cut);
     assert_eq!(measured(&program, &motion).allowed, 0.1);
     let mut hub = Contract::whole(ContractKind::Gouge, 1e-3);
-    hub.scope.surfaces = vec![impellerc::contract::SurfaceClass::Hub];
+    hub.scope.surfaces = vec![impellerc::part::SurfaceClass::Hub];
     program.contracts =
         vec![hub, Contract::whole(ContractKind::Gouge, 0.05), Contract::whole(ContractKind::Gouge, 0.02)];
     assert_eq!(measured(&program, &motion).allowed, 0.02);

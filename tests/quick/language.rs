@@ -1,11 +1,13 @@
 //! The job language: what is read, what is refused, and in which words.
 
-use impellerc::contract::{ContractKind, Guarded, SurfaceClass};
+use impellerc::contract::{ContractKind, Guarded};
 use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Job, Missing};
-use impellerc::method::{AxisMethod, Lines, Spacing, VaneSurface};
+use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::part::SurfaceClass;
+use impellerc::part::{BladeId, SurfaceKind};
 use impellerc::source::{SourceFile, SourceId, SourceMap};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -106,12 +108,12 @@ fn curves_from_a_file_are_the_curves_of_the_main_job() {
 #[test]
 fn expand_takes_the_layers_of_the_groove_before_it() {
     let job = read(REDUCED).job.unwrap();
-    let (OperationKind::Groove(groove), OperationKind::Expand(expand, _)) =
-        (&job.operations[0].kind, &job.operations[1].kind)
-    else {
-        panic!("the reduced job begins with groove and expand");
+    let layers = |kind: &OperationKind| match *kind {
+        OperationKind::Groove { depth, allowance_vane, allowance_hub }
+        | OperationKind::Expand { depth, allowance_vane, allowance_hub, .. } => [depth, allowance_vane, allowance_hub],
+        ref other => panic!("the reduced job begins with groove and expand: {other:?}"),
     };
-    assert_eq!(groove, expand);
+    assert_eq!(layers(&job.operations[0].kind), layers(&job.operations[1].kind));
 }
 
 #[test]
@@ -156,14 +158,16 @@ fn point_milling_names_its_surfaces_and_order() {
         assert_eq!(read.codes(), []);
         read.job.unwrap().operations[4].clone()
     };
-    use VaneSurface::{InletEdge, OutletEdge, PressureFace, PressureFillet, SuctionFace, SuctionFillet};
+    let faces = BladeId::MAIN.faces();
+    let [both, fillets] = [faces.map(SurfaceKind::Face).to_vec(), faces.map(SurfaceKind::Fillet).to_vec()];
+    let [inlet, outlet] = [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
     for (text, name, expected, order) in [
-        ("point { COMMON }", "point", vec![PressureFace, SuctionFace], Lines::Zigzag),
-        ("point { COMMON  faces suction  lines one-way }", "point", vec![SuctionFace], Lines::OneWay),
-        ("point { COMMON  lines spiral }", "point", vec![PressureFace, SuctionFace], Lines::Spiral),
-        ("fillet { COMMON }", "fillet", vec![PressureFillet, SuctionFillet], Lines::Zigzag),
-        ("edge { COMMON  edges outlet }", "edge", vec![OutletEdge], Lines::Zigzag),
-        ("edge { COMMON }", "edge", vec![InletEdge, OutletEdge], Lines::Zigzag),
+        ("point { COMMON }", "point", both.clone(), Lines::Zigzag),
+        ("point { COMMON  faces suction  lines one-way }", "point", vec![both[1]], Lines::OneWay),
+        ("point { COMMON  lines spiral }", "point", both.clone(), Lines::Spiral),
+        ("fillet { COMMON }", "fillet", fillets, Lines::Zigzag),
+        ("edge { COMMON  edges outlet }", "edge", vec![outlet], Lines::Zigzag),
+        ("edge { COMMON }", "edge", vec![inlet, outlet], Lines::Zigzag),
     ] {
         let operation = kind(&format!("operation {}", text.replace("COMMON", common)));
         assert_eq!((operation.name.as_str(), operation.kind.keyword()), (name, name));

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 const MAY: &[(&str, &[&str])] = &[
     ("units", &[]),
     ("progress", &[]),
-    ("contract", &[]),
+    ("contract", &["part"]),
     ("entity", &[]),
     ("method", &[]),
+    ("operation", &["part"]),
     ("source", &[]),
     ("diag", &[]),
     ("geom", &[]),
@@ -32,7 +33,7 @@ const MAY: &[(&str, &[&str])] = &[
 
 /// Every module may name these.
 const FOUNDATION: &[&str] =
-    &["units", "contract", "method", "entity", "source", "diag", "entity_id", "codes", "progress"];
+    &["units", "contract", "method", "operation", "entity", "source", "diag", "entity_id", "codes", "progress"];
 
 /// The engines know neither diagnostics nor texts.
 const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "part", "envelope", "orient"];
@@ -123,6 +124,27 @@ fn modules_name_only_what_lies_below_them() {
 
 /// Where letters of rotary axes may stand: kinematics of named controls, machine files, texts for people and for machines.
 const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/diag/codes/"];
+
+/// Where the names of a blade's faces may stand: the part, the language, and pages for people.
+const FACES: &[&str] = &["src/part/", "src/job/", "src/lower/", "src/diag/codes/"];
+
+#[test]
+fn faces_have_no_names_outside_of_the_part() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let mut faults = Vec::new();
+    for path in all.iter().filter(|p| !FACES.iter().any(|f| p.starts_with(f))) {
+        let text = std::fs::read_to_string(path).unwrap();
+        // Tests of a file choose a face.
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let named = |line: &&str| {
+            let line = line.to_lowercase();
+            !line.trim_start().starts_with("//") && (line.contains("pressure") || line.contains("suction"))
+        };
+        faults.extend(code.lines().filter(named).map(|line| format!("{}: {}", path.display(), line.trim())));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
 
 #[test]
 fn rotary_axes_have_no_letters_outside_of_texts() {

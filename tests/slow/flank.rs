@@ -2,11 +2,12 @@
 
 use crate::support;
 use impellerc::collide::{Cutter, Section};
-use impellerc::contract::{Guarded, Scope, SurfaceClass};
+use impellerc::contract::{Guarded, Scope};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
 use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
+use impellerc::part::SurfaceClass;
 use impellerc::part::{BladeId, FaceId};
 use impellerc::passes::{Obstacles, pipeline};
 use impellerc::units::Mm;

@@ -1,0 +1,108 @@
+//! What an operation does: one type from the job to the paths, and the words for it in the job language.
+
+use crate::method::{AxisMethod, Flank, Lines, Spacing};
+use crate::part::{BladeId, FaceId, SurfaceKind};
+use crate::units::Mm;
+
+/// Kind of an operation with what only this kind has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OperationKind {
+    /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
+    Groove {
+        /// Largest step between layers.
+        depth: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: Mm,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+    },
+    /// Inverted V lines on both sides of the groove (Wei 3.1.2).
+    Expand {
+        /// Largest step between layers.
+        depth: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: Mm,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+        /// Height left between neighbouring lines (h of formula 9).
+        residual: Mm,
+    },
+    /// Vane faces with the side of the cutter (Wei 3.2).
+    Flank {
+        /// Faces to finish.
+        faces: Vec<FaceId>,
+        /// How.
+        flank: Flank,
+    },
+    /// Hub between the vanes by streamlines (Wei 3.3).
+    Channel {
+        /// Scallop height between neighbouring lines.
+        scallop: Mm,
+        /// How the lines are spaced.
+        spacing: Spacing,
+        /// In which direction they are cut.
+        lines: Lines,
+        /// How tool axes are chosen.
+        method: AxisMethod,
+    },
+    /// Faces, fillets or edges of vanes by lines of constant scallop.
+    Point {
+        /// Surfaces to finish.
+        surfaces: Vec<SurfaceKind>,
+        /// Scallop height between neighbouring lines.
+        scallop: Mm,
+        /// In which direction the lines are cut.
+        lines: Lines,
+        /// How tool axes are chosen.
+        method: AxisMethod,
+    },
+}
+
+impl OperationKind {
+    /// Keyword in the job language.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Groove { .. } => "groove",
+            Self::Expand { .. } => "expand",
+            Self::Flank { .. } => "flank",
+            Self::Channel { .. } => "channel",
+            Self::Point { surfaces, .. } => surfaces.first().and_then(|s| word(*s)).map_or("point", |w| w.0),
+        }
+    }
+
+    /// True for the operations that bring a surface to its final shape.
+    pub fn finishes(&self) -> bool {
+        matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
+    }
+
+    /// How tool axes are chosen, where an operation asks for it.
+    pub fn axis_method(&self) -> Option<AxisMethod> {
+        match self {
+            Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
+            _ => None,
+        }
+    }
+}
+
+/// The surfaces of a blade that lines of constant scallop finish, each with its operation and the word that names it there.
+pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6] {
+    let [one, other] = blade.faces();
+    [
+        (SurfaceKind::Face(one), "point", one.name()),
+        (SurfaceKind::Face(other), "point", other.name()),
+        (SurfaceKind::Fillet(one), "fillet", one.name()),
+        (SurfaceKind::Fillet(other), "fillet", other.name()),
+        (SurfaceKind::InletEdge(blade), "edge", "inlet"),
+        (SurfaceKind::OutletEdge(blade), "edge", "outlet"),
+    ]
+}
+
+/// The operation that finishes a surface by lines of constant scallop, and the word that names the surface there.
+pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str)> {
+    let blade = match surface {
+        SurfaceKind::Face(face) | SurfaceKind::Fillet(face) => face.blade,
+        SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade,
+        _ => return None,
+    };
+    by_lines(blade).into_iter().find(|entry| entry.0 == surface).map(|entry| (entry.1, entry.2))
+}
