@@ -46,7 +46,7 @@ pub enum Drive {
     Channel,
     /// The band of a vane face with this number, from 0 at the root.
     Face {
-        /// Side of the vane.
+        /// Face of the vane.
         side: FaceId,
         /// Band.
         strip: u32,
@@ -67,7 +67,7 @@ pub struct CcPoint {
     /// From hub (0) to shroud (1).
     pub v: f64,
     /// Across the channel from its first wall (0) to its second (1); for a band, the upper end of the band instead; round
-    /// a vane the place on the way: 0 on the pressure face, to 2 over the inlet edge, 2 on the suction face, to 4 over the
+    /// a vane the place on the way: 0 on the first face, to 2 over the inlet edge, 2 on the other face, to 4 over the
     /// outlet edge.
     pub w: f64,
     /// Contact or drive point in the part frame.

@@ -1,21 +1,121 @@
 //! Stage values of the compilation, from the [`Program`] that the job was lowered to up to the machine [`Motion`].
 //!
-//! *Lower between types, improve within a type*: each stage reads the value before it and the immutable
-//! [`Program`] and makes the next. Lengths are in mm, angles in radians, points in the part frame: right handed,
-//! Z is the axis of rotation, the origin is the program zero.
+//! *Lower between types, improve within a type*: each stage reads the value before it and the immutable [`Program`] and
+//! makes the next. A value refers to another by an id or an index, never by a reference, so that it can be printed,
+//! compared and kept.
 //!
-//! | value | holds | does not hold yet |
-//! |---|---|---|
-//! | [`Program`] | geometry, tools, stock, operations in order, contracts, machine | paths |
-//! | [`CcPlan`] | contact or drive points of each pass | tool axis |
-//! | [`ClPlan`] | tip and axis of every move, links, feeds | machine |
-//! | [`Motion`] | joint positions, branch and winding chosen, feeds and times | dialect |
+//! | value | holds | does not hold yet | made by | text form |
+//! |---|---|---|---|---|
+//! | [`Program`] | geometry, tools, stock, operations in order, contracts, machine | paths | `lower` | `--emit ir` |
+//! | [`CcPlan`] | contact or drive points of each pass | tool axis | `plan-*` | `--emit cc` |
+//! | [`ClPlan`] | tip and axis of every move, links, feeds | machine | `orient-tool` to `assign-feeds` | `--emit cl` |
+//! | [`Motion`] | joint positions, branch and winding, feeds and times | dialect | `solve-kinematics` to `exact-stops` | `--emit motion` |
+//!
+//! [`validate`] says the same in code: [`validate::program`], [`validate::cc`], [`validate::cl`], [`validate::motion`]. In debug
+//! builds, and so in tests, the pipeline asks the validator of a value after every pass. A fault is one of the compiler
+//! (IMP0910). The verifier does not rely on it: it checks the motion that it is given by itself.
+//!
+//! # Units and frames
+//!
+//! Lengths are in mm, angles in radians, times in seconds, feeds in mm/min, spindle speeds in rev/min. Points are in the
+//! *part frame*: right handed, Z is the axis of rotation, the origin is the zero of the program. Sector 0 is the one that the
+//! job gives; sector k is turned about Z by k pitches. Sectors and passes count from 0 here, from 1 in texts.
+//!
+//! # Program
+//!
+//! What is to be made, with what, on which machine, and what must hold. Nothing changes it after `lower`.
+//!
+//! - [`Program::part`] is the finished part ([`crate::part`]); [`Program::stock`] is what the lathe left.
+//!   Everything between them is to be removed, but for what the job allows to stay.
+//! - [`Program::operations`] are in machining order. An operation has one tool, and sectors that ascend without repetition.
+//!   What it does is its [`OperationKind`], the same type as in the job.
+//! - [`Program::contracts`] must hold for the whole program, or on the surfaces and operations that their scope names.
+//!   A contract that the job does not give is there as a default.
+//! - [`Program::machine`] is a chain of axes with the part mounted on its table. No other value knows how axes lie.
+//! - Every entity has the place in the text that declared it, for diagnostics. Only texts read it.
+//!
+//! Invariants: operations name tools that are there; speeds and feeds are positive; sectors are those of the part; contracts
+//! name operations that are there.
+//!
+//! # Contact plan
+//!
+//! Where each pass runs on what drives the tool, before the tool has an axis.
+//!
+//! - A [`CcOperation`] has the passes of one operation in cutting order, all sectors of it, and notes for people.
+//! - A [`CcPass`] is a curve on its [`Drive`]. Its stations are as dense as the passes after it need; thinning comes later.
+//!   The first and the last stations are on the leads, outside of the part.
+//! - A [`CcPoint`] is a place on the drive: of the cutter contact on a face, a fillet, an edge or the hub, of the tip in
+//!   a channel. Its normal points out of the material. Its parameters say where it is on the drive, so that later passes
+//!   need not look for it.
+//! - [`CcPass::path`] is there for flank passes that were found as a whole path of the axis.
+//!
+//! Invariants: the operations of the program, each once and in order; a pass lies in a sector of its operation, on a drive
+//! that its kind makes, and has at least two points; normals have the length one.
+//!
+//! # Location plan
+//!
+//! Where the tool is. It grows in three steps, see [`validate::ClStage`]:
+//!
+//! 1. *Oriented.* Each [`ClPass`] has a [`ClPoint`] a station: the tip, the axis from the tip to the holder, and the contact
+//!    where there is one. `avoid-collision` and `smooth-axis` change axes, and with them tips, so that the cutter goes on
+//!    touching its contact. `sample-to-tolerance` takes stations out, `rest-machining` takes out what cuts nothing.
+//! 2. *Linked.* [`ClOperation::moves`] is the one sequence that the machine runs: approach, pass, retract, and the way over to
+//!    the next pass. The passes stay as the reference of what was meant.
+//! 3. *Fed.* Every move at feed has its process feed, the highest that the job allows.
+//!
+//! Invariants: axes have the length one; a move belongs to a pass or leads to it; rapids have no feed; the passes are cut in
+//! their order. The first move of an operation comes from outside of the stock.
+//!
+//! # Motion
+//!
+//! What the axes do. It is the last value before the text, the only one that the verifier judges, and the value from which
+//! each post writes.
+//!
+//! **What a move means.** Tool centre point control is on. Between two moves of one operation the tip, in the part frame,
+//! runs on the straight line from its place before to its place after. Both rotary axes turn evenly with it: all of them are
+//! at the same share of their way at the same share of the line. The linear joints follow from both. A move of
+//! which the tip rests is a turn about the tip.
+//!
+//! A control departs from this motion by its own tolerance of blending and by its following error.
+//! [`crate::kin::interpolation`] and the model of the control bound the blending, and the certificate says by how much.
+//!
+//! **Kinds.** [`MoveKind::Cut`] touches material or may touch it. [`MoveKind::Link`] is at the link feed: along the tool axis
+//! into the channel and out of it, and from pass to pass. [`MoveKind::Rapid`] is in air, with all axes as fast as they
+//! can together.
+//!
+//! **Begin and end.** The first move of an operation leads to a station at the retract height of the machine, where
+//! the gauge line is as high as the machine file says, over the first place of the operation. From there the tool goes down
+//! along Z. The last move goes up to such a station. Between operations, at that height, tool centre point control is off,
+//! and X, Y and the rotary axes move from wherever they stand. So nothing in an operation depends on what was before it.
+//!
+//! **Branch and winding.** A direction of the tool has two pairs of angles, and each angle has turns of 360 deg.
+//! `solve-kinematics` chooses them. A pass with its approach and retract keeps one choice; it changes only on the way over the
+//! clearance sphere. The joints are in the ISO sense of the axes; a post turns them into the sense of the words.
+//!
+//! **Feeds and times.** [`JointMove::feed`] is that of the tip along the part, rounded down as the text will have it. It is
+//! never over the process feed, and no axis runs faster than it can at it, at any place of the move. [`JointMove::time`] is
+//! the length by the feed; a rapid has the time of its slowest axis. What speeding up and slowing down adds is simulated by the
+//! verifier and stands in the certificate.
+//!
+//! **Stops.** [`JointMove::stop`] says that the control comes to rest at the end of the move. Posts for controls that must be
+//! told write it.
+//!
+//! Invariants: the operations of the program, each once and in order; every joint and time is finite; a move has a feed
+//! exactly if it is no rapid; the first and the last move of an operation are rapids at retract height; every move has the
+//! label of its pass.
+//!
+//! # Where other things are
+//!
+//! Motions that are read from NC text ([`crate::post`]) are values of the same type, with the same meaning, and may be malformed
+//! in any way; the verifier refuses those that are. A [`crate::verify::Verified`] motion is one that the verifier accepted:
+//! nothing else makes one, and posts take nothing else.
 
 pub mod cc;
 pub mod cl;
 pub mod motion;
 pub mod print;
 pub mod program;
+pub mod validate;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};

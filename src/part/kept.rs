@@ -1,6 +1,6 @@
 //! Surfaces of the finished part that milling leaves as the lathe made them: no cutter may go into them.
 //!
-//! Together with the milled surfaces of [`crate::ir::chart`] they close the part.
+//! Together with the milled surfaces of [`super::chart`] they close the part.
 //!
 //! | surface | x | y |
 //! |---|---|---|

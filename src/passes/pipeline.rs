@@ -7,7 +7,8 @@ use super::{
     time_feeds,
 };
 use crate::analysis::cost;
-use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::diag::{Aborted, Diag, Sink, codes::files, codes::planning};
+use crate::ir::validate::{self, ClStage, Malformed};
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
 use crate::part::sample;
 use crate::progress::Progress;
@@ -24,6 +25,21 @@ pub(super) struct PassContext<'a> {
 }
 
 impl<'a> PassContext<'a> {
+    /// Refuses to go on from a malformed value: asked after every pass in debug builds, and so in tests.
+    fn holds(&mut self, pass: &str, validate: impl FnOnce(&Program) -> Result<(), Malformed>) -> Result<(), Aborted> {
+        if !cfg!(debug_assertions) {
+            return Ok(());
+        }
+        validate(self.program).map_err(|malformed| {
+            self.sink.push(
+                Diag::error(files::INTERNAL, format!("`{pass}` made a malformed value: {malformed}"))
+                    .note("this is a fault of the compiler, not of the job")
+                    .help("report the job file"),
+            );
+            Aborted
+        })
+    }
+
     /// Room finder of a roughing operation.
     pub(super) fn roughing(&mut self, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
         let roughing = Roughing::new(self.program, operation, self.obstacles);
@@ -71,23 +87,35 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part, &program.machine);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: 0.0 };
+    cx.holds("lower", validate::program)?;
     // Contacts on drive surfaces, operation by operation: roughing first, since each knows how far those before it came.
     let cc = plan(&mut cx)?;
+    cx.holds("plan", |program| validate::cc(program, &cc))?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
+    cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // Axes move while all stations are there: thinning and links need the last ones.
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
+    cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     smooth_axis::run(&mut cx, &cc, &mut cl)?;
+    cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     sample_to_tolerance::run(&cx, &mut cl);
+    cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // What cuts nothing goes before its ends are linked.
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
+    cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     link_moves::run(&mut cx, &mut cl)?;
+    cx.holds("link-moves", |program| validate::cl(program, &cl, ClStage::Linked))?;
     let needed = cost::of_moves(program, &cl, cx.stations);
     check_memory(&mut cx, None, needed)?;
     assign_feeds::run(program, &mut cl);
+    cx.holds("assign-feeds", |program| validate::cl(program, &cl, ClStage::Fed))?;
     let mut motion = solve_kinematics::run(&mut cx, &cl)?;
+    cx.holds("solve-kinematics", |program| validate::motion(program, &motion))?;
     time_feeds::run(program, &mut motion);
+    cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
     // Where the control leaves the path depends on the speeds of all moves.
     exact_stops::run(program, &mut motion);
+    cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
     Ok(Plan { cc, cl, motion })
 }
 

@@ -1,7 +1,7 @@
 //! V2: what the whole program leaves on every design surface, proved between samples.
 //!
 //! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
-//! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::ir::chart`]). g is
+//! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::part::chart`]). g is
 //! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
 //! surface, or within a contract's limit where that lies closer, by the bounds of `bounds.rs`, and divided where
 //! they fall short. A deeper place that comes up moves

@@ -45,4 +45,5 @@ mod report;
 mod rest_machining;
 mod stock_program;
 mod surface_truths;
+mod validators;
 mod verify_command;

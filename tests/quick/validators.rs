@@ -1,0 +1,108 @@
+//! The validators of the stage values: a real plan passes all of them, and every single thing that is broken in it is found.
+
+use crate::support::jobs;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::validate::{self, ClStage, Malformed};
+use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, MoveKind, Operation, OperationKind, Program};
+use impellerc::part::{BladeId, SurfaceKind};
+use impellerc::units::Rpm;
+
+type Broken<T> = [(&'static str, fn(&mut T)); 6];
+
+fn each<T: Clone>(value: &T, broken: &Broken<T>, validate: impl Fn(&T) -> Result<(), Malformed>) {
+    assert_eq!(validate(value), Ok(()));
+    for (what, change) in broken {
+        let mut wrong = value.clone();
+        change(&mut wrong);
+        let found = validate(&wrong);
+        assert!(found.is_err(), "{what} is not found");
+        println!("{what}: {}", found.unwrap_err());
+    }
+}
+
+#[test]
+fn programs() {
+    let broken: Broken<Program> = [
+        ("a sector that is not there", |p| operation(p, 0, |o| o.sectors = vec![8])),
+        ("sectors twice", |p| operation(p, 0, |o| o.sectors = vec![1, 1])),
+        ("no speed", |p| operation(p, 1, |o| o.speed = Rpm(0.0))),
+        ("a feed that is no number", |p| operation(p, 1, |o| o.feed = impellerc::units::MmPerMin(f64::NAN))),
+        ("no face", |p| {
+            operation(p, 1, |o| {
+                if let OperationKind::Flank { faces, .. } = &mut o.kind {
+                    faces.clear();
+                }
+            });
+        }),
+        ("a stock without an outside", |p| p.stock.profile.clear()),
+    ];
+    each(&jobs::small("siemens-840d").program, &broken, validate::program);
+}
+
+/// Changes one operation of a program.
+fn operation(program: &mut Program, index: usize, change: fn(&mut Operation)) {
+    let mut operations = PrimaryMap::new();
+    for (i, (_, operation)) in program.operations.iter().enumerate() {
+        let mut operation = operation.clone();
+        if i == index {
+            change(&mut operation);
+        }
+        operations.push(operation);
+    }
+    program.operations = operations;
+}
+
+#[test]
+fn contact_plans() {
+    let small = jobs::small("siemens-840d");
+    let broken: Broken<CcPlan> = [
+        ("a missing operation", |cc| cc.operations.truncate(2)),
+        ("operations out of order", |cc| cc.operations.swap(0, 1)),
+        ("another sector", |cc| cc.operations[0].passes[0].sector = 5),
+        ("a pass of one point", |cc| cc.operations[0].passes[0].points.truncate(1)),
+        ("a surface that the operation does not make", |cc| {
+            cc.operations[1].passes[0].drive = Drive::Contact(SurfaceKind::Fillet(BladeId::MAIN.faces()[0]));
+        }),
+        ("a normal that is too long", |cc| cc.operations[2].passes[1].points[3].normal *= 1.001),
+    ];
+    each(&small.plan.cc, &broken, |cc| validate::cc(&small.program, cc));
+}
+
+#[test]
+fn location_plans() {
+    let small = jobs::small("siemens-840d");
+    let broken: Broken<ClPlan> = [
+        ("an axis that is too short", |cl| cl.operations[0].passes[0].points[5].axis *= 0.5),
+        ("a move without a pass", |cl| cl.operations[1].moves[7].pass = 99_999),
+        ("a rapid with a feed", |cl| first(cl, MoveKind::Rapid).feed = Some(100.0)),
+        ("a cut without a feed", |cl| first(cl, MoveKind::Cut).feed = None),
+        ("a tip nowhere", |cl| first(cl, MoveKind::Link).to.tip.x = f64::INFINITY),
+        ("passes out of order", |cl| {
+            let last = cl.operations[2].passes.len() as u32 - 1;
+            cl.operations[2].moves.iter_mut().find(|m| m.kind == MoveKind::Cut).unwrap().pass = last;
+        }),
+    ];
+    each(&small.plan.cl, &broken, |cl| validate::cl(&small.program, cl, ClStage::Fed));
+    assert!(validate::cl(&small.program, &small.plan.cl, ClStage::Linked).is_err());
+    assert!(validate::cl(&small.program, &small.plan.cl, ClStage::Oriented).is_err());
+}
+
+fn first(cl: &mut ClPlan, kind: MoveKind) -> &mut impellerc::ir::ClMove {
+    cl.operations[0].moves.iter_mut().find(|m| m.kind == kind).unwrap()
+}
+
+#[test]
+fn motions() {
+    let small = jobs::small("siemens-840d");
+    let broken: Broken<Motion> = [
+        ("a time before the start", |m| m.operations[0].moves[4].time = -1.0),
+        ("a joint that is no number", |m| m.operations[0].moves[4].joints.rotary[1] = f64::NAN),
+        ("no way down from retract height", |m| m.operations[1].moves = m.operations[1].moves.split_off(1)),
+        ("no way up to retract height", |m| m.operations[1].moves.truncate(9)),
+        ("a label that is not there", |m| m.operations[2].labels.clear()),
+        ("a feed of zero", |m| {
+            m.operations[2].moves.iter_mut().find(|m| m.feed.is_some()).unwrap().feed = Some(0.0);
+        }),
+    ];
+    each(&small.plan.motion, &broken, |m| validate::motion(&small.program, m));
+}
