@@ -97,12 +97,12 @@ pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6
     ]
 }
 
-/// The operation that finishes a surface by lines of constant scallop, and the word that names the surface there.
-pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str)> {
+/// The operation that finishes a surface by lines of constant scallop, the word that names the surface there, and its blade.
+pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str, BladeId)> {
     let blade = match surface {
         SurfaceKind::Face(face) | SurfaceKind::Fillet(face) => face.blade,
         SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade,
         _ => return None,
     };
-    by_lines(blade).into_iter().find(|entry| entry.0 == surface).map(|entry| (entry.1, entry.2))
+    by_lines(blade).into_iter().find(|entry| entry.0 == surface).map(|entry| (entry.1, entry.2, blade))
 }

@@ -6,7 +6,7 @@ use super::proximity::{Patch, Projection};
 use super::{GeomError, NurbsCurve, SurfaceDerivatives};
 use nalgebra::{DMatrix, Point3, Vector3};
 
-/// S(u, v) = sum over k of `L_k(v)` `C_k(u)`: the sections `C_k` at the places `v_k`, and the splines `L_k` of degree 3 (fewer
+/// S(u, v) = sum over k of `L_k(v)` `C_k(u)`: the sections `C_k` at the places `v_k`, and the splines `L_k` of degree 3 (lower
 /// where there are fewer than four sections) that are 1 at `v_k` and 0 at all other places.
 ///
 /// Between two sections this is a ruled surface.
@@ -20,6 +20,9 @@ pub struct LoftedSurface {
     /// Control values of the splines: entry (j, k) is the weight of section k in control point j.
     weights: DMatrix<f64>,
 }
+
+/// Mean distance below which two sections are one, mm.
+const SAME_SECTION: f64 = 1e-5;
 
 /// Stations along a section at which its distance to the next is taken.
 const STATIONS: u32 = 16;
@@ -41,7 +44,7 @@ impl LoftedSurface {
             let apart = (0..=STATIONS).map(|i| f64::from(i) / f64::from(STATIONS));
             let mean =
                 apart.map(|u| (pair[1].point(u) - pair[0].point(u)).norm()).sum::<f64>() / f64::from(STATIONS + 1);
-            if !(mean > 0.0 && mean.is_finite()) {
+            if !(mean > SAME_SECTION && mean.is_finite()) {
                 return Err(GeomError::CoincidentPoints(k));
             }
             sum += mean;
@@ -120,10 +123,23 @@ impl LoftedSurface {
         const BETWEEN: usize = 4;
         let across = BETWEEN * (self.sections.len() - 1);
         let at = |range: [f64; 2], i: usize, n: usize| range[0] + (range[1] - range[0]) * i as f64 / n as f64;
-        let distance = |u: f64, v: f64| (self.derivatives(u, v).point - p).norm();
-        let seeds: Vec<Vec<f64>> = (0..=ALONG)
-            .map(|i| (0..=across).map(|j| distance(at(patch.u, i, ALONG), at(patch.v, j, across))).collect())
+        // Sections at each u, and their weights at each v, are computed once.
+        let rows: Vec<Vec<f64>> = (0..=across)
+            .map(|j| {
+                let spline = self.spline(at(patch.v, j, across));
+                (0..self.sections.len()).map(|k| spline(k)[0]).collect()
+            })
             .collect();
+        let column = |i: usize| -> Vec<f64> {
+            let u = at(patch.u, i, ALONG);
+            let points: Vec<_> = self.sections.iter().map(|c| c.derivatives_extended(u).point.coords).collect();
+            let distance = |row: &Vec<f64>| {
+                let point: Vector3<f64> = points.iter().zip(row).map(|(c, weight)| c * *weight).sum();
+                (point - p.coords).norm()
+            };
+            rows.iter().map(distance).collect()
+        };
+        let seeds: Vec<Vec<f64>> = (0..=ALONG).map(column).collect();
         let mut best: Option<Projection> = None;
         for i in 0..=ALONG {
             for j in 0..=across {

@@ -11,7 +11,7 @@
 //! | [`ClPlan`] | tip and axis of every move, links, feeds | machine | `orient-tool` to `assign-feeds` | `--emit cl` |
 //! | [`Motion`] | joint positions, branch and winding, feeds and times | dialect | `solve-kinematics` to `exact-stops` | `--emit motion` |
 //!
-//! [`validate`] says the same in code: [`validate::program`], [`validate::cc`], [`validate::cl`], [`validate::motion`]. In debug
+//! [`validate`] asks what is said here under *invariants*: [`validate::program`], [`validate::cc`], [`validate::cl`], [`validate::motion`]. In debug
 //! builds, and so in tests, the pipeline asks the validator of a value after every pass. A fault is one of the compiler
 //! (IMP0910). The verifier does not rely on it: it checks the motion that it is given by itself.
 //!
@@ -50,7 +50,8 @@
 //! - [`CcPass::path`] is there for flank passes that were found as a whole path of the axis.
 //!
 //! Invariants: the operations of the program, each once and in order; a pass lies in a sector of its operation, on a drive
-//! that its kind makes, and has at least two points; normals have the length one.
+//! that its kind makes, and has at least two points; normals have the length one, but on
+//! leads of a flank pass that was found as a whole: the cutter touches nothing there, and the normal is zero.
 //!
 //! # Location plan
 //!
@@ -64,7 +65,7 @@
 //! 3. *Fed.* Every move at feed has its process feed, the highest that the job allows.
 //!
 //! Invariants: axes have the length one; a move belongs to a pass or leads to it; rapids have no feed; the passes are cut in
-//! their order. The first move of an operation comes from outside of the stock.
+//! their order.
 //!
 //! # Motion
 //!

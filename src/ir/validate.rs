@@ -69,7 +69,8 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
         let fits = match &operation.kind {
             OperationKind::Flank { faces, .. } => !faces.is_empty() && faces.iter().all(known),
             OperationKind::Point { surfaces, .. } => {
-                !surfaces.is_empty() && surfaces.iter().all(|s| word(*s).is_some())
+                !surfaces.is_empty()
+                    && surfaces.iter().all(|s| word(*s).is_some_and(|w| w.2.index() < part.blades.len()))
             }
             _ => true,
         };
@@ -114,7 +115,10 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
                 format!("{} has a path of its axis", at())
             })?;
             for (i, p) in pass.points.iter().enumerate() {
-                let sound = finite(&p.position) && is_unit(&p.normal) && [p.u, p.v, p.w].iter().all(|x| x.is_finite());
+                // The cutter touches nothing on the leads of a path that was found as a whole.
+                let lead = pass.path.is_some() && !(0.0..=1.0).contains(&p.u) && p.normal == Vector3::zeros();
+                let sound = finite(&p.position) && (is_unit(&p.normal) || lead);
+                let sound = sound && [p.u, p.v, p.w].iter().all(|x| x.is_finite());
                 check(sound, || format!("point {i} of {} is {p:?}", at()))?;
             }
         }

@@ -21,8 +21,15 @@ const MAX_VANES: u32 = 10_000;
 /// Points of one curve. Splines of measured blades have hundreds.
 pub(super) const MAX_POINTS: usize = 2000;
 
-/// Sections of a lofted face between root and tip. Designers give some 5 to 30.
-const MAX_SECTIONS: usize = 200;
+/// Sections of a lofted face between root and tip. Designers give some 5 to 20.
+const MAX_SECTIONS: usize = 30;
+
+/// Splitters between one vane and the next. Impellers have one, seldom two or three.
+const MAX_SPLITTERS: usize = 8;
+
+/// Text of curve files that the curves of a job are looked up in altogether, bytes: some ten seconds. Each curve takes one
+/// run through its file.
+const MOST_LOOKED_UP: usize = 2_000_000_000;
 
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
     let known = ["vanes", "vane", "splitter", "hub", "shroud"];
@@ -36,17 +43,23 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let hub = revolved("hub", &mut p);
     let shroud = revolved("shroud", &mut p);
     let vane = named_block(vane?, "vane main { pressure ruled { ... } ... }", &mut p);
-    let mut splitters = Vec::new();
-    while let Some(splitter) = p.take("splitter") {
-        splitters.push(named_block(splitter, "splitter half { pressure ruled { ... } ... }", &mut p));
+    let given = p.take_all("splitter");
+    if let Some((word, _)) = given.get(MAX_SPLITTERS) {
+        p.out_of_range(word.span, "splitter", &format!("given at most {MAX_SPLITTERS} times"));
+        return None;
     }
+    let example = "splitter half { pressure ruled { ... } ... }";
+    let splitters: Vec<_> = given.into_iter().map(|splitter| named_block(splitter, example, &mut p)).collect();
     let (vane_name, vane_block) = vane?;
     let hub = hub.and_then(|path| curve_ref(path, vane_name, cx));
     let shroud = shroud.and_then(|path| curve_ref(path, vane_name, cx));
     let mut blades = vec![blade("vane", vane_name, vane_block, cx)];
     let mut names: Vec<&Name> = vec![vane_name];
     for splitter in splitters {
-        let (name, block) = splitter?;
+        let Some((name, block)) = splitter else {
+            blades.push(None);
+            continue;
+        };
         if let Some(first) = names.iter().find(|n| n.text == name.text) {
             cx.sink.push(
                 Diag::error(codes::GIVEN_TWICE, format!("two blades are called `{}`", name.text))
@@ -361,5 +374,14 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> 
         Some(at) => crate::source::SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
         None => cx.sources.add_file(found),
     };
+    cx.looked_up += cx.sources.get(source).map_or(0, |file| file.text.len());
+    if cx.looked_up > MOST_LOOKED_UP {
+        cx.sink.push(
+            Diag::error(codes::CURVE_FILE, "the curves of the job are looked up in too much text")
+                .label(file.span, "this is one lookup too many")
+                .help("put the curves of the part into a file that holds nothing else"),
+        );
+        return None;
+    }
     curve_file::read(source, cx.sources, file, curve, cx.sink)
 }

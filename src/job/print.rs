@@ -1,7 +1,7 @@
 //! Text form of the job: every default written out.
 
 use super::library::LINUXCNC;
-use super::model::{CurveSpec, CutterKind, FaceSpec, Job, OperationKind};
+use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind};
 use crate::method::FlankMethod;
 use crate::method::Planning;
 use crate::operation::word;
@@ -92,6 +92,9 @@ fn faces(out: &mut String, faces: &[FaceSpec; 2]) {
         };
         curve(out, "tip", &face.tip);
         curve(out, "root", &face.root);
+        if face.form != FaceForm::Ruled {
+            let _ = writeln!(out, "  {name} {}", face.form.name());
+        }
         for (k, section) in face.sections.iter().enumerate() {
             curve(out, &format!("section {}", k + 1), section);
         }

@@ -86,7 +86,8 @@ impl<'a, 'c> Properties<'a, 'c> {
     fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, (known, many): (&[&str], &[&str])) {
         let name = &entry.name;
         if known.contains(&name.text.as_str()) {
-            let first = self.entries.iter().find(|(n, _)| n.text == name.text && !many.contains(&n.text.as_str()));
+            let once = !many.contains(&name.text.as_str());
+            let first = self.entries.iter().filter(|_| once).find(|(n, _)| n.text == name.text);
             if let Some((first, _)) = first {
                 self.sink.push(
                     Diag::error(codes::GIVEN_TWICE, format!("{} has `{}` twice", self.owner, name.text))
@@ -119,6 +120,14 @@ impl<'a, 'c> Properties<'a, 'c> {
     pub(super) fn take(&mut self, name: &str) -> Option<(&'a Name, Vec<&'a Value>)> {
         let at = self.entries.iter().position(|(n, _)| n.text == name)?;
         Some(self.entries.remove(at))
+    }
+
+    /// Takes all values of a property out that may be given more than once.
+    pub(super) fn take_all(&mut self, name: &str) -> Vec<(&'a Name, Vec<&'a Value>)> {
+        let entries = std::mem::take(&mut self.entries);
+        let (found, rest) = entries.into_iter().partition(|(n, _)| n.text == name);
+        self.entries = rest;
+        found
     }
 
     /// Reports a property that must be there.

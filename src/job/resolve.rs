@@ -25,6 +25,8 @@ pub(super) struct Context<'a> {
     pub(super) files: &'a mut dyn Files,
     pub(super) sources: &'a mut SourceMap,
     pub(super) sink: &'a mut Sink,
+    /// Text that curves were looked up in, bytes.
+    pub(super) looked_up: usize,
 }
 
 /// Resolves a job. Every fault goes to the sink.
@@ -32,7 +34,7 @@ pub(super) struct Context<'a> {
 /// # Errors
 /// [`Aborted`] when the sink has errors.
 pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> Result<Job, Aborted> {
-    let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink };
+    let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink, looked_up: 0 };
     edition(file, &mut cx);
     lets(file, &mut cx);
     let machine = machine(file, &mut cx);

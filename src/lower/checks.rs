@@ -5,7 +5,7 @@ use crate::diag::codes::geometry as codes;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::geom::proximity::Patch;
 use crate::job::model::{FaceSpec, Job, PartSpec};
-use crate::part::{Blade, FaceId, Part, RulingEnd, Surface};
+use crate::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
 use crate::units::length;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
@@ -222,24 +222,37 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
 
 /// Splitters stand between their main blade and the next one, and apart from each other.
 pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
+    /// Places along and up a face that are compared with the faces opposite.
+    const PLACES: [usize; 2] = [12, 2];
     let before = sink.count();
+    let places = || {
+        let share = |k: usize, n: usize| k as f64 / n as f64;
+        (0..=PLACES[0]).flat_map(move |i| (0..=PLACES[1]).map(move |j| (share(i, PLACES[0]), share(j, PLACES[1]))))
+    };
+    let main = part.face_ahead(BladeId::MAIN);
     for id in part.blade_ids().skip(1) {
-        let outside = |place: &(f64, f64)| {
-            id.faces().into_iter().find_map(|face| {
-                let p = part.face(face).surface.point(place.0, place.1);
-                let (wall, turn) = part.opposite(face);
-                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
-                let (wall, near) = (part.face(wall), turn.inverse() * p);
-                let foot = wall.surface.closest(&near, Patch { u: [-0.2, 1.2], v: [-0.2, 1.2] });
-                let inside = (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0;
-                inside.then_some((face, place.0, place.1, p))
+        // A face looks at its neighbour, and where that is shorter at a main blade.
+        let far = |face: FaceId| if part.looks_ahead(face) { (main.other(), part.pitch()) } else { (main, 0.0) };
+        let meets = |face: FaceId, p: &Point3<f64>| {
+            [part.opposite(face), far(face)].into_iter().find(|(wall, turn)| {
+                let near = Rotation3::from_axis_angle(&Vector3::z_axis(), -turn) * p;
+                let wall = part.face(*wall);
+                let foot = wall.surface.closest(&near, Patch { u: [0.0, 1.0], v: [-0.2, 1.2] });
+                let beside = foot.u > 0.0 && foot.u < 1.0;
+                beside && (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0
             })
         };
-        let Some((face, u, v, p)) = grid().find_map(|place| outside(&place)) else { continue };
+        let found = id.faces().into_iter().find_map(|face| {
+            places().find_map(|(u, v)| {
+                let p = part.face(face).surface.point(u, v);
+                meets(face, &p).map(|(wall, _)| (face, wall, (u, v), p))
+            })
+        });
+        let Some((face, wall, (u, v), p)) = found else { continue };
         let blade = spec.blades.iter().find(|b| b.name == part.blade(id).name);
-        let name = name_of(spec, part, face);
+        let (name, wall) = (name_of(spec, part, face), name_of(spec, part, wall));
         sink.push(
-            Diag::error(codes::VANES_OVERLAP, format!("the {name} face reaches into the neighbouring blade"))
+            Diag::error(codes::VANES_OVERLAP, format!("the {name} face reaches into the {wall} face beside it"))
                 .label(blade.map_or(spec.span, |b| b.span), "this splitter")
                 .place(format!("{name} face, u = {u:.2}, v = {v:.2}"), p)
                 .help(format!(

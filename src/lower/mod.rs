@@ -9,7 +9,7 @@ use crate::diag::codes::geometry;
 use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
-use crate::geom::{LoftedSurface, NurbsCurve};
+use crate::geom::{GeomError, LoftedSurface, NurbsCurve};
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
     Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, PostChoice, Program, Tolerances, Tool, ToolId,
@@ -147,7 +147,12 @@ impl<'a> FaceCurves<'a> {
                             format!("the {} face has no surface through its sections", self.name),
                         )
                         .label(self.spec.root.span, "root: the first of them")
-                        .note(fault.to_string())
+                        .note(match fault {
+                            GeomError::CoincidentPoints(k) => {
+                                format!("curves {} and {} of root, sections and tip coincide", k + 1, k + 2)
+                            }
+                            other => other.to_string(),
+                        })
                         .help("give the sections in order from the root to the tip, each in another place"),
                     );
                 }

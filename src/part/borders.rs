@@ -16,9 +16,12 @@ pub(super) struct Opening {
 /// A wall on the hub.
 struct Wall {
     border: Vec<[f64; 2]>,
-    /// Shares of the whole opening at which the hub is divided before and behind a splitter, where this wall is not.
+    /// Shares of the whole opening at which the hub goes over from one passage to the next before and behind a splitter.
     beyond: Option<[f64; 2]>,
 }
+
+/// Parameters of the hub that differ by less are one: rounding of where a border begins and ends.
+const SAME: f64 = 1e-9;
 
 impl Opening {
     pub(super) fn of(part: &Part, passage: &Passage) -> Self {
@@ -45,8 +48,8 @@ impl Opening {
 
     fn azimuth(&self, wall: &Wall, u: f64) -> Option<f64> {
         let end = match wall.border.as_slice() {
-            [first, ..] if u < first[0] => Some(0),
-            [.., last] if u > last[0] => Some(1),
+            [first, ..] if u < first[0] - SAME => Some(0),
+            [.., last] if u > last[0] + SAME => Some(1),
             _ => None,
         };
         match (end, wall.beyond, &self.whole) {

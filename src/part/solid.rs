@@ -6,8 +6,9 @@
 //! outside of the blank close the rest. Neighbouring grids share the points of their borders, so that nothing gapes.
 
 use super::chart::{Chart, Shape, charts};
-use super::{FaceId, Part, Stock, Surface, SurfaceKind};
+use super::{FaceId, FaceSurface, Part, Stock, Surface, SurfaceKind};
 use crate::geom::Revolution;
+use crate::geom::proximity::Patch;
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -209,8 +210,13 @@ impl<'a> Sheet<'a> {
                     return chart.place(x, 1.0 - w).position;
                 }
                 let contact = chart.place(x, 0.0).position;
-                let (root, _, ruling) = surface.tangents(u, 0.0);
-                (contact - root).dot(&ruling) / ruling.norm_squared()
+                match surface {
+                    FaceSurface::Ruled(ruled) => {
+                        let (root, _, ruling) = ruled.tangents(u, 0.0);
+                        (contact - root).dot(&ruling) / ruling.norm_squared()
+                    }
+                    FaceSurface::Lofted(lofted) => lofted.closest(&contact, Patch { u: [u, u], v: [-0.5, 1.5] }).v,
+                }
             }
             None => self.part.ruling_meets(self.id, u, &self.part.hub, 0.0),
         };

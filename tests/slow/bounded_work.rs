@@ -45,23 +45,21 @@ fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
     println!("right: {right} points and cells");
     // Of what holds, bounds are as close as ever.
     assert!(certificate.surfaces.iter().all(|s| s.gouge_bound <= s.gouge.depth + 6e-4));
-    let down = |by: f64| changed(&program, motion, 1, move |_, tip, rotary| (tip - Vector3::z() * by, rotary));
+    let down = |by: f64| changed(program, motion, 1, move |_, tip, rotary| (tip - Vector3::z() * by, rotary));
     let wrong = [
         ("2 mm lower", down(2.0)),
         ("10 mm lower", down(10.0)),
         (
             "to and fro by 20 mm",
-            changed(&program, motion, 1, |k, tip, rotary| {
-                (tip + Vector3::new([20.0, -20.0][k % 2], 0.0, -5.0), rotary)
-            }),
+            changed(program, motion, 1, |k, tip, rotary| (tip + Vector3::new([20.0, -20.0][k % 2], 0.0, -5.0), rotary)),
         ),
         (
             "forty half turns of C",
-            changed(&program, motion, 2, |k, tip, [a, c]| (tip, [a, c + if k < 40 { [0.0, 3.0][k % 2] } else { 0.0 }])),
+            changed(program, motion, 2, |k, tip, [a, c]| (tip, [a, c + if k < 40 { [0.0, 3.0][k % 2] } else { 0.0 }])),
         ),
     ];
     for (what, motion) in wrong {
-        let (points, certificate) = measured(&program, &motion);
+        let (points, certificate) = measured(program, &motion);
         let deepest = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth)).unwrap();
         println!("{what}: {points} points and cells, {:.2} mm deep", deepest.gouge.depth);
         assert!(points <= 3 * right, "{what}: {points} for {right}");
@@ -72,7 +70,7 @@ fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
             assert!(s.gouge_bound >= s.gouge.depth, "{what}: {}", s.surface);
             assert!(!far || s.gouge_bound >= 1.0 - 1e-9, "{what}: {} {}", s.surface, s.gouge_bound);
         }
-        let text = certificate.text(&program, &motion);
+        let text = certificate.text(program, &motion);
         assert!(text.contains("has no closer bound than the radius of the cutter"), "{what}");
         assert!(!text.contains("no gouge over"), "{what}");
     }

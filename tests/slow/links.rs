@@ -61,7 +61,7 @@ fn directions(program: &Program, motion: &Motion) -> Vec<bool> {
 /// Least distance of a part of the tool to the part over the moves of a kind, mm; `far` where it is more.
 fn least(program: &Program, motion: &Motion, kind: MoveKind, of: fn(&ToolSolid, f64, f64) -> f64, far: f64) -> f64 {
     let spacing = 0.3;
-    let cloud = Cloud::new(sample::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
+    let cloud = Cloud::new(sample::cloud_points(&sample::sample(&program.part, spacing)));
     let pieces: Vec<sweep::Piece> =
         sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;

@@ -290,7 +290,7 @@ fn holder(solid: &ToolSolid, rho: f64, s: f64) -> f64 {
 /// joints alone, with samples other than the planner's: lower bounds, mm.
 fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
     let spacing = 0.3;
-    let cloud = Cloud::new(sample::sample(&program.part, spacing).iter().map(|s| s.cloud_point()).collect());
+    let cloud = Cloud::new(sample::cloud_points(&sample::sample(&program.part, spacing)));
     let pieces: Vec<sweep::Piece> =
         sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == MoveKind::Cut).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;

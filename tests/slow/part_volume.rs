@@ -74,7 +74,7 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let sweeps: Vec<Sweep<'_>> =
         (0..motion.operations.len()).filter_map(|o| Sweep::new(&program, &motion, o)).collect();
     let samples = sample::sample(&program.part, 0.5);
-    let left = |s: &Sample| sweeps.iter().fold(2.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
+    let left = |s: &sample::Sample| sweeps.iter().fold(2.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
     let left: f64 = samples.iter().filter(|s| s.surface.milled()).map(|s| left(s) * s.area).sum();
     let blank = pappus(&program.stock.profile);
     let corners = |t: &[usize; 3]| t.map(|i| mesh.vertices[i]);

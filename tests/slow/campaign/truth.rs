@@ -471,7 +471,7 @@ impl Design<'_> {
         let part = self.part;
         match surface.kind {
             SurfaceKind::Face(side) => part.sector_rotation(surface.sector) * part.face(side).surface.point(u, v),
-            SurfaceKind::Hub => part.hub.point(u, v),
+            SurfaceKind::Hub(_) => part.hub.point(u, v),
             SurfaceKind::Fillet(side) => {
                 part.sector_rotation(surface.sector) * fillet(part, side, u, v).map_or(Point3::origin(), |f| f.0)
             }
@@ -485,7 +485,7 @@ impl Design<'_> {
         let turn = self.part.sector_rotation(surface.sector);
         match surface.kind {
             SurfaceKind::Face(side) => Some(turn * self.part.face(side).normal(u, v)),
-            SurfaceKind::Hub => Some(self.part.hub.normal(u, v)),
+            SurfaceKind::Hub(_) => Some(self.part.hub.normal(u, v)),
             SurfaceKind::Fillet(side) => fillet(self.part, side, u, v).map(|f| turn * f.1),
             _ => None,
         }
@@ -510,7 +510,7 @@ fn fillet(part: &Part, side: FaceId, u: f64, share: f64) -> Option<(Point3<f64>,
 fn chart(part: &Part, surface: SurfaceId, p: &Point3<f64>) -> Option<[f64; 2]> {
     let own = part.sector_rotation(surface.sector).inverse() * p;
     match surface.kind {
-        SurfaceKind::Hub => {
+        SurfaceKind::Hub(_) => {
             let (u, _) = part.hub.closest(Vector2::new(p.x.hypot(p.y), p.z));
             Some([u, p.y.atan2(p.x)])
         }
@@ -534,7 +534,7 @@ fn belongs(part: &Part, surface: SurfaceId, [u, v]: [f64; 2]) -> bool {
         SurfaceKind::Fillet(side) => {
             (0.0..=1.0).contains(&v) && fillet(part, side, u, v).is_some_and(|(p, _)| in_channel(part, &p))
         }
-        SurfaceKind::Hub => {
+        SurfaceKind::Hub(_) => {
             if !(0.0..=1.0).contains(&u) {
                 return false;
             }
