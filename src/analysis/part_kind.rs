@@ -13,14 +13,14 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let lofted = part.faces().find(|face| !matches!(part.face(*face).surface, FaceSurface::Ruled(_)));
     let splitter = part.blade_ids().find(|blade| *blade != BladeId::MAIN);
     let reason = match (splitter, lofted) {
-        (Some(splitter), _) => format!("the part has the splitter {}", part.blade(splitter).name),
+        (Some(splitter), _) => format!("the part has the splitter `{}`", part.blade(splitter).name),
         (None, Some(face)) => format!("the {} face is {}", face.name(), part.face(face).surface.kind()),
         (None, None) => return Ok(()),
     };
     sink.push(
         Diag::error(PART_NOT_PLANNED, format!("{reason}: programs for such parts are not planned"))
             .note("its surfaces are known: `--emit ir` shows the part")
-            .help("a part of vanes without splitters whose faces are `ruled`"),
+            .help("give vanes with ruled faces and no splitters"),
     );
     Err(Aborted)
 }

@@ -15,10 +15,10 @@ crate::codes! {
     OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
     PART_NOT_PLANNED = "IMP0313", "programs for this kind of part are not planned",
         "A part may have splitters beside its vanes, and faces that are lofted through sections. Their surfaces are made and \
-sampled, but planning and verification are built for one vane a sector with two ruled faces: passages of two widths, edges \
-that milling makes and faces without straight lines are not planned.\n\n\
+sampled, but planning and verification are built for one vane a sector with two ruled faces. Operations do not yet know two \
+passages a sector, edges of splitters, which only milling can make, and faces without straight lines.\n\n\
 Example: `splitter half { pressure ruled { ... } suction lofted { ... } angle 22.5 deg }`.\n\n\
-Way out: a part of vanes without splitters whose faces are `ruled`; `--emit ir` prints any part.";
+Way out: give vanes with ruled faces and no splitters; `--emit ir` prints any part.";
     OUTLIER = "IMP0350", "data point breaks the pattern of the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "width of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",
