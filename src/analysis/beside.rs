@@ -6,9 +6,8 @@ use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
 use crate::geom::proximity::Patch;
 use crate::ir::{Operation, OperationId, OperationKind, Program};
-use crate::part::FaceSurface;
 use crate::part::{
-    Part, Surface, SurfaceId, SurfaceKind,
+    FaceSurface, Part, Surface, SurfaceId, SurfaceKind,
     chart::{Place, Shape, charts},
 };
 use nalgebra::Point3;

@@ -1,7 +1,6 @@
 //! How far the ends of the faces lie off hub and shroud. The lowering says it under the text of the curve.
 
-use crate::part::RulingEnd;
-use crate::part::{BladeId, FaceId, Part, Surface};
+use crate::part::{BladeId, FaceId, Part, RulingEnd, Surface};
 use nalgebra::Point3;
 
 /// Distance of one guide curve to the surface that the face should end on.

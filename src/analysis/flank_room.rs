@@ -3,8 +3,7 @@
 use crate::contract::ContractKind;
 use crate::ir::{OperationId, Program};
 use crate::method::ErrorSide;
-use crate::part::SurfaceClass;
-use crate::part::{FaceId, SurfaceKind};
+use crate::part::{FaceId, SurfaceClass, SurfaceKind};
 
 /// A bound is kept to this much, mm: what easing may overstep.
 pub const SLACK: f64 = 1e-4;

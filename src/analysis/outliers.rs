@@ -7,8 +7,7 @@
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::DataCurve;
-use crate::part::RulingEnd;
-use crate::part::{BladeId, FaceId};
+use crate::part::{BladeId, FaceId, RulingEnd};
 use nalgebra::Point3;
 
 /// A point that breaks the pattern.

@@ -2,10 +2,7 @@
 
 use crate::geom::proximity::Patch;
 use crate::ir::DataCurve;
-use crate::part::BladeId;
-use crate::part::FaceSurface;
-use crate::part::RulingEnd;
-use crate::part::{FaceId, Part, Surface};
+use crate::part::{BladeId, FaceId, FaceSurface, Part, RulingEnd, Surface};
 use nalgebra::Point3;
 
 /// Width of the channel, all by true distance in space.

@@ -20,8 +20,7 @@ use crate::job::model::{
 };
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
-use crate::part::RulingEnd;
-use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, Stock};
+use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 

@@ -125,11 +125,6 @@ impl Part {
         self.blade(face.blade).fillet
     }
 
-    /// Point of a face of a sector.
-    pub fn face_point(&self, face: FaceId, sector: u32, u: f64, v: f64) -> Point3<f64> {
-        self.sector_rotation(sector) * self.face(face).surface.point(u, v)
-    }
-
     /// The face of a blade that looks ahead, counter-clockwise about Z.
     pub fn face_ahead(&self, blade: BladeId) -> FaceId {
         blade.faces()[self.blade(blade).ahead()]
@@ -142,22 +137,20 @@ impl Part {
 
     /// Passages of a sector, counter-clockwise from the main blade.
     pub fn passages(&self) -> impl Iterator<Item = Passage> + '_ {
-        (0..self.blades.len()).map(|k| {
-            let next = (k + 1) % self.blades.len();
-            Passage {
-                id: PassageId(u16::try_from(k).unwrap_or(u16::MAX)),
-                walls: [self.face_ahead(BladeId::new(k)), self.face_ahead(BladeId::new(next)).other()],
-                sectors: u32::from(next == 0),
-            }
-        })
+        (0..self.blades.len()).map(|k| self.passage(k))
     }
 
     /// The passage that follows the main blade.
     pub fn first_passage(&self) -> Passage {
-        let next = 1 % self.blades.len();
+        self.passage(0)
+    }
+
+    /// The passage that follows a blade.
+    fn passage(&self, k: usize) -> Passage {
+        let next = (k + 1) % self.blades.len();
         Passage {
-            id: PassageId::FIRST,
-            walls: [self.face_ahead(BladeId::MAIN), self.face_ahead(BladeId::new(next)).other()],
+            id: PassageId(u16::try_from(k).unwrap_or(u16::MAX)),
+            walls: [self.face_ahead(BladeId::new(k)), self.face_ahead(BladeId::new(next)).other()],
             sectors: u32::from(next == 0),
         }
     }

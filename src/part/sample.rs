@@ -10,8 +10,7 @@
 use super::borders::{Opening, arc_between};
 use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind, hub_normal};
 use crate::collide::CloudPoint;
-use crate::geom::proximity::Patch;
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
@@ -37,26 +36,6 @@ pub fn cloud_points<'a>(samples: impl IntoIterator<Item = &'a Sample>) -> Vec<Cl
     let surfaces: BTreeSet<SurfaceId> = samples.iter().map(|s| s.surface).collect();
     let tags: BTreeMap<SurfaceId, u32> = surfaces.into_iter().zip(0..).collect();
     samples.iter().map(|s| CloudPoint { position: s.position, normal: s.normal, tag: tags[&s.surface] }).collect()
-}
-
-/// The point of a face or of the hub that is closest to a point near it, with its normal; other surfaces give `None`.
-pub fn project(part: &Part, surface: SurfaceId, near: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
-    match surface.kind {
-        SurfaceKind::Hub(_) => {
-            let r = libm::hypot(near.x, near.y);
-            let (u, _) = part.hub.closest(Vector2::new(r, near.z));
-            let azimuth = libm::atan2(near.y, near.x);
-            let u = u.clamp(0.0, 1.0);
-            Some((part.hub.point(u, azimuth), part.hub.normal(u, azimuth)))
-        }
-        SurfaceKind::Face(id) => {
-            let turn = part.sector_rotation(surface.sector);
-            let face = part.face(id);
-            let foot = face.surface.closest(&(turn.inverse() * near), Patch { u: [0.0, 1.0], v: [-0.1, 1.1] });
-            Some((turn * face.surface.point(foot.u, foot.v), turn * face.normal(foot.u, foot.v)))
-        }
-        _ => None,
-    }
 }
 
 /// Most samples that are made of a part: a few gigabytes with all that is built on them.

@@ -63,8 +63,8 @@ impl<'a> VaneAxis<'a> {
         }
     }
 
-    pub(super) fn first_wall(&self) -> FaceId {
-        self.part.first_passage().walls[0]
+    pub(super) fn looks_ahead(&self, face: FaceId) -> bool {
+        self.part.looks_ahead(face)
     }
 
     /// Between the ruling and away from the vane at inlet (u = 0) or outlet (1).

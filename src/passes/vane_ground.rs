@@ -260,7 +260,7 @@ impl Ground for VaneGround<'_> {
             // Along an edge u stays at its end.
             SurfaceKind::InletEdge(_) => (0.0, y),
             SurfaceKind::OutletEdge(_) => (1.0, y),
-            _ => (u + off, if self.side == self.axes.first_wall() { 0.0 } else { 1.0 }),
+            _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
         };
         let position = if off == 0.0 { place.position } else { place.position + self.local(inside, y).px * off };
         CcPoint { u, v, w, position, normal: place.normal }

@@ -14,9 +14,8 @@ pub use super::cells::CORNER_SLACK;
 use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
 use super::grid::{Grid, Surface};
 use super::sweep::{At, Sweep};
-use crate::part::SurfaceClass;
 use crate::part::{
-    Part, SurfaceId,
+    Part, SurfaceClass, SurfaceId,
     chart::{self, Patch, Shape, charts},
 };
 use crate::progress::{Progress, Work};

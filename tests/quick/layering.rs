@@ -128,45 +128,39 @@ const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/d
 /// Where the names of a blade's faces may stand: the part, the language, and pages for people.
 const FACES: &[&str] = &["src/part/", "src/job/", "src/lower/", "src/diag/codes/"];
 
-#[test]
-fn faces_have_no_names_outside_of_the_part() {
+/// Lines of the code, tests of a file left out, that name something outside of the places where it may stand.
+fn named_outside(places: &[&str], names: impl Fn(&str) -> bool) -> Vec<String> {
     let mut all = Vec::new();
     files(Path::new("src"), &mut all);
     let mut faults = Vec::new();
-    for path in all.iter().filter(|p| !FACES.iter().any(|f| p.starts_with(f))) {
+    for path in all.iter().filter(|p| !places.iter().any(|place| p.starts_with(place))) {
         let text = std::fs::read_to_string(path).unwrap();
-        // Tests of a file choose a face.
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        let named = |line: &&str| {
-            let line = line.to_lowercase();
-            !line.trim_start().starts_with("//") && (line.contains("pressure") || line.contains("suction"))
-        };
-        faults.extend(code.lines().filter(named).map(|line| format!("{}: {}", path.display(), line.trim())));
+        let named = code.lines().enumerate().filter(|(_, line)| names(line));
+        faults.extend(named.map(|(i, line)| format!("{}:{}: {}", path.display(), i + 1, line.trim())));
     }
+    faults
+}
+
+#[test]
+fn faces_have_no_names_outside_of_the_part() {
+    let faults = named_outside(FACES, |line| {
+        let line = line.to_lowercase();
+        !line.trim_start().starts_with("//") && (line.contains("pressure") || line.contains("suction"))
+    });
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]
 fn rotary_axes_have_no_letters_outside_of_texts() {
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
-    let mut faults = Vec::new();
-    for path in all.iter().filter(|p| !LETTERS.iter().any(|l| p.starts_with(l))) {
-        let text = std::fs::read_to_string(path).unwrap();
-        // Tests of a file choose a machine.
-        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        for (i, line) in code.lines().enumerate() {
-            let named = ["A", "B", "C"].into_iter().any(|letter| {
-                [format!("\"{letter}\""), format!("'{letter}'"), format!("axis {letter} "), format!(" of {letter} ")]
-                    .into_iter()
-                    .chain(["A", "C"].into_iter().map(|other| format!(" {letter} and {other} ")))
-                    .any(|words| line.contains(&words))
-            });
-            if named {
-                faults.push(format!("{}:{}: {}", path.display(), i + 1, line.trim()));
-            }
-        }
-    }
+    let faults = named_outside(LETTERS, |line| {
+        ["A", "B", "C"].into_iter().any(|letter| {
+            [format!("\"{letter}\""), format!("'{letter}'"), format!("axis {letter} "), format!(" of {letter} ")]
+                .into_iter()
+                .chain(["A", "C"].into_iter().map(|other| format!(" {letter} and {other} ")))
+                .any(|words| line.contains(&words))
+        })
+    });
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 

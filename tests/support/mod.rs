@@ -16,8 +16,7 @@ use impellerc::ir::{
 };
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
-use impellerc::part::RulingEnd;
-use impellerc::part::{BladeId, FaceId, Guides, Part, Stock};
+use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
 use nalgebra::{Point3, Vector3};
