@@ -28,11 +28,11 @@ use crate::method::{AxisMethod, FlankMethod};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind, sample};
 use crate::units::{Mm, bytes, trim};
 
-/// Memory of a station from its contact to its block, bytes.
-const STATION: f64 = 1800.0;
+/// Memory of a station that is planned, bytes: contact and cutter location.
+const PLANNED: f64 = 400.0;
 
-/// Part of it that is taken before the run of the axes.
-const STATION_ALONE: f64 = 400.0;
+/// Memory of a station in a sector that it is copied to, bytes: mostly that of its block in the run of the axes.
+const COPIED: f64 = 1400.0;
 
 /// Memory of a block in the run of the axes, bytes.
 const BLOCK: f64 = 1500.0;
@@ -74,13 +74,35 @@ const MOST_BANDS: u32 = 200;
 /// Bands of a face that `strips auto` may try.
 const AUTO_BANDS: u32 = 8;
 
+/// Numbers of stations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stations {
+    /// Those of the sector that is planned.
+    pub planned: f64,
+    /// Those in all sectors that they are copied to.
+    pub copied: f64,
+}
+
+impl Stations {
+    /// With those of an operation that has some in a sector.
+    #[must_use]
+    pub fn and(self, planned: f64, operation: &Operation) -> Self {
+        let copied = planned * operation.sectors.len() as f64;
+        Self { planned: self.planned + planned, copied: self.copied + copied }
+    }
+
+    fn bytes(self) -> f64 {
+        PLANNED * self.planned + COPIED * self.copied
+    }
+}
+
 /// What an operation will make.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Lines in all sectors.
     pub lines: f64,
-    /// Stations in all sectors.
-    pub stations: f64,
+    /// Their stations.
+    pub stations: Stations,
     /// Links over the clearance surface.
     pub links: f64,
 }
@@ -88,7 +110,7 @@ pub struct Cost {
 impl Cost {
     /// Memory in bytes.
     pub fn bytes(&self) -> f64 {
-        STATION * self.stations + LINK * self.links
+        self.stations.bytes() + LINK * self.links
     }
 }
 
@@ -137,8 +159,8 @@ impl Sizes {
         let layers = |depth: &Mm| (share * self.height / depth.get()).ceil();
         let sectors = operation.sectors.len() as f64;
         let of = |lines: f64, stations: f64, linked: f64| {
-            let lines = lines * sectors;
-            Cost { lines, stations: lines * stations, links: lines * linked }
+            let stations = Stations::default().and(lines * stations, operation);
+            Cost { lines: lines * sectors, stations, links: lines * sectors * linked }
         };
         let linked = |method: &AxisMethod| if *method == AxisMethod::Corridor { NOT_JOINED } else { 1.0 };
         match kind {
@@ -245,13 +267,13 @@ impl Figure {
     }
 }
 
-/// Memory of points that are planned, bytes.
-pub fn of_points(program: &Program, points: f64) -> f64 {
-    peak(program, STATION * points)
+/// Memory of stations, bytes.
+pub fn of_stations(program: &Program, stations: Stations) -> f64 {
+    peak(program, stations.bytes())
 }
 
-/// Memory that the run of the axes through linked moves will take, with the stations that were planned, bytes.
-pub fn of_moves(program: &Program, cl: &ClPlan, stations: f64) -> f64 {
+/// Memory that the run of the axes through linked moves will take, with the stations that were planned in a sector, bytes.
+pub fn of_moves(program: &Program, cl: &ClPlan, planned: f64) -> f64 {
     let moves = cl.operations.iter().flat_map(|o| &o.moves);
     let (mut blocks, mut links, mut at_rapid) = (0.0, 0.0, false);
     for m in moves {
@@ -260,7 +282,7 @@ pub fn of_moves(program: &Program, cl: &ClPlan, stations: f64) -> f64 {
         links += f64::from(u8::from(rapid && !at_rapid));
         at_rapid = rapid;
     }
-    peak(program, STATION_ALONE * stations + BLOCK * blocks + LINK * links)
+    peak(program, PLANNED * planned + BLOCK * blocks + LINK * links)
 }
 
 /// Refuses a plan that would take too much memory or optimise too many bands, before it starts.
@@ -286,7 +308,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         planning::OVER_MEMORY,
         format!("the plan needs about {}; it may take {}", bytes(needed), bytes(program.memory)),
     )
-    .label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations))
+    .label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations.copied))
     .help(help);
     for (operation, cost) in ranked.iter().take(5) {
         diag = diag.note(format!("`{}`: about {}", operation.name, bytes(cost.bytes())));

@@ -3,9 +3,9 @@
 use crate::geom::DualCurve;
 use crate::ir::program::OperationId;
 use crate::part::{FaceId, SurfaceKind};
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Vector3};
 
-/// Passes of all operations.
+/// Passes of all operations, in sector 0: what is planned there is copied to the other sectors as cutter locations.
 #[derive(Clone, Debug, Default)]
 pub struct CcPlan {
     /// Operations in machining order.
@@ -26,10 +26,8 @@ pub struct CcOperation {
 /// One pass: a curve on what drives the tool.
 #[derive(Clone, Debug)]
 pub struct CcPass {
-    /// Name within the operation, such as `sector 1 layer 3 line 2`.
+    /// Name within the operation and a sector, such as `layer 3 line 2`.
     pub label: String,
-    /// Sector that it lies in.
-    pub sector: u32,
     /// What drives it.
     pub drive: Drive,
     /// Stations in cutting order.
@@ -74,12 +72,4 @@ pub struct CcPoint {
     pub position: Point3<f64>,
     /// Outward normal of the drive surface there.
     pub normal: Vector3<f64>,
-}
-
-impl CcPoint {
-    /// The same contact in another sector.
-    #[must_use]
-    pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
-        Self { position: turn * self.position, normal: turn * self.normal, ..*self }
-    }
 }

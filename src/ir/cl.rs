@@ -1,7 +1,7 @@
 //! Cutter location plan: tip and axis of every move in the part frame.
 
 use crate::ir::program::OperationId;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 /// All moves of the program, operation by operation.
 #[derive(Clone, Debug, Default)]
@@ -26,9 +26,9 @@ pub struct ClOperation {
 /// One cutting pass.
 #[derive(Clone, Debug)]
 pub struct ClPass {
-    /// Name within the operation.
+    /// Name within the operation; without the sector before `copy-sectors`.
     pub label: String,
-    /// Sector that it lies in.
+    /// Sector that it lies in; 0 before `copy-sectors`.
     pub sector: u32,
     /// Stations in cutting order.
     pub points: Vec<ClPoint>,
@@ -43,6 +43,14 @@ pub struct ClPoint {
     pub axis: Vector3<f64>,
     /// Contact point on the design, where there is one.
     pub contact: Option<Point3<f64>>,
+}
+
+impl ClPoint {
+    /// The same place in another sector.
+    #[must_use]
+    pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
+        Self { tip: turn * self.tip, axis: turn * self.axis, contact: self.contact.map(|c| turn * c) }
+    }
 }
 
 /// How a move is made.

@@ -1,7 +1,7 @@
 //! What must be true of each stage value. In debug builds, and so in tests, [`crate::passes::pipeline`] asks after every
 //! pass; a fault is one of the compiler, never of a job.
 
-use super::{CcPlan, ClOperation, ClPlan, Drive, Motion, MoveKind, OperationId, OperationKind, Program};
+use super::{CcPlan, ClOperation, ClPlan, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program};
 use crate::entity::EntityId;
 use crate::operation::word;
 use crate::part::FaceId;
@@ -23,8 +23,10 @@ impl std::fmt::Display for Malformed {
 /// Which passes have run over a [`ClPlan`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClStage {
-    /// Passes have axes; there is no sequence of moves yet.
+    /// Passes of sector 0 have axes; there is no sequence of moves yet.
     Oriented,
+    /// The passes are there in every sector of their operation.
+    InSectors,
     /// There is one sequence of moves, without feeds.
     Linked,
     /// Moves have their process feeds.
@@ -90,7 +92,7 @@ fn in_order(program: &Program, found: impl Iterator<Item = OperationId>, what: &
     check(found == meant, || format!("{what} has the operations {found:?} where the program has {meant:?}"))
 }
 
-/// The contact plan: every pass lies in a sector of its operation, on a surface that this makes.
+/// The contact plan: every pass lies on a surface that its operation makes.
 ///
 /// # Errors
 /// What is malformed.
@@ -100,7 +102,6 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
         let operation = &program.operations[planned.operation];
         for pass in &planned.passes {
             let at = || format!("pass `{}` of `{}`", pass.label, operation.name);
-            check(operation.sectors.contains(&pass.sector), || format!("{} is in sector {}", at(), pass.sector))?;
             check(pass.points.len() > 1, || format!("{} has {} points", at(), pass.points.len()))?;
             let driven = match (&operation.kind, pass.drive) {
                 (OperationKind::Groove { .. } | OperationKind::Expand { .. }, Drive::Channel)
@@ -133,8 +134,10 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
 pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malformed> {
     in_order(program, plan.operations.iter().map(|o| o.operation), "the location plan")?;
     for planned in &plan.operations {
-        let name = &program.operations[planned.operation].name;
+        let Operation { name, sectors, .. } = &program.operations[planned.operation];
         for pass in &planned.passes {
+            let there = if stage == ClStage::Oriented { pass.sector == 0 } else { sectors.contains(&pass.sector) };
+            check(there, || format!("pass `{}` of `{name}` is in sector {}", pass.label, pass.sector))?;
             for (i, p) in pass.points.iter().enumerate() {
                 let sound = finite(&p.tip) && is_unit(&p.axis) && p.contact.is_none_or(|c| finite(&c));
                 check(sound, || format!("point {i} of pass `{}` of `{name}` is {p:?}", pass.label))?;
@@ -147,7 +150,7 @@ pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malfor
 
 fn moves(planned: &ClOperation, name: &str, stage: ClStage) -> Result<(), Malformed> {
     let count = planned.moves.len();
-    if stage == ClStage::Oriented {
+    if matches!(stage, ClStage::Oriented | ClStage::InSectors) {
         return check(count == 0, || format!("`{name}` has {count} moves before its passes are linked"));
     }
     for (i, m) in planned.moves.iter().enumerate() {

@@ -15,16 +15,13 @@ use super::way_out::way_out;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::entity::PrimaryMap;
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program, Tool};
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program, Tool};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
 use rayon::prelude::*;
 
 /// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
 const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
-
-/// Clear points of a pass with the lean that they took, degrees.
-type Cleared = (Vec<ClPoint>, f64);
 
 /// Station at which a pass is not clear, and the distance there.
 type Miss = (usize, f64);
@@ -42,46 +39,26 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             failed |= clear_axes(cx, operation, method, planned, oriented).is_err();
             continue;
         }
-        // The part looks the same from every sector: what clears a pass in the first one clears it in all.
-        let sectors = operation.sectors.len().max(1);
-        let per_sector = planned.passes.len() / sectors;
-        let work = cx.progress.begin(format!("{}, clearance", operation.name), per_sector + planned.passes.len());
-        let first: Vec<Result<f64, Miss>> = planned
-            .passes
-            .par_iter()
-            .zip(&oriented.passes)
-            .take(per_sector)
+        let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
+        let pairs = || planned.passes.par_iter().zip(&oriented.passes);
+        let leans: Vec<Result<f64, Miss>> = pairs()
             .map(|(cc, cl)| work.step(clearing_lean(program, obstacles, operation, cc, &cl.points)))
             .collect();
-        let repaired: Vec<Result<Cleared, Miss>> = planned
-            .passes
-            .par_iter()
-            .zip(&oriented.passes)
-            .enumerate()
-            .map(|(i, (cc, cl))| {
-                let lean = work.step(first[i % per_sector.max(1)])?;
-                let points = if leans(operation, cc) {
-                    leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))
-                } else {
-                    cl.points.clone()
-                };
-                Ok((points, lean))
+        let ways_out: Vec<Option<String>> = pairs()
+            .zip(&leans)
+            .map(|((cc, cl), lean)| {
+                lean.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
             })
             .collect();
         let mut steepest = 0.0_f64;
-        // What would do in the first sector does in all.
-        let ways_out: Vec<Option<String>> = (0..per_sector)
-            .into_par_iter()
-            .map(|i| {
-                let (cc, cl) = (planned.passes.get(i)?, oriented.passes.get(i)?);
-                first.get(i)?.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
-            })
-            .collect();
-        for (i, (result, pass)) in repaired.into_iter().zip(&mut oriented.passes).enumerate() {
-            match result {
-                Ok((points, lean)) => {
+        let passes = planned.passes.iter().zip(&mut oriented.passes);
+        for ((cc, pass), (lean, way_out)) in passes.zip(leans.into_iter().zip(ways_out)) {
+            match lean {
+                Ok(lean) => {
                     steepest = steepest.max(lean);
-                    pass.points = points;
+                    if leans_away(operation, cc) {
+                        pass.points = leaning_points(program, operation, cc, Lean::Away(lean.to_radians()));
+                    }
                 }
                 Err((index, distance)) => {
                     failed = true;
@@ -99,11 +76,6 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     .label(operation.span, "in this operation")
                     .label(tool.span, "with this tool")
                     .place(pass.label.clone(), at);
-                    // The part looks the same from every sector: it is told once.
-                    if i >= per_sector && first.get(i % per_sector.max(1)).is_some_and(Result::is_err) {
-                        continue;
-                    }
-                    let way_out = ways_out.get(i % per_sector.max(1)).cloned().flatten();
                     cx.sink.push(way_out.into_iter().fold(diag, Diag::help));
                 }
             }
@@ -116,7 +88,7 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
 }
 
 /// True when a pass leans away from walls as far as it needs.
-fn leans(operation: &Operation, cc: &CcPass) -> bool {
+fn leans_away(operation: &Operation, cc: &CcPass) -> bool {
     let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
     matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
 }
@@ -131,11 +103,8 @@ fn clear_axes(
 ) -> Result<(), Aborted> {
     let program = cx.program;
     let room = AxisRoom::new(program, cx.obstacles, operation);
-    // The part looks the same from every sector.
-    let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
-    let work = cx.progress.begin(format!("{}, clear axes", operation.name), per_sector);
-    let lines = planned.passes.len().min(per_sector);
-    let (passes, planned) = (&oriented.passes[..lines], &planned.passes[..lines]);
+    let work = cx.progress.begin(format!("{}, clear axes", operation.name), planned.passes.len());
+    let (passes, planned) = (&oriented.passes, &planned.passes);
     let chosen = if method == AxisMethod::Xu {
         axis_way::greedy_axes(&room, &program.machine.chain, planned, passes)
     } else {
@@ -158,21 +127,10 @@ fn clear_axes(
     if !blocked.is_empty() {
         return Err(Aborted);
     }
-    repeat(program, operation, &found, &mut oriented.passes);
-    Ok(())
-}
-
-/// Takes the points of the passes of the first sector over to those of all sectors.
-pub(super) fn repeat(program: &Program, operation: &Operation, first: &[Vec<ClPoint>], passes: &mut [ClPass]) {
-    let from = operation.sectors.first().copied().unwrap_or(0);
-    for (i, pass) in passes.iter_mut().enumerate() {
-        let Some(points) = first.get(i % first.len().max(1)) else { continue };
-        let turn = program.part.sector_rotation(pass.sector) * program.part.sector_rotation(from).inverse();
-        pass.points = points
-            .iter()
-            .map(|p| ClPoint { tip: turn * p.tip, axis: turn * p.axis, contact: p.contact.map(|c| turn * c) })
-            .collect();
+    for (pass, points) in oriented.passes.iter_mut().zip(found) {
+        pass.points = points;
     }
+    Ok(())
 }
 
 /// What tool clears a pass that this one does not. A pass along the rulings is given by its cutter, which then stays.
@@ -183,7 +141,7 @@ fn tool_that_clears(
     cc: &CcPass,
     points: &[ClPoint],
 ) -> String {
-    let free = leans(operation, cc);
+    let free = leans_away(operation, cc);
     way_out(&program.tools[operation.tool].solid, free, |solid| {
         let mut program = program.clone();
         let mut tools = PrimaryMap::new();
@@ -206,7 +164,7 @@ fn clearing_lean(
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
-    let leaning = leans(operation, cc);
+    let leaning = leans_away(operation, cc);
     let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
     let lack = |p: &ClPoint| {
         let ball = solid.cutter.ends_in_ball();

@@ -7,6 +7,7 @@ mod axis_room;
 mod axis_way;
 mod chart;
 mod constant_scallop;
+mod copy_sectors;
 mod exact_stops;
 mod flank_clearance;
 mod flank_sweep;

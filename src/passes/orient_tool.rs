@@ -1,6 +1,6 @@
 //! `orient-tool`: tip and axis of every station.
 //!
-//! Before: contact or drive points. After: cutter locations, stations where they were.
+//! Before: contact or drive points of a sector. After: its cutter locations, stations where they were.
 
 use super::chart::Chart;
 use super::layers::Roughing;
@@ -14,7 +14,7 @@ use crate::ir::{
 };
 use crate::method::{AxisMethod, Flank, FlankMethod};
 use crate::part::{FaceId, Surface};
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Makes cutter locations.
@@ -39,9 +39,9 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
         .par_iter()
         .map(|pass| ClPass {
             label: pass.label.clone(),
-            sector: pass.sector,
+            sector: 0,
             points: match pass.drive {
-                Drive::Channel => roughing.as_ref().map_or_else(Vec::new, |r| channel_points(program, r, pass)),
+                Drive::Channel => roughing.as_ref().map_or_else(Vec::new, |r| channel_points(r, pass)),
                 Drive::Face { side, .. } => match &pass.path {
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),
@@ -57,12 +57,9 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
 }
 
 /// Roughing: the tip is the drive point, the axis blends the rulings of both walls.
-fn channel_points(program: &Program, roughing: &Roughing<'_>, pass: &CcPass) -> Vec<ClPoint> {
-    let turn = program.part.sector_rotation(pass.sector);
-    pass.points
-        .iter()
-        .map(|p| ClPoint { tip: p.position, axis: turn * roughing.axis(p.u, p.v, p.w), contact: None })
-        .collect()
+fn channel_points(roughing: &Roughing<'_>, pass: &CcPass) -> Vec<ClPoint> {
+    let point = |p: &CcPoint| ClPoint { tip: p.position, axis: roughing.axis(p.u, p.v, p.w), contact: None };
+    pass.points.iter().map(point).collect()
 }
 
 /// A pass that was found as a path of the axis: its stations at even parameters, with the leads, on which the tool
@@ -89,7 +86,6 @@ fn path_points(path: &DualCurve, pass: &CcPass) -> Vec<ClPoint> {
 fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: FaceId) -> Vec<ClPoint> {
     let part = &program.part;
     let OperationKind::Flank { flank: Flank { method, .. }, .. } = operation.kind else { return Vec::new() };
-    let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
     let face = part.face(side);
     let offset = |u: f64, v: f64| face.surface.point(u, v) + face.normal(u, v) * radius;
@@ -107,8 +103,8 @@ fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: F
                 (low, (high - low).normalize())
             };
             ClPoint {
-                tip: turn * (low - axis * radius),
-                axis: turn * axis,
+                tip: low - axis * radius,
+                axis,
                 contact: (0.0..=1.0).contains(&p.u).then_some(p.position),
             }
         })
@@ -165,11 +161,10 @@ fn vane_points(
     pass: &CcPass,
     axis: impl Fn(&VaneAxis<'_>, &CcPoint) -> Vector3<f64>,
 ) -> Vec<ClPoint> {
-    let turn = program.part.sector_rotation(pass.sector);
     let cutter = &program.tools[operation.tool].solid.cutter;
     let axes = VaneAxis::new(&program.part);
     let at = |p: &CcPoint| {
-        let axis = turn * axis(&axes, p);
+        let axis = axis(&axes, p);
         let tip = tip_at(cutter, &p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })
     };
@@ -180,7 +175,6 @@ fn vane_points(
 /// nearer wall by `lean` at the wall, less towards the middle.
 fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
     let part = &program.part;
-    let turn = part.sector_rotation(pass.sector);
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
     let chart = Chart::new(part);
     pass.points
@@ -189,7 +183,7 @@ fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lea
             // On the leads the axis stays, so that the ball shifts straight along the tangent of the hub.
             let u = p.u.clamp(0.0, 1.0);
             let at = if u == p.u { p.position } else { edge(program, pass, u) };
-            let axis = hub_axis(&chart, &turn, u, p.w, &at, lean);
+            let axis = hub_axis(&chart, u, p.w, &at, lean);
             let centre = p.position + p.normal * radius;
             ClPoint { tip: centre - axis * radius, axis, contact: Some(p.position) }
         })
@@ -202,9 +196,9 @@ fn edge(program: &Program, pass: &CcPass, u: f64) -> Point3<f64> {
     found.map_or_else(|| program.part.hub.point(u, 0.0), |p| p.position)
 }
 
-fn hub_axis(chart: &Chart<'_>, turn: &Rotation3<f64>, u: f64, w: f64, at: &Point3<f64>, lean: Lean) -> Vector3<f64> {
-    let Lean::Away(lean) = lean else { return turn * chart.ruling(u, w) };
-    let ruling = turn * chart.leaning(u, w, w);
+fn hub_axis(chart: &Chart<'_>, u: f64, w: f64, at: &Point3<f64>, lean: Lean) -> Vector3<f64> {
+    let Lean::Away(lean) = lean else { return chart.ruling(u, w) };
+    let ruling = chart.leaning(u, w, w);
     // Across the channel, from the first wall to the second: about Z, counter-clockwise.
     let across = Vector3::new(-at.y, at.x, 0.0).normalize();
     let across = (across - ruling * across.dot(&ruling)).normalize();

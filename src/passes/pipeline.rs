@@ -2,11 +2,11 @@
 
 use super::layers::Roughing;
 use super::{
-    Obstacles, assign_feeds, avoid_collision, exact_stops, link_moves, orient_tool, plan_channel, plan_expand,
+    Obstacles, assign_feeds, avoid_collision, copy_sectors, exact_stops, link_moves, orient_tool, plan_channel, plan_expand,
     plan_flank, plan_groove, plan_point, rest_machining, sample_to_tolerance, smooth_axis, solve_kinematics,
     time_feeds,
 };
-use crate::analysis::cost;
+use crate::analysis::cost::{self, Stations};
 use crate::diag::{Aborted, Diag, Sink, codes::files, codes::planning};
 use crate::ir::validate::{self, ClStage, Malformed};
 use crate::ir::{CcPlan, ClPlan, Motion, Operation, OperationKind, Program};
@@ -21,7 +21,7 @@ pub(super) struct PassContext<'a> {
     pub(super) progress: &'a Progress,
     pub(super) sink: &'a mut Sink,
     /// Stations that are planned so far.
-    stations: f64,
+    stations: Stations,
 }
 
 impl<'a> PassContext<'a> {
@@ -86,7 +86,7 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
 pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
     let obstacles = Obstacles::new(&program.part, &program.machine);
-    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: 0.0 };
+    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
     // Contacts on drive surfaces, operation by operation: roughing first, since each knows how far those before it came.
     let cc = plan(&mut cx)?;
@@ -100,12 +100,14 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     sample_to_tolerance::run(&cx, &mut cl);
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    copy_sectors::run(program, &mut cl);
+    cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     // What cuts nothing goes before its ends are linked.
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
-    cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     link_moves::run(&mut cx, &mut cl)?;
     cx.holds("link-moves", |program| validate::cl(program, &cl, ClStage::Linked))?;
-    let needed = cost::of_moves(program, &cl, cx.stations);
+    let needed = cost::of_moves(program, &cl, cx.stations.planned);
     check_memory(&mut cx, None, needed)?;
     assign_feeds::run(program, &mut cl);
     cx.holds("assign-feeds", |program| validate::cl(program, &cl, ClStage::Fed))?;
@@ -142,10 +144,10 @@ fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
 /// Spacing of the samples that verification will need, mm.
 const FINEST_SPACING: f64 = 0.25;
 
-/// Refuses an operation whose plan would have more points than memory may hold beside those before it. The estimate before
+/// Refuses an operation whose plan would have more points in a sector than memory may hold beside those before it. The estimate before
 /// planning knows sizes of the part only; this knows the lines.
 pub(super) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
-    let needed = cost::of_points(cx.program, cx.stations + points * operation.sectors.len() as f64);
+    let needed = cost::of_stations(cx.program, cx.stations.and(points, operation));
     check_memory(cx, Some(operation), needed)
 }
 
@@ -231,7 +233,8 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
         };
         match planned {
             Ok(plan) => {
-                cx.stations += plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
+                let points = plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
+                cx.stations = cx.stations.and(points, operation);
                 cc.operations.push(plan);
                 // Each operation alone may fit; together they may not, and no further one will.
                 if check_points(cx, operation, 0.0).is_err() {

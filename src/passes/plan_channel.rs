@@ -128,20 +128,8 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
     };
     surface_lines::turn_back(&mut lines, order);
-    let mut passes = Vec::new();
-    for sector in &operation.sectors {
-        let turn = part.sector_rotation(*sector);
-        for (j, points) in lines.iter().enumerate() {
-            passes.push(CcPass {
-                path: None,
-                label: format!("sector {} line {}", sector + 1, j + 1),
-                sector: *sector,
-                drive: Drive::Hub,
-                points: points.iter().map(|p| p.turned(&turn)).collect(),
-            });
-        }
-    }
-    Ok(CcOperation { operation: id, passes, notes })
+    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive: Drive::Hub, points };
+    Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
 }
 
 /// Refuses a ball that is bigger than the hollow of the hub, along or across the meridian.

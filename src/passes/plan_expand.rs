@@ -6,7 +6,7 @@
 
 use super::layers::{Layer, Roughing};
 use super::pipeline::{PassContext, check_points};
-use super::plan_groove::{check_room, describe, per_sector};
+use super::plan_groove::{check_room, describe, passes};
 use super::scallop;
 use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
@@ -44,8 +44,7 @@ pub(super) fn plan(
             ));
         }
     }
-    let passes = per_sector(cx, operation, &lines);
-    Ok((CcOperation { operation: id, passes, notes }, reached))
+    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
 }
 
 /// Adds the V lines of a layer, the innermost first; returns their number.

@@ -38,7 +38,7 @@ const HOPEFUL: f64 = 1.5;
 /// Share of what is missing of clearance or travel that one more band has to take away for a further one to be tried.
 const WORTH: f64 = 0.8;
 
-/// A band of a face in sector 0, ready to be turned into the sectors.
+/// A band of a face.
 struct Planned {
     side: FaceId,
     strip: u32,
@@ -52,27 +52,19 @@ struct Planned {
 /// The ball of the tool does not fit the fillet; no number of bands keeps the contracts. The diagnostic is in the sink.
 pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
-    let part = &cx.program.part;
     let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
     check_fillet(cx, operation, why)?;
     let (bands, notes) = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
     };
-    let mut passes = Vec::new();
-    for sector in &operation.sectors {
-        let turn = part.sector_rotation(*sector);
-        for band in &bands {
-            passes.push(CcPass {
-                label: format!("sector {} {} strip {}", sector + 1, band.side.name(), band.strip + 1),
-                sector: *sector,
-                drive: Drive::Face { side: band.side, strip: band.strip },
-                points: band.points.iter().map(|p| p.turned(&turn)).collect(),
-                path: band.sweep.as_ref().map(|s| s.path.turned(&turn)),
-            });
-        }
-    }
-    Ok(CcOperation { operation: id, passes, notes })
+    let pass = |band: Planned| CcPass {
+        label: format!("{} strip {}", band.side.name(), band.strip + 1),
+        drive: Drive::Face { side: band.side, strip: band.strip },
+        points: band.points,
+        path: band.sweep.map(|s| s.path),
+    };
+    Ok(CcOperation { operation: id, passes: bands.into_iter().map(pass).collect(), notes })
 }
 
 fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {

@@ -41,8 +41,7 @@ pub(super) fn plan(
         lines.push((format!("layer {}", layer.number), work.step(points)));
     }
     notes.push(format!("{line_lengths} stations a channel by the step law (6), {} lines", lines.len()));
-    let passes = per_sector(cx, operation, &lines);
-    Ok((CcOperation { operation: id, passes, notes }, reached))
+    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
 }
 
 /// The level that the layers reach; an error when there is none.
@@ -122,20 +121,7 @@ pub(super) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], ep
         .collect()
 }
 
-/// Turns the lines of sector 0 into the passes of all sectors of the operation, sector by sector.
-pub(super) fn per_sector(cx: &PassContext<'_>, operation: &Operation, lines: &[(String, Vec<CcPoint>)]) -> Vec<CcPass> {
-    let mut passes = Vec::new();
-    for sector in &operation.sectors {
-        let turn = cx.program.part.sector_rotation(*sector);
-        for (label, points) in lines {
-            passes.push(CcPass {
-                path: None,
-                label: format!("sector {} {label}", sector + 1),
-                sector: *sector,
-                drive: Drive::Channel,
-                points: points.iter().map(|p| p.turned(&turn)).collect(),
-            });
-        }
-    }
-    passes
+/// Lines in a channel, each with its name, as passes.
+pub(super) fn passes(lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
+    lines.into_iter().map(|(label, points)| CcPass { path: None, label, drive: Drive::Channel, points }).collect()
 }

@@ -85,18 +85,9 @@ pub(super) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         laid.push((Drive::Contact(*kind), ground.name(), lines));
     }
     let mut passes = Vec::new();
-    for sector in &operation.sectors {
-        let turn = part.sector_rotation(*sector);
-        for (drive, name, lines) in &laid {
-            for (j, points) in lines.iter().enumerate() {
-                passes.push(CcPass {
-                    path: None,
-                    label: format!("sector {} {name} line {}", sector + 1, j + 1),
-                    sector: *sector,
-                    drive: *drive,
-                    points: points.iter().map(|p| p.turned(&turn)).collect(),
-                });
-            }
+    for (drive, name, lines) in laid {
+        for (j, points) in lines.into_iter().enumerate() {
+            passes.push(CcPass { path: None, label: format!("{name} line {}", j + 1), drive, points });
         }
     }
     Ok(CcOperation { operation: id, passes, notes })

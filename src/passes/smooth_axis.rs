@@ -58,30 +58,25 @@ pub(super) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             continue;
         }
         let room = AxisRoom::new(program, cx.obstacles, operation);
-        // The part looks the same from every sector.
-        let per_sector = oriented.passes.len() / operation.sectors.len().max(1);
-        let work = cx.progress.begin(format!("{}, smooth axes", operation.name), per_sector);
-        let first: Vec<Result<Vec<ClPoint>, Fault>> = oriented
+        let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
+        let smoothed: Vec<Result<Vec<ClPoint>, Fault>> = oriented
             .passes
             .par_iter()
-            .take(per_sector)
             .map(|pass| work.step(smooth(&room, &program.machine.chain, pass)))
             .collect();
-        let mut smoothed = Vec::with_capacity(first.len());
-        for (pass, result) in oriented.passes.iter().zip(first) {
+        for (pass, result) in oriented.passes.iter_mut().zip(smoothed) {
             match result {
-                Ok(points) => smoothed.push(points),
+                Ok(points) => pass.points = points,
                 Err(fault) => {
                     failed = true;
                     report(cx, operation, pass, &room, &fault);
-                    smoothed.push(Vec::new());
                 }
             }
         }
-        super::avoid_collision::repeat(program, operation, &smoothed, &mut oriented.passes);
-        let peak = smoothed
+        let peak = oriented
+            .passes
             .iter()
-            .map(|points| turning(&program.machine.chain, points))
+            .map(|pass| turning(&program.machine.chain, &pass.points))
             .fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
         oriented.notes.push(format!(
             "axes by corridor: {} turns by at most {:.2} deg a mm, {} by at most {:.2}; clear between stations by proof",
