@@ -11,7 +11,7 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, OperationKind};
 use impellerc::method::{Conflict, ErrorSide};
 use impellerc::part::BladeId;
-use impellerc::passes::{Obstacles, plan_flank};
+use impellerc::passes::{Obstacles, flank::plan};
 use impellerc::units::Mm;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -42,7 +42,7 @@ fn faces(c: &mut Criterion) {
         let obstacles = Obstacles::new(&program.part, &program.machine);
         for side in BladeId::MAIN.faces() {
             group.bench_function(BenchmarkId::new(side.name(), name), |b| {
-                b.iter(|| black_box(plan_flank::axis_paths(&program, id.unwrap(), side, &around, &obstacles).unwrap()));
+                b.iter(|| black_box(plan::axis_paths(&program, id.unwrap(), side, &around, &obstacles).unwrap()));
             });
         }
     }

@@ -23,7 +23,7 @@
 //! surfaces of the part besides.
 
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
-use crate::ir::{ClPlan, MoveKind, Operation, OperationKind, Program};
+use crate::ir::{Motion, MoveKind, Operation, OperationKind, Program};
 use crate::method::{AxisMethod, FlankMethod};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind, sample};
 use crate::units::{Mm, bytes, trim};
@@ -272,15 +272,13 @@ pub fn of_stations(program: &Program, stations: Stations) -> f64 {
     peak(program, stations.bytes())
 }
 
-/// Memory that the run of the axes through linked moves will take, with the stations that were planned in a sector, bytes.
-pub fn of_moves(program: &Program, cl: &ClPlan, planned: f64) -> f64 {
-    let moves = cl.operations.iter().flat_map(|o| &o.moves);
-    let (mut blocks, mut links, mut at_rapid) = (0.0, 0.0, false);
-    for m in moves {
-        let rapid = m.kind == MoveKind::Rapid;
-        blocks += 1.0;
-        links += f64::from(u8::from(rapid && !at_rapid));
-        at_rapid = rapid;
+/// Memory that the run of the axes through a motion will take, with the stations that were planned in a sector, bytes.
+pub fn of_moves(program: &Program, motion: &Motion, planned: f64) -> f64 {
+    let (mut blocks, mut links) = (0.0, 0.0);
+    for operation in &motion.operations {
+        blocks += operation.moves.len() as f64;
+        let rapid = |k: usize| operation.moves[k].kind == MoveKind::Rapid;
+        links += (0..operation.moves.len()).filter(|k| rapid(*k) && (*k == 0 || !rapid(k - 1))).count() as f64;
     }
     peak(program, PLANNED * planned + BLOCK * blocks + LINK * links)
 }

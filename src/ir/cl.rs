@@ -1,24 +1,22 @@
-//! Cutter location plan: tip and axis of every move in the part frame.
+//! Cutter location plan: tip and axis at every station of the passes, in the part frame.
 
 use crate::ir::program::OperationId;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-/// All moves of the program, operation by operation.
+/// Cutter locations of all passes, operation by operation.
 #[derive(Clone, Debug, Default)]
 pub struct ClPlan {
     /// Operations in machining order.
     pub operations: Vec<ClOperation>,
 }
 
-/// Moves of one operation. Passes come from `orient-tool`; `link-moves` turns them into the one sequence of moves.
+/// Cutter locations of one operation; `link-moves` makes one sequence of moves of them.
 #[derive(Clone, Debug)]
 pub struct ClOperation {
     /// Which one.
     pub operation: OperationId,
-    /// Cutting passes in order; kept as the reference of what was meant.
+    /// Passes in cutting order; kept as the reference of what was meant.
     pub passes: Vec<ClPass>,
-    /// Every move in order, links included; empty before `link-moves`.
-    pub moves: Vec<ClMove>,
     /// Decisions worth reading.
     pub notes: Vec<String>,
 }
@@ -51,28 +49,4 @@ impl ClPoint {
     pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
         Self { tip: turn * self.tip, axis: turn * self.axis, contact: self.contact.map(|c| turn * c) }
     }
-}
-
-/// How a move is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MoveKind {
-    /// At rapid, in air.
-    Rapid,
-    /// At link feed: into and out of the channel along the tool axis, and between passes.
-    Link,
-    /// Cutting.
-    Cut,
-}
-
-/// A move to a cutter location.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClMove {
-    /// How.
-    pub kind: MoveKind,
-    /// Where to.
-    pub to: ClPoint,
-    /// Index of the pass that it belongs to or leads to.
-    pub pass: u32,
-    /// Feed in mm/min; `None` at rapid.
-    pub feed: Option<f64>,
 }

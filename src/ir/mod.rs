@@ -8,8 +8,8 @@
 //! |---|---|---|---|---|
 //! | [`Program`] | geometry, tools, stock, operations in order, contracts, machine | paths | `lower` | `--emit ir` |
 //! | [`CcPlan`] | contact or drive points of each pass | tool axis | `plan-*` | `--emit cc` |
-//! | [`ClPlan`] | tip and axis of every move, links, feeds | machine | `orient-tool` to `assign-feeds` | `--emit cl` |
-//! | [`Motion`] | joint positions, branch and winding, feeds and times | dialect | `solve-kinematics` to `exact-stops` | `--emit motion` |
+//! | [`ClPlan`] | tip and axis at every station of the passes | ways between passes, machine | `orient-tool` to `rest-machining` | `--emit cl` |
+//! | [`Motion`] | every move with its joint positions, branch and winding, feed and time | dialect | `link-moves` to `exact-stops` | `--emit motion` |
 //!
 //! [`validate`] asks what is said here under *invariants*: [`validate::program`], [`validate::cc`], [`validate::cl`], [`validate::motion`]. In debug
 //! builds, and so in tests, the pipeline asks the validator of a value after every pass. A fault is one of the compiler
@@ -39,9 +39,10 @@
 //!
 //! # Contact plan
 //!
-//! Where each pass runs on what drives the tool, before the tool has an axis.
+//! Where each pass runs on what drives the tool, before the tool has an axis. All of it lies in sector 0: the part looks the
+//! same from every sector, so that one is planned, and its cutter locations are copied to the others.
 //!
-//! - A [`CcOperation`] has the passes of one operation in cutting order, all sectors of it, and notes for people.
+//! - A [`CcOperation`] has the passes of one operation in a sector, in cutting order, and notes for people.
 //! - A [`CcPass`] is a curve on its [`Drive`]. Its stations are as dense as the passes after it need; thinning comes later.
 //!   The first and the last stations are on the leads, outside of the part.
 //! - A [`CcPoint`] is a place on the drive: of the cutter contact on a face, a fillet, an edge or the hub, of the tip in
@@ -49,23 +50,21 @@
 //!   need not look for it.
 //! - [`CcPass::path`] is there for flank passes that were found as a whole path of the axis.
 //!
-//! Invariants: the operations of the program, each once and in order; a pass lies in a sector of its operation, on a drive
-//! that its kind makes, and has at least two points; normals have the length one, but on
+//! Invariants: the operations of the program, each once and in order; a pass lies on a drive that its
+//! kind makes, and has at least two points; normals have the length one, but on
 //! leads of a flank pass that was found as a whole: the cutter touches nothing there, and the normal is zero.
 //!
 //! # Location plan
 //!
-//! Where the tool is. It grows in three steps, see [`validate::ClStage`]:
+//! Where the tool is. It has two steps, see [`validate::ClStage`]:
 //!
 //! 1. *Oriented.* Each [`ClPass`] has a [`ClPoint`] a station: the tip, the axis from the tip to the holder, and the contact
 //!    where there is one. `avoid-collision` and `smooth-axis` change axes, and with them tips, so that the cutter goes on
-//!    touching its contact. `sample-to-tolerance` takes stations out, `rest-machining` takes out what cuts nothing.
-//! 2. *Linked.* [`ClOperation::moves`] is the one sequence that the machine runs: approach, pass, retract, and the way over to
-//!    the next pass. The passes stay as the reference of what was meant.
-//! 3. *Fed.* Every move at feed has its process feed, the highest that the job allows.
+//!    touching its contact. `sample-to-tolerance` takes stations out.
+//! 2. *In sectors.* `copy-sectors` copies the passes to every sector of their operation; `rest-machining` takes out what
+//!    cuts nothing there.
 //!
-//! Invariants: axes have the length one; a move belongs to a pass or leads to it; rapids have no feed; the passes are cut in
-//! their order.
+//! Invariants: axes have the length one; passes lie in sector 0, and from the second step on in sectors of their operation.
 //!
 //! # Motion
 //!
@@ -90,7 +89,7 @@
 //! and X, Y and the rotary axes move from wherever they stand. So nothing in an operation depends on what was before it.
 //!
 //! **Branch and winding.** A direction of the tool has two pairs of angles, and each angle has turns of 360 deg.
-//! `solve-kinematics` chooses them. A pass with its approach and retract keeps one choice; it changes only on the way over the
+//! `link-moves` chooses them. A pass with its approach and retract keeps one choice; it changes only on the way over the
 //! clearance sphere. The joints are in the ISO sense of the axes; a post turns them into the sense of the words.
 //!
 //! **Feeds and times.** [`JointMove::feed`] is that of the tip along the part, rounded down as the text will have it. It is
@@ -102,7 +101,7 @@
 //! told write it.
 //!
 //! Invariants: the operations of the program, each once and in order; every joint and time is finite; a move has a feed
-//! exactly if it is no rapid; the first and the last move of an operation are rapids at retract height; every move has the
+//! exactly if it is no rapid; a move belongs to a pass or leads to it, and the passes are cut in their order; the first and the last move of an operation are rapids at retract height; every move has the
 //! label of its pass.
 //!
 //! # Where other things are
@@ -119,8 +118,8 @@ pub mod program;
 pub mod validate;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
-pub use cl::{ClMove, ClOperation, ClPass, ClPlan, ClPoint, MoveKind};
-pub use motion::{JointMove, Motion, MotionOperation};
+pub use cl::{ClOperation, ClPass, ClPlan, ClPoint};
+pub use motion::{JointMove, Motion, MotionOperation, MoveKind};
 pub use program::{
     Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program,
     Tolerances, Tool, ToolId,

@@ -5,10 +5,9 @@
 //! linear joints follow from both.
 //!
 //! The first and the last move of an operation lead to stations at the retract height of the machine. The tool goes down
-//! from the first station and up to the last one along Z. Between operations the tool stays at that height, where X, Y, A
-//! and C move with tool centre point control off, from wherever they stand.
+//! from the first station and up to the last one along Z. Between operations the tool stays at that height, where X, Y and
+//! the rotary axes move with tool centre point control off, from wherever they stand.
 
-use crate::ir::cl::MoveKind;
 use crate::ir::program::OperationId;
 use crate::kin::Joints;
 
@@ -28,6 +27,17 @@ pub struct MotionOperation {
     pub labels: Vec<String>,
     /// Moves in order.
     pub moves: Vec<JointMove>,
+}
+
+/// How a move is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveKind {
+    /// At rapid, in air.
+    Rapid,
+    /// At link feed: into and out of the channel along the tool axis, and between passes.
+    Link,
+    /// Cutting.
+    Cut,
 }
 
 /// A move to a joint position.

@@ -190,29 +190,19 @@ fn location(p: &ClPoint) -> String {
     format!("{} axis ({:.6}, {:.6}, {:.6})", at(&p.tip), p.axis.x + 0.0, p.axis.y + 0.0, p.axis.z + 0.0)
 }
 
-/// Cutter locations; with all detail the moves, else the passes.
+/// Cutter locations of all passes.
 pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
     let mut t = String::new();
     for operation in &plan.operations {
         let name = &program.operations[operation.operation].name;
-        let _ = writeln!(t, "{} {name}: {} moves", operation.operation, operation.moves.len());
+        let _ = writeln!(t, "{} {name}: {} passes", operation.operation, operation.passes.len());
         for note in &operation.notes {
             let _ = writeln!(t, "  note {note}");
         }
-        match detail {
-            Detail::Full => {
-                for (i, m) in operation.moves.iter().enumerate() {
-                    let feed = m.feed.map_or(String::new(), |f| format!(" feed {f:.3}"));
-                    let _ = writeln!(t, "  {i} {} {}{feed}", word(m.kind), location(&m.to));
-                }
-            }
-            Detail::Summary => {
-                for pass in &operation.passes {
-                    let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
-                    for i in shown(pass.points.len(), detail) {
-                        let _ = writeln!(t, "    {i} {}", location(&pass.points[i]));
-                    }
-                }
+        for pass in &operation.passes {
+            let _ = writeln!(t, "  pass {}: {} points", pass.label, pass.points.len());
+            for i in shown(pass.points.len(), detail) {
+                let _ = writeln!(t, "    {i} {}", location(&pass.points[i]));
             }
         }
     }

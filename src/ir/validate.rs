@@ -1,7 +1,7 @@
 //! What must be true of each stage value. In debug builds, and so in tests, [`crate::passes::pipeline`] asks after every
 //! pass; a fault is one of the compiler, never of a job.
 
-use super::{CcPlan, ClOperation, ClPlan, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program};
+use super::{CcPlan, ClPlan, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program};
 use crate::entity::EntityId;
 use crate::operation::word;
 use crate::part::FaceId;
@@ -23,14 +23,10 @@ impl std::fmt::Display for Malformed {
 /// Which passes have run over a [`ClPlan`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClStage {
-    /// Passes of sector 0 have axes; there is no sequence of moves yet.
+    /// Passes of sector 0 have axes.
     Oriented,
     /// The passes are there in every sector of their operation.
     InSectors,
-    /// There is one sequence of moves, without feeds.
-    Linked,
-    /// Moves have their process feeds.
-    Fed,
 }
 
 fn check(holds: bool, what: impl FnOnce() -> String) -> Result<(), Malformed> {
@@ -143,28 +139,8 @@ pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malfor
                 check(sound, || format!("point {i} of pass `{}` of `{name}` is {p:?}", pass.label))?;
             }
         }
-        moves(planned, name, stage)?;
     }
     Ok(())
-}
-
-fn moves(planned: &ClOperation, name: &str, stage: ClStage) -> Result<(), Malformed> {
-    let count = planned.moves.len();
-    if matches!(stage, ClStage::Oriented | ClStage::InSectors) {
-        return check(count == 0, || format!("`{name}` has {count} moves before its passes are linked"));
-    }
-    for (i, m) in planned.moves.iter().enumerate() {
-        let at = || format!("move {i} of `{name}` is {m:?}");
-        check(finite(&m.to.tip) && is_unit(&m.to.axis) && (m.pass as usize) < planned.passes.len(), at)?;
-        let fed = match (stage, m.kind) {
-            (ClStage::Fed, MoveKind::Cut | MoveKind::Link) => m.feed.is_some_and(|f| f.is_finite() && f > 0.0),
-            _ => m.feed.is_none(),
-        };
-        check(fed, at)?;
-    }
-    // Links lead to the pass of the cut that follows: passes are cut in their order.
-    let cuts = || planned.moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.pass);
-    check(cuts().is_sorted(), || format!("`{name}` does not cut its passes in their order"))
 }
 
 /// The motion: one station at retract height before the first move and one behind the last, positions and times that can
@@ -185,6 +161,9 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
             check(m.feed.is_none() == (m.kind == MoveKind::Rapid), at)?;
             check(m.feed.is_none_or(|f| f.is_finite() && f > 0.0), at)?;
         }
+        // Links lead to the pass of the cut that follows.
+        let cuts = made.moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.pass);
+        check(cuts.is_sorted(), || format!("`{name}` does not cut its passes in their order"))?;
         for m in [made.moves.first(), made.moves.last()].into_iter().flatten() {
             let aloft = m.kind == MoveKind::Rapid && m.joints.xyz.z == height;
             check(aloft, || format!("`{name}` does not begin and end at retract height: {m:?}"))?;

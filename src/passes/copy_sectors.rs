@@ -8,7 +8,7 @@
 use crate::ir::{ClPass, ClPlan, Program};
 
 /// Copies the passes of all operations.
-pub(super) fn run(program: &Program, cl: &mut ClPlan) {
+pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
     for planned in &mut cl.operations {
         let sectors = &program.operations[planned.operation].sectors;
         planned.passes = sectors

@@ -1,41 +1,31 @@
-//! From the program to the motion: one file a pass. The order, with a reason a line, stands in [`pipeline`].
+//! From the program to the motion. The order of the passes, with a reason a line, stands in [`pipeline`].
 //!
-//! A pass never reads what a later one makes. Steps between types (`plan-*`, `orient-tool`, `solve-kinematics`) make
-//! a new value; the others improve the one that they are given.
+//! A pass never reads what a later one makes. Steps between types (`plan`, `orient-tool`, `link-moves`) make a new
+//! value; the others improve the one that they are given.
+//!
+//! | room | holds | uses |
+//! |---|---|---|
+//! | `context` | program, obstacles, coordinates of the channel, limits of size | |
+//! | `lines` | lines of constant scallop on any surface | `context` |
+//! | `rough`, `flank`, `point`, `channel` | one operation each: where passes run, how the tool stands on them | `lines`, `context` |
+//! | `axis` | tool axes clear of the part, and smooth | the rooms of the operations |
+//! | `sample_to_tolerance`, `copy_sectors` | stations that the machine needs; one sector to all | `context` |
+//! | `link` | rest machining, the ways between passes, joints | `axis`, `context` |
+//! | `feed` | feeds, times, exact stops | |
 
-mod axis_room;
-mod axis_way;
-mod chart;
-mod constant_scallop;
+mod axis;
+mod channel;
+mod context;
 mod copy_sectors;
-mod exact_stops;
-mod flank_clearance;
-mod flank_sweep;
-mod layers;
-mod obstacles;
-mod spiral;
-mod surface_lines;
-mod vane_axis;
-mod vane_ground;
-mod way_out;
+mod feed;
+mod link;
+mod point;
+mod rough;
+mod sample_to_tolerance;
 
-pub mod assign_feeds;
-pub mod avoid_collision;
-pub mod hop;
-mod link_moves;
-pub mod orient_tool;
+pub mod flank;
+pub mod lines;
 pub mod pipeline;
-pub mod plan_channel;
-pub mod plan_expand;
-pub mod plan_flank;
-pub mod plan_groove;
-pub mod plan_point;
-pub mod rest_machining;
-pub mod sample_to_tolerance;
-pub mod scallop;
-pub mod smooth_axis;
-pub mod solve_kinematics;
-pub mod step;
-pub mod time_feeds;
 
-pub use obstacles::Obstacles;
+pub use context::Obstacles;
+pub use link::rest_machining;

@@ -3,7 +3,7 @@
 //! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, rotary
 //! axes linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
 
-use super::pipeline::PassContext;
+use super::context::PassContext;
 use crate::ir::{ClPlan, ClPoint, OperationKind};
 use crate::kin::{Angles, Chain, between};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ struct Station {
 }
 
 /// Thins all passes.
-pub(super) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
+pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
     let program = cx.program;
     for planned in &mut cl.operations {
         let operation = &program.operations[planned.operation];

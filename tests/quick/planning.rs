@@ -21,13 +21,12 @@ fn one_sector_of_the_paper_part_is_planned() {
     let plan = plan.expect("a plan");
     for (cl, motion) in plan.cl.operations.iter().zip(&plan.motion.operations) {
         let name = &program.operations[cl.operation].name;
-        let length: f64 = cl.moves.windows(2).map(|m| (m[1].to.tip - m[0].to.tip).norm()).sum();
         let time: f64 = motion.moves.iter().map(|m| m.time).sum();
         let slow = motion.moves.iter().filter(|m| m.kind == MoveKind::Cut).filter_map(|m| m.feed).fold(1e9, f64::min);
         println!(
-            "{name}: {} passes, {} moves, {length:.0} mm, {:.1} min, slowest {slow:.1}",
+            "{name}: {} passes, {} moves, {:.1} min, slowest {slow:.1}",
             cl.passes.len(),
-            cl.moves.len(),
+            motion.moves.len(),
             time / 60.0
         );
         for note in &cl.notes {

@@ -103,9 +103,6 @@ fn nothing_left_to_do_is_an_error_that_says_so() {
 /// The passes of the first operation up to a radius about Z, those of the second as planned.
 fn half_cut(program: &Program, radius: f64) -> ClPlan {
     let mut cl = planned(program).cl;
-    for operation in &mut cl.operations {
-        operation.moves.clear();
-    }
     for pass in &mut cl.operations[0].passes {
         let inside = |p: &Point3<f64>| p.x.hypot(p.y) < radius;
         pass.points.retain(|p| p.contact.is_some_and(|c| inside(&c)));

@@ -3,7 +3,7 @@
 use crate::support::jobs;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::validate::{self, ClStage, Malformed};
-use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, MoveKind, Operation, OperationKind, Program};
+use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, Operation, OperationKind, Program};
 use impellerc::part::{BladeId, SurfaceKind};
 use impellerc::units::Rpm;
 
@@ -74,22 +74,19 @@ fn location_plans() {
     let broken: Broken<ClPlan> = vec![
         ("another sector", |cl| cl.operations[0].passes[0].sector = 5),
         ("an axis that is too short", |cl| cl.operations[0].passes[0].points[5].axis *= 0.5),
-        ("a move without a pass", |cl| cl.operations[1].moves[7].pass = 99_999),
-        ("a rapid with a feed", |cl| first(cl, MoveKind::Rapid).feed = Some(100.0)),
-        ("a cut without a feed", |cl| first(cl, MoveKind::Cut).feed = None),
-        ("a tip nowhere", |cl| first(cl, MoveKind::Link).to.tip.x = f64::INFINITY),
-        ("passes out of order", |cl| {
-            let last = cl.operations[2].passes.len() as u32 - 1;
-            cl.operations[2].moves.iter_mut().find(|m| m.kind == MoveKind::Cut).unwrap().pass = last;
+        ("a tip nowhere", |cl| cl.operations[2].passes[1].points[0].tip.x = f64::INFINITY),
+        ("a contact nowhere", |cl| {
+            let points = &mut cl.operations[2].passes[1].points;
+            points.iter_mut().find_map(|p| p.contact.as_mut()).unwrap().y = f64::NAN;
         }),
+        ("a missing operation", |cl| cl.operations.truncate(2)),
     ];
-    each(&small.plan.cl, &broken, |cl| validate::cl(&small.program, cl, ClStage::Fed));
-    assert!(validate::cl(&small.program, &small.plan.cl, ClStage::Linked).is_err());
-    assert!(validate::cl(&small.program, &small.plan.cl, ClStage::Oriented).is_err());
-}
-
-fn first(cl: &mut ClPlan, kind: MoveKind) -> &mut impellerc::ir::ClMove {
-    cl.operations[0].moves.iter_mut().find(|m| m.kind == kind).unwrap()
+    each(&small.plan.cl, &broken, |cl| validate::cl(&small.program, cl, ClStage::InSectors));
+    // A pass of another sector is none of the one that is planned.
+    let mut another = small.plan.cl.clone();
+    assert_eq!(validate::cl(&small.program, &another, ClStage::Oriented), Ok(()));
+    another.operations[0].passes[0].sector = 3;
+    assert!(validate::cl(&small.program, &another, ClStage::Oriented).is_err());
 }
 
 #[test]
@@ -100,6 +97,10 @@ fn motions() {
         ("a joint that is no number", |m| m.operations[0].moves[4].joints.rotary[1] = f64::NAN),
         ("no way down from retract height", |m| m.operations[1].moves = m.operations[1].moves.split_off(1)),
         ("no way up to retract height", |m| m.operations[1].moves.truncate(9)),
+        ("passes out of order", |m| {
+            let last = m.operations[2].labels.len() as u32 - 1;
+            m.operations[2].moves[5].pass = last;
+        }),
         ("a label that is not there", |m| m.operations[2].labels.clear()),
         ("a feed of zero", |m| {
             m.operations[2].moves.iter_mut().find(|m| m.feed.is_some()).unwrap().feed = Some(0.0);

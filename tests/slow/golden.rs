@@ -11,9 +11,9 @@ fn in_short(job: &str) {
     let c = &own;
     check(job, "ir", &print::program(&c.program));
     let mut plan = String::new();
-    for operation in &c.plan.cl.operations {
+    for (operation, motion) in c.plan.cl.operations.iter().zip(&c.plan.motion.operations) {
         let name = &c.program.operations[operation.operation].name;
-        plan.push_str(&format!("{name}: {} passes, {} moves\n", operation.passes.len(), operation.moves.len()));
+        plan.push_str(&format!("{name}: {} passes, {} moves\n", operation.passes.len(), motion.moves.len()));
         for note in &operation.notes {
             plan.push_str(&format!("  {note}\n"));
         }

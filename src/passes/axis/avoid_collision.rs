@@ -1,0 +1,197 @@
+//! `avoid-collision`: tool, shank and holder clear of the part.
+//!
+//! Before: cutter locations with the axes that the geometry suggests. After: the same contacts; axes of channel
+//! finishing lean away from the nearer wall just as far as needed (`method blend`), take the best way through the clear
+//! axes of all stations in the machine's axes (`corridor`), or the greedy one (`xu`); `ruling` stays as it is. Roughing
+//! lines were laid clear by their layers. An axis that nothing clears is an error with the place.
+
+use super::orient_tool::leaning_points;
+use super::room::AxisRoom;
+use super::way;
+use super::way_out::way_out;
+use crate::analysis::flank::SIDE_CLEARANCE;
+use crate::diag::{Aborted, Diag, codes::orientation};
+use crate::entity::PrimaryMap;
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program, Tool};
+use crate::method::AxisMethod;
+use crate::part::SurfaceKind;
+use crate::passes::context::{Keep, Lean, Obstacles, PassContext};
+use rayon::prelude::*;
+
+/// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
+const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
+
+/// Station at which a pass is not clear, and the distance there.
+type Miss = (usize, f64);
+
+/// Repairs axes, or says where it cannot.
+///
+/// # Errors
+/// A pass whose shank or holder comes nearer to the part than the clearance of the job.
+pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
+    let mut failed = false;
+    for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        let operation = &cx.program.operations[planned.operation];
+        let (program, obstacles) = (cx.program, cx.obstacles);
+        if let Some(method @ (AxisMethod::Corridor | AxisMethod::Xu)) = operation.kind.axis_method() {
+            failed |= clear_axes(cx, operation, method, planned, oriented).is_err();
+            continue;
+        }
+        let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
+        let pairs = || planned.passes.par_iter().zip(&oriented.passes);
+        let leans: Vec<Result<f64, Miss>> =
+            pairs().map(|(cc, cl)| work.step(clearing_lean(program, obstacles, operation, cc, &cl.points))).collect();
+        let ways_out: Vec<Option<String>> = pairs()
+            .zip(&leans)
+            .map(|((cc, cl), lean)| {
+                lean.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
+            })
+            .collect();
+        let mut steepest = 0.0_f64;
+        let passes = planned.passes.iter().zip(&mut oriented.passes);
+        for ((cc, pass), (lean, way_out)) in passes.zip(leans.into_iter().zip(ways_out)) {
+            match lean {
+                Ok(lean) => {
+                    steepest = steepest.max(lean);
+                    if leans_away(operation, cc) {
+                        pass.points = leaning_points(program, operation, cc, Lean::Away(lean.to_radians()));
+                    }
+                }
+                Err((index, distance)) => {
+                    failed = true;
+                    let tool = &cx.program.tools[operation.tool];
+                    let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
+                    let diag = Diag::error(
+                        orientation::COLLISION,
+                        format!(
+                            "`{}`: {} comes within {distance:.2} mm of the part; {:.2} mm are asked for",
+                            operation.name,
+                            tool.name,
+                            cx.program.clearance.get()
+                        ),
+                    )
+                    .label(operation.span, "in this operation")
+                    .label(tool.span, "with this tool")
+                    .place(pass.label.clone(), at);
+                    cx.sink.push(way_out.into_iter().fold(diag, Diag::help));
+                }
+            }
+        }
+        if steepest > 0.0 {
+            oriented.notes.push(format!("axes lean away from the nearer wall by up to {steepest} deg at the wall"));
+        }
+    }
+    if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// True when a pass leans away from walls as far as it needs.
+fn leans_away(operation: &Operation, cc: &CcPass) -> bool {
+    let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
+    matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
+}
+
+/// Chooses clear axes for all passes of an operation.
+fn clear_axes(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    method: AxisMethod,
+    planned: &CcOperation,
+    oriented: &mut ClOperation,
+) -> Result<(), Aborted> {
+    let program = cx.program;
+    let room = AxisRoom::new(program, cx.obstacles, operation);
+    let work = cx.progress.begin(format!("{}, clear axes", operation.name), planned.passes.len());
+    let (passes, planned) = (&oriented.passes, &planned.passes);
+    let chosen = if method == AxisMethod::Xu {
+        way::greedy_axes(&room, &program.machine.chain, planned, passes)
+    } else {
+        way::shortest(&room, &program.machine, passes, &work)
+    };
+    let (found, blocked) = match chosen {
+        Ok(points) => (points, Vec::new()),
+        Err(faults) => (Vec::new(), faults),
+    };
+    let tool = &program.tools[operation.tool];
+    for (i, (at, about)) in &blocked {
+        let label = oriented.passes.get(*i).map_or_else(String::new, |p| p.label.clone());
+        cx.sink.push(
+            room.no_axis(&operation.name, &tool.name, at, about)
+                .place(label, *at)
+                .label(operation.span, "in this operation")
+                .label(tool.span, "with this tool"),
+        );
+    }
+    if !blocked.is_empty() {
+        return Err(Aborted);
+    }
+    for (pass, points) in oriented.passes.iter_mut().zip(found) {
+        pass.points = points;
+    }
+    Ok(())
+}
+
+/// What tool clears a pass that this one does not. A pass along the rulings is given by its cutter, which then stays.
+fn tool_that_clears(
+    program: &Program,
+    obstacles: &Obstacles,
+    operation: &Operation,
+    cc: &CcPass,
+    points: &[ClPoint],
+) -> String {
+    let free = leans_away(operation, cc);
+    way_out(&program.tools[operation.tool].solid, free, |solid| {
+        let mut program = program.clone();
+        let mut tools = PrimaryMap::new();
+        for (id, tool) in program.tools.iter() {
+            let solid = if id == operation.tool { solid } else { &tool.solid };
+            tools.push(Tool { solid: solid.clone(), ..tool.clone() });
+        }
+        program.tools = tools;
+        clearing_lean(&program, obstacles, operation, cc, points).is_ok()
+    })
+}
+
+/// The least lean, degrees, that clears a pass, or the worst place and distance.
+fn clearing_lean(
+    program: &Program,
+    obstacles: &Obstacles,
+    operation: &Operation,
+    cc: &CcPass,
+    points: &[ClPoint],
+) -> Result<f64, Miss> {
+    let solid = &program.tools[operation.tool].solid;
+    let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
+    let leaning = leans_away(operation, cc);
+    let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
+    let lack = |p: &ClPoint| {
+        let ball = solid.cutter.ends_in_ball();
+        // Where the ball touches an edge nothing of the part comes near its side.
+        let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
+        let beside = on_vane && !(ball && edge);
+        let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
+        let side_free = leaning && ball;
+        let body = obstacles.body_lack(solid, &p.tip, &p.axis, &keep, side_free);
+        inside.into_iter().chain(body).reduce(f64::min)
+    };
+    let worst = |points: &[ClPoint]| {
+        points
+            .iter()
+            .enumerate()
+            .filter_map(|(i, p)| lack(p).map(|d| (i, d)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(i, lack)| (i, lack + keep.clearance))
+    };
+    if !leaning {
+        return worst(points).map_or(Ok(0.0), Err);
+    }
+    let mut last = (0, 0.0);
+    // On the arc of a barrel, and not on its tip.
+    let end = if on_vane { solid.cutter.barrel_angle() } else { None };
+    for lean in LEANS.into_iter().filter(|lean| end.is_none_or(|end| *lean > 0.0 && lean.to_radians() < end)) {
+        match worst(&leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))) {
+            None => return Ok(lean),
+            Some(miss) => last = miss,
+        }
+    }
+    Err(last)
+}

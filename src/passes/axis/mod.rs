@@ -1,0 +1,9 @@
+//! Tool axes: what the operations suggest, clear of the part, smooth.
+
+pub(crate) mod avoid_collision;
+pub(crate) mod orient_tool;
+mod room;
+pub(crate) mod run;
+pub(crate) mod smooth_axis;
+mod way;
+mod way_out;

@@ -1,0 +1,76 @@
+//! `orient-tool`: tip and axis of every station.
+//!
+//! Before: contact or drive points of a sector. After: its cutter locations, stations where they were. How the tool stands is the matter of the
+//! operations: their rooms have the laws.
+
+use crate::diag::Aborted;
+use crate::ir::{
+    CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, OperationKind, Program,
+};
+use crate::method::AxisMethod;
+use crate::passes::channel::hub_points;
+use crate::passes::context::{Lean, PassContext};
+use crate::passes::flank::{flank_points, path_points};
+use crate::passes::point::vane_points;
+use crate::passes::rough::{channel_points, roughing};
+use rayon::prelude::*;
+
+/// Makes cutter locations.
+///
+/// # Errors
+/// None of its own; it passes on those of the roughing set-up.
+pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+    let mut plan = ClPlan::default();
+    for operation in &cc.operations {
+        plan.operations.push(orient_operation(cx, operation)?);
+    }
+    Ok(plan)
+}
+
+fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOperation, Aborted> {
+    let program = cx.program;
+    let operation = &program.operations[cc.operation];
+    let rough = if operation.kind.finishes() { None } else { Some(roughing(cx, operation)?) };
+    let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());
+    let passes = cc
+        .passes
+        .par_iter()
+        .map(|pass| ClPass {
+            label: pass.label.clone(),
+            sector: 0,
+            points: match pass.drive {
+                Drive::Channel => rough.as_ref().map_or_else(Vec::new, |r| channel_points(r, pass)),
+                Drive::Face { side, .. } => match &pass.path {
+                    Some(path) => path_points(path, pass),
+                    None => flank_points(program, operation, pass, side),
+                },
+                Drive::Hub | Drive::Contact(_) | Drive::Round => {
+                    leaning_points(program, operation, pass, lean(operation))
+                }
+            },
+        })
+        .map(|pass| work.step(pass))
+        .collect();
+    Ok(ClOperation { operation: cc.operation, passes, notes: cc.notes.clone() })
+}
+
+/// How axes stand before anything is avoided.
+fn lean(operation: &Operation) -> Lean {
+    match operation.kind {
+        _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => Lean::Along,
+        OperationKind::Point { .. } => Lean::Away(FIRST_TILT),
+        _ => Lean::Away(0.0),
+    }
+}
+
+/// Tilt off a face before anything is avoided, radians: the twist of a vane has some room behind it.
+const FIRST_TILT: f64 = 0.25;
+
+/// Stations of a pass whose axes lean by a lean.
+pub(crate) fn leaning_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
+    match pass.drive {
+        Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, lean)),
+        Drive::Round => vane_points(program, operation, pass, |axes, p| axes.round(p.w, p.u, p.v, lean)),
+        _ => hub_points(program, operation, pass, lean),
+    }
+}

@@ -1,0 +1,156 @@
+//! Which tool axes are clear at a contact of the floor, and proof of it between contacts.
+//!
+//! The tool stands on the floor with its ball; it turns about the centre of the ball. Its distances: shank and holder
+//! what the contracts ask, the side of the cutter [`SIDE`] from one diameter over the tip on, where it has left the
+//! contact behind. Between two stations the tip runs straight and the rotary axes turn evenly: at the middle of a piece no point
+//! of the tool is farther from where it is over the whole piece than half of the way of the tip and half of the turn
+//! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
+
+use super::way_out::way_out;
+use crate::collide::{Section, ToolSolid};
+use crate::contract::Guarded;
+use crate::diag::{Diag, codes::orientation};
+use crate::geom::EllipticCone;
+use crate::geom::elliptic_cone::frame_about;
+use crate::ir::{Operation, Program};
+use crate::orient::inscribe::{Proof, inscribe};
+use crate::passes::context::{Ends, Obstacles};
+use nalgebra::{Point3, Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Distance of the side of the cutter to the part from one diameter over its tip on, mm.
+pub(crate) const SIDE: f64 = 0.5;
+
+/// Angles from the middle at which axes are looked for, degrees.
+const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
+
+/// Axes looked at on a ring.
+const AROUND: usize = 16;
+
+/// Largest cone about an axis, as a tangent in the plane at height one.
+const REACH: f64 = 0.6;
+
+/// Half axis of a cone that is wide enough: 1.7 deg.
+const WIDE: f64 = 0.03;
+
+/// Clear axes about which cones are laid until one is wide enough.
+const SEEDS: usize = 8;
+
+/// The tool of an operation among the obstacles.
+#[derive(Clone, Copy)]
+pub(crate) struct AxisRoom<'a> {
+    obstacles: &'a Obstacles,
+    solid: &'a ToolSolid,
+    /// Distances of side of the cutter, shank and holder, mm.
+    asked: [f64; 3],
+    /// Largest angle between tool axis and axis of the table that the travel of rotary axis 1 has, radians.
+    most_lean: f64,
+}
+
+impl<'a> AxisRoom<'a> {
+    pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
+        let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
+        let solid = &program.tools[operation.tool].solid;
+        Self {
+            obstacles,
+            solid,
+            asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
+            most_lean: program.machine.most_lean(),
+        }
+    }
+
+    pub(crate) fn radius(&self) -> f64 {
+        self.solid.cutter.tip_radius()
+    }
+
+    /// How far a point is beyond the distances asked; negative where one is lacking.
+    fn lack(&self, rho: f64, s: f64) -> f64 {
+        let from = 2.0 * self.radius();
+        let [side, shank, holder] = self.asked;
+        let least = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+        let cutter = if s >= from {
+            self.solid.cutter_distance(rho, s)
+        } else {
+            libm::hypot(self.solid.cutter_distance(rho, from).max(0.0), from - s)
+        };
+        (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
+    }
+
+    /// True when every axis within an angle of this one is within travel and clear with the ball at a place, with `margin`
+    /// to spare.
+    pub(crate) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
+        let tip = centre - axis * self.radius();
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
+            && self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
+    }
+
+    /// True when the tool is clear over a whole piece of motion.
+    pub(crate) fn proved(&self, ends: &Ends) -> bool {
+        self.obstacles.keeps_over(ends, |rho, s| self.lack(rho, s))
+    }
+
+    /// Clear axes about a direction, the nearest first.
+    pub(crate) fn candidates(&self, centre: &Point3<f64>, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
+    }
+
+    /// A cone of clear axes about one of the nearest to a direction: the first that is wide enough, or the widest.
+    pub(crate) fn cone(
+        &self,
+        centre: &Point3<f64>,
+        to: &Vector3<f64>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        let mut best: Option<EllipticCone> = None;
+        for about in around(to).filter(|d| self.clear(centre, d, 0.0, margin)).take(SEEDS) {
+            let frame = frame_about(&about, &Vector3::z());
+            let clear = |d: &Vector3<f64>, cap: f64| self.clear(centre, d, cap, margin);
+            let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
+            if best.is_none_or(|b| cone.half_axes[1] > b.half_axes[1]) {
+                best = Some(cone);
+            }
+            if cone.half_axes[1] >= WIDE {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The error for a contact without a clear axis, looked for about a direction.
+    pub(crate) fn no_axis(&self, operation: &str, tool: &str, at: &Point3<f64>, about: &Vector3<f64>) -> Diag {
+        let [side, shank, holder] = self.asked;
+        Diag::error(
+            orientation::NO_AXIS,
+            format!(
+                "`{operation}`: no tool axis within 41 deg of the channel's direction keeps {tool} clear of the part: \
+                 {side} mm to the side of the cutter, {shank} mm to the shank, {holder} mm to the holder"
+            ),
+        )
+        .help(self.way_out(at, about))
+    }
+
+    /// What tool would do where no axis is clear: with which some axis about a direction is.
+    pub(crate) fn way_out(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
+        way_out(self.solid, true, |solid| self.with_any(solid, centre, middle))
+    }
+
+    fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
+        // A smaller ball would stand lower over the same contact: this asks of the upper part of the tool only.
+        let room = AxisRoom { solid, ..*self };
+        around(middle).any(|d| room.clear(centre, &d, 0.0, 0.0))
+    }
+}
+
+/// Directions about one, it first, ring by ring.
+fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
+    let [x, y, w] = frame_about(middle, &Vector3::z());
+    let rings = RINGS.into_iter().flat_map(move |ring| {
+        let radius = libm::tan(ring.to_radians());
+        (0..AROUND).map(move |k| {
+            let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+            (w + (x * cos + y * sin) * radius).normalize()
+        })
+    });
+    std::iter::once(w).chain(rings)
+}

@@ -1,0 +1,214 @@
+//! `smooth-axis`: axes of `method corridor` as a smooth run of the rotary axes inside the corridor of clear axes.
+//!
+//! Before: the best way through clear axes, station by station, with corners. After: at stations even apart along the
+//! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; rotary angles that stay in the cones
+//! with the least turn a mm and the least second and third differences; every station of the pass on a cubic curve
+//! through these. The clearance over the continuous motion between stations is proved; where it is not, the cones keep
+//! more distance and it is tried again. At most three times; then it is an error with the last residuals.
+
+use super::room::AxisRoom;
+use super::run::{lengths, rotary, stretch};
+use crate::diag::{Aborted, Diag, codes::orientation};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
+use crate::kin::{Angles, Chain, RotaryPose, between};
+use crate::method::AxisMethod;
+use crate::orient::inscribe::Proof;
+use crate::orient::{Corridor, Residual, Weights};
+use crate::passes::context::PassContext;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Distance of the stations of the corridor, mm.
+const SPACING: f64 = 1.5;
+
+/// Fewest stations of a corridor.
+const FEWEST: usize = 8;
+
+/// Times that the corridor is laid about the last run; each widens what the run can reach.
+const LAYINGS: usize = 3;
+
+/// Times that it is tried with more distance.
+const ROUNDS: usize = 3;
+
+/// Distance that cones keep more than asked for, mm, in each round: what happens between stations.
+const MARGIN: f64 = 0.06;
+
+/// What is minimised.
+const WEIGHTS: Weights = Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: 0.1 };
+
+/// Why a pass was not smoothed.
+enum Fault {
+    /// No clear axis at a place, looked for about a direction.
+    NoAxis(Point3<f64>, Vector3<f64>),
+    /// No run through the cones.
+    NoRun(Point3<f64>, Residual),
+    /// The run is not proved clear after a station.
+    NotProved(Point3<f64>),
+}
+
+/// Smooths the axes of all operations that ask for it.
+///
+/// # Errors
+/// A pass without a clear axis, without a smooth run, or whose clearance is not proved between stations.
+pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
+    let program = cx.program;
+    let mut failed = false;
+    for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        let operation = &program.operations[planned.operation];
+        if operation.kind.axis_method() != Some(AxisMethod::Corridor) {
+            continue;
+        }
+        let room = AxisRoom::new(program, cx.obstacles, operation);
+        let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
+        let smoothed: Vec<Result<Vec<ClPoint>, Fault>> =
+            oriented.passes.par_iter().map(|pass| work.step(smooth(&room, &program.machine.chain, pass))).collect();
+        for (pass, result) in oriented.passes.iter_mut().zip(smoothed) {
+            match result {
+                Ok(points) => pass.points = points,
+                Err(fault) => {
+                    failed = true;
+                    report(cx, operation, pass, &room, &fault);
+                }
+            }
+        }
+        let peak = oriented
+            .passes
+            .iter()
+            .map(|pass| turning(&program.machine.chain, &pass.points))
+            .fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
+        oriented.notes.push(format!(
+            "axes by corridor: {} turns by at most {:.2} deg a mm, {} by at most {:.2}; clear between stations by proof",
+            program.machine.rotary[0].name,
+            peak[0].to_degrees(),
+            program.machine.rotary[1].name,
+            peak[1].to_degrees()
+        ));
+    }
+    if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Largest turns of both rotary axes a mm of the tip's way.
+fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
+    let angles = rotary(chain, points.iter().map(|p| p.axis));
+    let mut most = [0.0_f64; 2];
+    for (pair, angle) in points.windows(2).zip(angles.windows(2)) {
+        let way = (pair[1].tip - pair[0].tip).norm();
+        if way > 1e-3 {
+            most = [0, 1].map(|k| most[k].max((angle[1][k] - angle[0][k]).abs() / way));
+        }
+    }
+    most
+}
+
+fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
+    let radius = room.radius();
+    let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+    let table = lengths(&centres);
+    let whole = table.last().copied().unwrap_or(0.0);
+    if centres.len() < 2 || whole <= 0.0 {
+        return Ok(pass.points.clone());
+    }
+    let count = ((whole / SPACING).ceil() as usize).max(FEWEST);
+    let spacing = whole / count as f64;
+    let angles = rotary(chain, pass.points.iter().map(|p| p.axis));
+    let at = |s: f64| {
+        let (i, t) = stretch(&table, s);
+        let angle = between(angles[i], angles[i + 1], t);
+        (centres[i] + (centres[i + 1] - centres[i]) * t, angle)
+    };
+    let (places, start): (Vec<Point3<f64>>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
+    let mut fault = Fault::NotProved(centres[0]);
+    for round in 1..=ROUNDS {
+        let margin = MARGIN * round as f64;
+        let mut run = start.clone();
+        for _ in 0..LAYINGS {
+            let mut cones = Vec::with_capacity(run.len());
+            for (place, angles) in places.iter().zip(&run) {
+                let wanted = chain.tool_axis(*angles);
+                let cone = room.cone(place, &wanted, Proof::Rays, margin);
+                cones.push(cone.ok_or(Fault::NoAxis(*place, wanted))?);
+            }
+            let corridor = Corridor { cones, spacing };
+            match corridor.smooth(&run, &WEIGHTS, &|angles| chain.tool_axis(angles)) {
+                Ok(next) => run = next,
+                Err(residual) => return Err(Fault::NoRun(places[residual.station], residual)),
+            }
+        }
+        let points = on_curve(chain, &pass.points, &centres, &table, &run, spacing, radius);
+        let exact = rotary(chain, points.iter().map(|p| p.axis));
+        let unproved = (1..points.len()).find(|i| {
+            let end = |k: usize| RotaryPose { tip: points[k].tip, rotary: exact[k] };
+            !room.proved(&[end(i - 1), end(*i)])
+        });
+        match unproved {
+            None => return Ok(points),
+            Some(i) => fault = Fault::NotProved(points[i].tip),
+        }
+    }
+    Err(fault)
+}
+
+/// The stations of a pass with axes on the cubic curve through the rotary angles at even lengths.
+fn on_curve(
+    chain: &Chain,
+    points: &[ClPoint],
+    centres: &[Point3<f64>],
+    table: &[f64],
+    run: &[Angles],
+    spacing: f64,
+    radius: f64,
+) -> Vec<ClPoint> {
+    // Four point interpolation: over evenly spaced smooth values right to the fourth difference.
+    let cubic = |x: f64, value: &dyn Fn(usize) -> f64| {
+        let i = (x.floor() as usize).clamp(1, run.len() - 3) - 1;
+        let t = x - i as f64;
+        (0..4)
+            .map(|j| {
+                let others = (0..4).filter(|k| *k != j);
+                others.map(|k| (t - k as f64) / (j as f64 - k as f64)).product::<f64>() * value(i + j)
+            })
+            .sum::<f64>()
+    };
+    points
+        .iter()
+        .zip(centres)
+        .zip(table)
+        .map(|((point, centre), s)| {
+            let x = s / spacing;
+            let axis = chain.tool_axis([0, 1].map(|axis| cubic(x, &|k| run[k][axis])));
+            ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
+        })
+        .collect()
+}
+
+fn report(
+    cx: &mut PassContext<'_>,
+    operation: &crate::ir::Operation,
+    pass: &ClPass,
+    room: &AxisRoom<'_>,
+    fault: &Fault,
+) {
+    let tool = &cx.program.tools[operation.tool];
+    let diag = match fault {
+        Fault::NoAxis(at, about) => room.no_axis(&operation.name, &tool.name, at, about).place(pass.label.clone(), *at),
+        Fault::NoRun(at, residual) => Diag::error(
+            orientation::NOT_SMOOTH,
+            format!(
+                "`{}`: no smooth run of the rotary axes stays among the clear axes: at {:.2} times the width of its \
+                 cone after the last round, which changed angles by {:.4} deg",
+                operation.name,
+                residual.level,
+                residual.change.to_degrees()
+            ),
+        )
+        .place(pass.label.clone(), *at)
+        .help("a slimmer tool or a longer reach leaves wider cones; `method blend` asks for less distance"),
+        Fault::NotProved(at) => Diag::error(
+            orientation::NOT_SMOOTH,
+            format!("`{}`: the clearance of {} is not proved between stations", operation.name, tool.name),
+        )
+        .place(pass.label.clone(), *at)
+        .help("a slimmer tool or a longer reach leaves more room between stations"),
+    };
+    cx.sink.push(diag.label(operation.span, "in this operation").label(tool.span, "with this tool"));
+}

@@ -1,0 +1,297 @@
+//! The way of the tool axis along a pass of the floor: `method corridor` by the shortest path in the machine's axes,
+//! `method xu` by the greedy choice of Xu 2013. Both take clear axes only.
+
+use super::room::AxisRoom;
+use super::run::{lengths, rotary, stretch};
+use crate::geom::moving_least_squares::{Patch, curvature};
+use crate::geom::{EllipticCone, Triangulation};
+use crate::ir::{CcPass, ClPass, ClPoint};
+use crate::kin::{Angles, Chain, Machine, between};
+use crate::orient::inscribe::Proof;
+use crate::orient::{Candidate, Costs, Energy, greedy};
+use crate::progress::Work;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Distance of the stations of the shortest path, mm.
+const STEP: f64 = 4.0;
+
+/// Most candidates of a station, the nearest to the direction of the channel first: the path looks at pairs of pairs.
+const MOST_CANDIDATES: usize = 40;
+
+/// Distance that candidates keep more than asked for, mm: room for the corridor about them.
+const MARGIN: f64 = 0.1;
+
+/// Least tilt of a candidate, radians: nearer to the pole rotary axis 2 turns through, and a pass keeps one branch.
+const LEAST_TILT: f64 = 0.1;
+
+/// Weight of second differences in formula (4), 1/s.
+const SMOOTHNESS: f64 = 40.0;
+
+/// Largest turn between stations, radians.
+const MOST_TURN: f64 = 0.6;
+
+/// Cost of a radian away from the direction of the channel, s: among equal ways that in the middle.
+const AWAY: f64 = 0.02;
+
+/// Cost of the square of the angle, in radians, to the axis of the nearest place of the lines before, s: far above what
+/// a shorter way of one line is worth for a jump, and little for a drift from line to line.
+const BESIDE: f64 = 2.0;
+
+/// Distance of the contacts of the greedy choice, mm.
+const CONTACTS: f64 = 2.0;
+
+/// Weights of membrane and thin plate (22) of the greedy choice.
+const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
+
+/// A place where no axis is clear, and the direction about which they were looked for.
+pub(crate) type Blocked = (Point3<f64>, Vector3<f64>);
+
+/// Ball centres of a pass, the length of the way to each, and the shares of the way at which axes are chosen.
+struct Way {
+    centres: Vec<Point3<f64>>,
+    table: Vec<f64>,
+    stops: Vec<f64>,
+}
+
+impl Way {
+    fn new(pass: &ClPass, radius: f64, step: f64) -> Self {
+        let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+        let table = lengths(&centres);
+        let whole = table.last().copied().unwrap_or(0.0);
+        let count = (whole / step).ceil().max(2.0) as usize;
+        let stops = (0..=count).map(|k| whole * k as f64 / count as f64).collect();
+        Self { centres, table, stops }
+    }
+
+    fn centre(&self, length: f64) -> Point3<f64> {
+        let (i, t) = stretch(&self.table, length);
+        self.centres[i] + (self.centres[i + 1] - self.centres[i]) * t
+    }
+
+    /// True when another way runs against this one.
+    fn starts_at_the_end_of(&self, other: &Self) -> bool {
+        let far = |end: Option<&Point3<f64>>| {
+            self.centres.first().zip(end).map_or(f64::INFINITY, |(p, q)| (p - q).norm_squared())
+        };
+        far(other.centres.last()) < far(other.centres.first())
+    }
+
+    /// All stations of the pass, the rotary axes linear between the stops.
+    fn between(&self, chain: &Chain, pass: &ClPass, angles: &[Angles], radius: f64) -> Vec<ClPoint> {
+        let at = |length: f64| {
+            let (i, t) = stretch(&self.stops, length);
+            chain.tool_axis(between(angles[i], angles[i + 1], t))
+        };
+        let stations = pass.points.iter().zip(&self.centres).zip(&self.table);
+        stations
+            .map(|((point, centre), length)| {
+                let axis = at(*length);
+                ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
+            })
+            .collect()
+    }
+}
+
+/// Stations of a pass with their candidates.
+struct Stations {
+    way: Way,
+    /// Clear axes of each station; none where no axis is clear.
+    candidates: Vec<Vec<Candidate>>,
+    /// The direction of the channel at each.
+    middles: Vec<Vector3<f64>>,
+}
+
+impl Stations {
+    /// Looks for clear axes about the axes of a pass as the direction of the channel.
+    fn new(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Self {
+        let radius = room.radius();
+        let way = Way::new(pass, radius, STEP);
+        let middles: Vec<Vector3<f64>> =
+            way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
+        let stops = way.stops.iter().zip(&middles);
+        let candidates = stops
+            .map(|(length, middle)| {
+                let centre = way.centre(*length);
+                let mut clear = room.candidates(&centre, middle, MARGIN);
+                if clear.is_empty() {
+                    clear = room.candidates(&centre, middle, 0.0);
+                }
+                clear
+                    .iter()
+                    .filter(|axis| libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT))
+                    .take(MOST_CANDIDATES)
+                    .flat_map(|axis| {
+                        let penalty = AWAY * axis.angle(middle);
+                        machine.chain.nearest(axis, 0.0).map(|rotary| {
+                            let joints = machine.joints(&(centre - axis * radius), rotary).all();
+                            Candidate { joints, penalty }
+                        })
+                    })
+                    .collect()
+            })
+            .collect();
+        Self { way, candidates, middles }
+    }
+
+    /// Makes candidates dear that differ from the axis chosen at the nearest place of the lines before.
+    fn lean_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+        for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
+            let here = self.way.centre(*length);
+            let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
+            let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
+            for candidate in candidates {
+                let axis = chain.tool_axis([candidate.joints[3], candidate.joints[4]]);
+                candidate.penalty += BESIDE * axis.angle(beside).powi(2);
+            }
+        }
+    }
+}
+
+/// The best ways through clear axes, from the axes of passes as the direction of the channel. Line by line: each keeps
+/// near to those before it, so that the tool hardly turns between neighbours, on the part as in the air.
+///
+/// # Errors
+/// For each pass without a way its number and the first place without a clear axis, or out of reach from the one before.
+pub(crate) fn shortest(
+    room: &AxisRoom<'_>,
+    machine: &Machine,
+    passes: &[ClPass],
+    work: &Work,
+) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
+    let looked: Vec<Option<Stations>> = passes
+        .par_iter()
+        .map(|pass| work.step((pass.points.len() > 1).then(|| Stations::new(room, machine, pass))))
+        .collect();
+    let costs = Costs {
+        speed: machine.speeds(),
+        acceleration: machine.accelerations(),
+        smoothness: SMOOTHNESS,
+        most_turn: MOST_TURN,
+    };
+    let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
+    let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();
+    for (i, (pass, stations)) in passes.iter().zip(looked).enumerate() {
+        let Some(mut stations) = stations else {
+            found.push(pass.points.clone());
+            continue;
+        };
+        stations.lean_towards(&machine.chain, &chosen);
+        let Stations { way, candidates, middles } = &stations;
+        match costs.shortest(candidates) {
+            Ok(choice) => {
+                // The other branch is the same way of the tool: `link-moves` chooses it.
+                let axis = |c: &Candidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
+                let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
+                chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
+                let angles = rotary(&machine.chain, axes.into_iter());
+                found.push(way.between(&machine.chain, pass, &angles, room.radius()));
+            }
+            Err(k) => faults.push((i, (way.centre(way.stops[k]), middles[k]))),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+/// The greedy choice of Xu 2013 over the passes of a sector, line by line: normals and curvatures at the contacts from
+/// their triangulation, a cone of clear axes at each, and the axis of it that adds least energy.
+///
+/// # Errors
+/// Places without a clear axis, with their pass.
+pub(crate) fn greedy_axes(
+    room: &AxisRoom<'_>,
+    chain: &Chain,
+    planned: &[CcPass],
+    passes: &[ClPass],
+) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
+    let radius = room.radius();
+    let ways: Vec<Way> = passes.iter().map(|pass| Way::new(pass, radius, CONTACTS)).collect();
+    let (bends, mean) = curvatures(planned, &ways);
+    let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
+        .par_iter()
+        .zip(passes.par_iter().zip(planned))
+        .zip(&bends)
+        .map(|((way, (pass, cc)), bends)| {
+            let stops = way.stops.iter().zip(bends);
+            stops
+                .map(|(length, bend)| {
+                    let centre = way.centre(*length);
+                    let station = stretch(&way.table, *length).0;
+                    let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
+                    let about = pass.points[station].axis;
+                    // About the clear axis that is nearest to the normal; in a deep channel none is near it, or only
+                    // near the pole: then along the channel.
+                    let laid = |to: &Vector3<f64>, proof: Proof| room.cone(&centre, to, proof, 0.0);
+                    let steep = |cone: &EllipticCone| {
+                        let axis = cone.axis();
+                        libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
+                    };
+                    let cone = laid(&normal, Proof::Covered)
+                        .filter(steep)
+                        .or_else(|| laid(&about, Proof::Covered))
+                        .or_else(|| laid(&about, Proof::Rays));
+                    let weight = bend.map_or(0.0, |k| greedy::weight(k, mean));
+                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((centre, about))
+                })
+                .collect()
+        })
+        .collect();
+    let mut rows: Vec<Vec<Vector3<f64>>> = Vec::new();
+    let mut faults = Vec::new();
+    for (i, row) in contacts.into_iter().enumerate() {
+        match row {
+            Ok(row) => {
+                let mut before = rows.last().cloned().filter(|b: &Vec<Vector3<f64>>| b.len() == row.len());
+                if let Some(before) = before.as_mut().filter(|_| i > 0 && ways[i].starts_at_the_end_of(&ways[i - 1])) {
+                    before.reverse();
+                }
+                let chosen = greedy::choose(&row, before.as_deref(), &ENERGY, CONTACTS);
+                rows.push(chosen);
+            }
+            Err(blocked) => {
+                faults.push((i, blocked));
+                rows.push(Vec::new());
+            }
+        }
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let points = |((way, pass), row): ((&Way, &ClPass), &Vec<Vector3<f64>>)| {
+        way.between(chain, pass, &rotary(chain, row.iter().copied()), radius)
+    };
+    Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
+}
+
+/// Mean curvature at every stop of every way, and the mean of their sizes.
+fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) {
+    let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
+    // Azimuths count from the first contact: a channel spans less than half a turn from it.
+    let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| libm::atan2(p.position.y, p.position.x));
+    for (i, (cc, way)) in planned.iter().zip(ways).enumerate() {
+        for (k, length) in way.stops.iter().enumerate() {
+            let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
+            let (r, azimuth) = (libm::hypot(p.position.x, p.position.y), libm::atan2(p.position.y, p.position.x));
+            let ahead = azimuth - first;
+            let place = [*length, r * (ahead - TAU * (ahead / TAU).round())];
+            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > 1e-6) {
+                points.push(p.position);
+                chart.push(place);
+                owner.push((i, k));
+            }
+        }
+    }
+    let mut bends: Vec<Vec<Option<f64>>> = ways.iter().map(|w| vec![None; w.stops.len()]).collect();
+    let Ok(mesh) = Triangulation::delaunay(points, &chart, 4.0 * CONTACTS) else { return (bends, 0.0) };
+    let normals = mesh.normals();
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for (index, (i, k)) in owner.into_iter().enumerate() {
+        if let Some(found) = curvature(&mesh, &normals, index, Patch::Cubic) {
+            bends[i][k] = Some(found.mean);
+            sum += found.mean.abs();
+            count += 1.0;
+        }
+    }
+    (bends, sum / count.max(1.0))
+}

@@ -1,0 +1,71 @@
+//! What tool would do where one does not clear the part.
+
+use crate::collide::{Section, ToolSolid};
+
+/// The shortest reach, or flutes and reach, the largest share of the holder, of the shank and, where the cutter is not given by what it cuts, of
+/// cutter and shank with which a pass `works`, each alone, in words.
+pub(crate) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
+    let from = solid.holder.first().map_or(0.0, |h| h.from);
+    let slimmed = |sections: &mut [Section], share: f64| {
+        for section in sections {
+            section.radius_from *= share;
+            section.radius_to *= share;
+        }
+    };
+    let shares = |least: u32| (least..=9).rev().map(|k| 0.1 * f64::from(k));
+    let works_with = |change: &dyn Fn(&mut ToolSolid)| {
+        let mut other = solid.clone();
+        change(&mut other);
+        works(&other)
+    };
+    let mut ways = Vec::new();
+    let lengths = || (1..=16).map(|k| 5.0 * f64::from(k));
+    let raised = |sections: &mut [Section], more: f64| {
+        for section in sections {
+            section.from += more;
+            section.to += more;
+        }
+    };
+    let longer = lengths().find(|more| {
+        works_with(&|s| {
+            if let Some(last) = s.shank.last_mut() {
+                last.to += more;
+            }
+            raised(&mut s.holder, *more);
+        })
+    });
+    if let Some(more) = longer {
+        ways.push(format!("a reach of {:.0} mm", from + more));
+    }
+    // Where the shank is in the way as well as the holder.
+    let longer_flutes = lengths().filter(|_| longer.is_none()).find(|more| {
+        works_with(&|s| {
+            s.flute_length += more;
+            raised(&mut s.shank, *more);
+            raised(&mut s.holder, *more);
+        })
+    });
+    if let Some(more) = longer_flutes {
+        ways.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
+    }
+    let widest = |sections: &[Section]| sections.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
+    if let Some(share) = shares(2).find(|share| works_with(&|s| slimmed(&mut s.holder, *share))) {
+        ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest(&solid.holder) * share));
+    }
+    if let Some(share) = shares(3).find(|share| works_with(&|s| slimmed(&mut s.shank, *share))) {
+        ways.push(format!("a shank of at most {:.1} mm diameter", 2.0 * widest(&solid.shank) * share));
+    }
+    let smaller = shares(3).filter(|_| cutter_free).find(|share| {
+        works_with(&|s| {
+            slimmed(&mut s.shank, *share);
+            s.cutter = s.cutter.scaled(*share);
+        })
+    });
+    if let Some(share) = smaller {
+        ways.push(format!("a cutter of {:.1} mm diameter with a shank as thin", 2.0 * solid.radius() * share));
+    }
+    match ways.as_slice() {
+        [] => "no longer reach, slimmer holder or smaller cutter alone would do; open the channel".to_owned(),
+        ways => format!("with all else as it is, this would do: {}", ways.join("; or ")),
+    }
+}

@@ -1,0 +1,6 @@
+//! Finishing of the channel floor.
+
+mod axes;
+pub(crate) mod plan;
+
+pub(crate) use axes::hub_points;

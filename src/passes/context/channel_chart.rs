@@ -1,0 +1,109 @@
+//! Coordinates of a channel: u from inlet to outlet, v from hub to shroud, w from its first wall to its second.
+
+use crate::part::{Face, Part, Surface};
+use nalgebra::{Point3, Vector3};
+
+/// Least outward lean of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
+/// the rulings stand upright the axis would come near the pole of a tilting table, and rotary axis 2 would have to turn through.
+const LEAST_LEAN: f64 = 0.2;
+
+/// Blend of the opposite wall's ruling that the axis keeps at a wall. Parallel to the ruling the side of the cutter
+/// would rest on the twisted wall far above the tip, and keep the tip away from the root.
+const AWAY_FROM_WALL: f64 = 0.12;
+
+/// Width over which the lean sets in, so that the axes stay smooth.
+const LEAN_SOFTNESS: f64 = 0.05;
+use std::f64::consts::TAU;
+
+/// Channel of sector 0 as a map from (u, v, w) to points. Walls are the facing faces of vane 0 and vane 1; between
+/// them points run on arcs about Z, so that the map keeps the walls and the symmetry of the part.
+pub(crate) struct ChannelChart<'a> {
+    part: &'a Part,
+    first: &'a Face,
+    second: &'a Face,
+}
+
+/// Cylindrical coordinates.
+#[derive(Clone, Copy)]
+struct Cylindrical {
+    r: f64,
+    azimuth: f64,
+    z: f64,
+}
+
+impl<'a> ChannelChart<'a> {
+    pub(crate) fn new(part: &'a Part) -> Self {
+        let [first, second] = part.first_passage().walls.map(|wall| part.face(wall));
+        Self { part, first, second }
+    }
+
+    /// Points on both walls at the same (u, v), azimuths such that the second follows the first.
+    fn walls(&self, u: f64, v: f64) -> (Cylindrical, Cylindrical) {
+        let cylindrical =
+            |p: Point3<f64>| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z };
+        let first = cylindrical(self.first.surface.point(u, v));
+        let mut second = cylindrical(self.second.surface.point(u, v));
+        // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
+        let ahead = second.azimuth - first.azimuth;
+        second.azimuth = first.azimuth + ahead - TAU * (ahead / TAU).round() + self.part.pitch();
+        (first, second)
+    }
+
+    /// Point at (u, v, w).
+    pub(crate) fn point(&self, u: f64, v: f64, w: f64) -> Point3<f64> {
+        let (a, b) = self.walls(u, v);
+        let mix = |x: f64, y: f64| x + (y - x) * w;
+        let (r, azimuth) = (mix(a.r, b.r), mix(a.azimuth, b.azimuth));
+        Point3::new(r * libm::cos(azimuth), r * libm::sin(azimuth), mix(a.z, b.z))
+    }
+
+    /// Length of the arc between the walls at (u, v).
+    pub(crate) fn width(&self, u: f64, v: f64) -> f64 {
+        let (a, b) = self.walls(u, v);
+        0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
+    }
+
+    /// Direction from hub to shroud: the two neighbouring vanes' rulings, blended by `blend` from the first (0) to the
+    /// second (1).
+    pub(crate) fn ruling(&self, u: f64, blend: f64) -> Vector3<f64> {
+        let second = self.part.sector_rotation(1) * self.second.surface.ruling(u);
+        (self.first.surface.ruling(u) * (1.0 - blend) + second * blend).normalize()
+    }
+
+    /// Tool axis of a tool at (u, v, w) that stands `edge` away from a wall when it touches it: parallel to that wall
+    /// there but for [`AWAY_FROM_WALL`], blended in between.
+    pub(crate) fn axis(&self, u: f64, v: f64, w: f64, edge: f64) -> Vector3<f64> {
+        // A channel narrower than the tool has no room to blend; the middle is the best that there is.
+        let e = (edge / self.width(u, v)).min(0.49);
+        let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
+        self.leaning(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
+    }
+
+    /// Blended ruling that leans outward, along the channel, at least by [`LEAST_LEAN`].
+    pub(crate) fn leaning(&self, u: f64, w: f64, blend: f64) -> Vector3<f64> {
+        let ruling = self.ruling(u, blend);
+        let at = self.point(u, 0.5, w);
+        let outward = Vector3::new(at.x, at.y, 0.0).normalize();
+        let step = 1e-3;
+        let along = (self.point(u + step, 0.5, w) - self.point(u - step, 0.5, w)).normalize();
+        let along = (along - ruling * along.dot(&ruling)).normalize();
+        let lack = LEAST_LEAN - ruling.dot(&outward);
+        let soft = 0.5 * (lack + libm::hypot(lack, LEAN_SOFTNESS));
+        // At the inlet the channel does not run outward, but there nothing is lacking either.
+        (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
+    }
+
+    /// Largest length of a ruling of either wall.
+    pub(crate) fn height(&self) -> f64 {
+        (0..=40)
+            .map(|i| f64::from(i) / 40.0)
+            .flat_map(|u| [self.first, self.second].map(|f| (f.surface.point(u, 1.0) - f.surface.point(u, 0.0)).norm()))
+            .fold(0.0, f64::max)
+    }
+
+    /// Change of u that moves the middle of the channel by a length at the inlet (u = 0) or the outlet (u = 1).
+    pub(crate) fn lead(&self, u: f64, v: f64, length: f64) -> f64 {
+        let step = 1e-3;
+        length * step / (self.point(u + step, v, 0.5) - self.point(u, v, 0.5)).norm()
+    }
+}

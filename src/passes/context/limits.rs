@@ -1,0 +1,80 @@
+//! What planning refuses for its size: samples, points, memory; and balls that are bigger than the fillet.
+
+use super::PassContext;
+use crate::analysis::cost;
+use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::{Operation, Program};
+use crate::part::sample;
+use crate::units;
+
+/// Refuses parts that cannot be sampled.
+pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+    let samples = sample::estimate(&program.part, FINEST_SPACING);
+    if samples <= sample::MOST_SAMPLES {
+        return Ok(());
+    }
+    let outlet = program.part.hub.meridian(1.0).point.x;
+    sink.push(
+        Diag::error(
+            planning::TOO_LARGE,
+            format!(
+                "a part of {outlet:.0} mm radius needs {samples:.1e} samples; at most {:.1e} are made",
+                sample::MOST_SAMPLES
+            ),
+        )
+        .help("check the units of the points"),
+    );
+    Err(Aborted)
+}
+
+/// Spacing of the samples that verification will need, mm.
+const FINEST_SPACING: f64 = 0.25;
+
+/// Refuses an operation whose plan would have more points in a sector than memory may hold beside those before it. The estimate before
+/// planning knows sizes of the part only; this knows the lines.
+pub(crate) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
+    let needed = cost::of_stations(cx.program, cx.stations.and(points, operation));
+    check_memory(cx, Some(operation), needed)
+}
+
+/// Refuses a plan that needs more memory than it may take, bytes; `operation` is the one that is planned.
+pub(crate) fn check_memory(
+    cx: &mut PassContext<'_>,
+    operation: Option<&Operation>,
+    needed: f64,
+) -> Result<(), Aborted> {
+    if needed <= cx.program.memory {
+        return Ok(());
+    }
+    let (needed, most) = (units::bytes(needed), units::bytes(cx.program.memory));
+    let mut diag = Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed}; it may take {most}"));
+    if let Some(operation) = operation {
+        diag = diag.label(operation.span, "planned up to this operation");
+    }
+    let help =
+        "a bigger `depth`, `residual` or `scallop`, fewer `sectors` or operations a job; or allow more: `--memory`";
+    cx.sink.push(diag.help(help));
+    Err(Aborted)
+}
+
+/// Refuses a ball that is bigger than the fillet in which it is to roll, or beside which it is to stand; says why on the
+/// operation and on its tool.
+pub(crate) fn check_fillet(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    [at_operation, at_tool]: [&str; 2],
+) -> Result<(), Aborted> {
+    let tool = &cx.program.tools[operation.tool];
+    let radius = tool.solid.cutter.tip_radius();
+    let Some(fillet) = cx.program.part.main().fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
+    cx.sink.push(
+        Diag::error(
+            planning::BALL_TOO_BIG,
+            format!("the ball of {} (radius {radius} mm) is bigger than the fillet ({fillet})", tool.name),
+        )
+        .label(operation.span, at_operation)
+        .label(tool.span, at_tool)
+        .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
+    );
+    Err(Aborted)
+}

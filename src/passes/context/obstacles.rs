@@ -1,0 +1,198 @@
+//! What the planner keeps the tool away from: sampled surfaces of the design part, of table and fixtures.
+
+use crate::collide::tool::tool_coordinates;
+use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::kin::{Carried, Chain, Machine, RotaryPose};
+use crate::part::{Part, Sample, SurfaceKind, sample};
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Spacing of the samples, mm.
+const SPACING: f64 = 0.4;
+
+/// Samples of a surface see the true distance of a tool a little too large: a sample lies at most d = 0.71 spacings
+/// beside the closest point, so that a distance g is overestimated by at most sqrt(g^2 + d^2) - g at a sharp edge and
+/// by d^2 / 2R at a round one. The planner keeps this much more than it is asked for.
+const EDGE_MARGIN: f64 = 0.08;
+
+/// The same for tools with a rounded tip of a millimetre and more.
+const ROUND_MARGIN: f64 = 0.02;
+
+/// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
+const HALVINGS: u32 = 9;
+
+/// A piece of motion: where it begins and ends.
+pub(crate) type Ends = [RotaryPose; 2];
+
+/// Samples of a solid about the axis of the table, and the distance within which every point of its outside has one.
+fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
+    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
+    let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
+    let spacing = CARRIED_SPACING.max((area / MOST_CARRIED).sqrt());
+    let mut points = Vec::new();
+    for (a, b, length) in edges() {
+        let rings = (length / spacing).ceil().max(1.0) as usize;
+        for i in 0..=rings {
+            let t = i as f64 / rings as f64;
+            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
+            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
+            points.extend((0..around).map(|k| {
+                let (sin, cos) = libm::sincos(TAU * k as f64 / around as f64);
+                CloudPoint { position: Point3::new(x + r * cos, y + r * sin, z), normal: Vector3::z(), tag: 0 }
+            }));
+        }
+    }
+    (Cloud::new(points), spacing * FRAC_1_SQRT_2)
+}
+
+/// A cutter that is less than this inside of a sample touches it, mm.
+const TOUCHES: f64 = 2e-4;
+
+/// Margin of a cutter.
+fn margin(solid: &ToolSolid) -> f64 {
+    if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
+}
+
+/// Distances to keep, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct Keep {
+    /// Cutter to vanes and fillets.
+    pub vane: f64,
+    /// Cutter to the hub.
+    pub hub: f64,
+    /// Shank and holder to everything.
+    pub clearance: f64,
+}
+
+/// Spacing of the samples of table and fixtures, mm; large ones have at most [`MOST_CARRIED`].
+const CARRIED_SPACING: f64 = 1.0;
+
+/// Most samples of a solid that turns with the part.
+const MOST_CARRIED: f64 = 1e5;
+
+/// Sampled surfaces.
+pub struct Obstacles {
+    walls: Cloud,
+    hub: Cloud,
+    /// Table and fixtures with the distance within which every point of them has a sample.
+    carried: Vec<(Cloud, f64)>,
+    chain: Chain,
+}
+
+impl Obstacles {
+    /// Samples all surfaces of the part, and of what turns with it on a machine.
+    pub fn new(part: &Part, machine: &Machine) -> Self {
+        let samples = sample::sample(part, SPACING);
+        let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
+            samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
+        let [hub, walls] = [hub, walls].map(sample::cloud_points);
+        let carried = machine.carried.iter().map(|solid| carried(solid, machine.table_axis())).collect();
+        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
+    }
+
+    /// True when the tool keeps its distances over a motion: `lack` is how far a point at a distance from the tool axis
+    /// and a height over the tip is beyond what is asked, and changes no faster than the point moves; no tool point
+    /// moves by more than `shift` and, turning about the tip, by `turn` times its distance from `about`.
+    pub fn keeps(
+        &self,
+        (tip, axis): (&Point3<f64>, &Vector3<f64>),
+        lack: impl Fn(f64, f64) -> f64,
+        (about, turn, shift): (&Point3<f64>, f64, f64),
+    ) -> bool {
+        // Distance to the middle of the turn changes as fast as the point: as a whole no faster than 1 + turn times.
+        let value = |p: &Point3<f64>, margin: f64| {
+            let (rho, s) = tool_coordinates(p, tip, axis);
+            (lack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
+        };
+        let of_part = |p: &Point3<f64>| value(p, EDGE_MARGIN);
+        self.walls.least(of_part, 0.0).is_none()
+            && self.hub.least(of_part, 0.0).is_none()
+            && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
+    }
+
+    /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion: the tip runs straight
+    /// and both angles evenly. At the middle of a piece no point of the tool is farther from where it is over the whole
+    /// piece than half of the way of the tip and half of the turn times its distance from the tip; pieces are halved
+    /// until the distance in the middle is larger than that.
+    pub fn keeps_over(&self, ends: &Ends, lack: impl Fn(f64, f64) -> f64) -> bool {
+        let mut open = vec![(*ends, 0)];
+        while let Some(([p, q], depth)) = open.pop() {
+            let middle = RotaryPose {
+                tip: p.tip + (q.tip - p.tip) * 0.5,
+                rotary: [0, 1].map(|k| 0.5 * (p.rotary[k] + q.rotary[k])),
+            };
+            let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
+            if self.keeps((&middle.tip, &self.chain.tool_axis(middle.rotary)), &lack, (&middle.tip, turn, shift)) {
+                continue;
+            }
+            if depth >= HALVINGS {
+                return false;
+            }
+            open.push(([p, middle], depth + 1));
+            open.push(([middle, q], depth + 1));
+        }
+        true
+    }
+
+    /// True when the tool keeps its distances to the hub.
+    pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let (hub, body) = (keep.hub + margin(solid), keep.clearance + EDGE_MARGIN);
+        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
+        self.hub.nearest(tip, axis, lack, 0.0).is_none()
+    }
+
+    /// True when the tool keeps its distances to vanes and fillets.
+    pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let (vane, body) = (keep.vane + margin(solid), keep.clearance + EDGE_MARGIN);
+        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
+        self.walls.nearest(tip, axis, lack, 0.0).is_none()
+    }
+
+    /// How far the cutter is inside of the part, negative, where it does more than touch it.
+    pub fn cutter_inside(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> Option<f64> {
+        let lack = |rho: f64, s: f64| solid.cutter_distance(rho, s) + TOUCHES;
+        let walls = self.walls.nearest(tip, axis, lack, 0.0).map(|x| x.0);
+        let hub = self.hub.nearest(tip, axis, lack, 0.0).map(|x| x.0);
+        walls.into_iter().chain(hub).reduce(f64::min)
+    }
+
+    /// Where a distance to the tool is least on each of the obstacles, and that distance less than what the samples see too
+    /// much of it, as far as it is below `cutoff`.
+    pub fn nearest<'a>(
+        &'a self,
+        (tip, axis): (&'a Point3<f64>, &'a Vector3<f64>),
+        distance: impl Fn(f64, f64) -> f64 + 'a,
+        cutoff: f64,
+    ) -> impl Iterator<Item = (f64, Point3<f64>)> + 'a {
+        let part = [(&self.walls, EDGE_MARGIN), (&self.hub, EDGE_MARGIN)];
+        let all = part.into_iter().chain(self.carried.iter().map(|(cloud, beside)| (cloud, *beside)));
+        all.filter_map(move |(cloud, margin)| {
+            let (least, index) = cloud.nearest(tip, axis, &distance, cutoff + margin)?;
+            Some((least - margin, cloud.points()[index].position))
+        })
+    }
+
+    /// How far shank and holder are from their clearance to part, table and fixtures, where that is lacking; with
+    /// `side_free` also the side of the cutter, from a radius above the middle of its ball, from its own.
+    pub fn body_lack(
+        &self,
+        solid: &ToolSolid,
+        tip: &Point3<f64>,
+        axis: &Vector3<f64>,
+        keep: &Keep,
+        side_free: bool,
+    ) -> Option<f64> {
+        // Above this height the side of the cutter has left the ball behind.
+        let from = 2.0 * solid.cutter.tip_radius();
+        let lack = |rho: f64, s: f64| {
+            let body = solid.body_distance(rho, s) - keep.clearance;
+            if !side_free {
+                return body;
+            }
+            let side = libm::hypot(solid.cutter_distance(rho, s.max(from)).max(0.0), (from - s).max(0.0));
+            let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
+            body.min(side - keep.vane)
+        };
+        self.nearest((tip, axis), lack, 0.0).map(|(least, _)| least).reduce(f64::min)
+    }
+}

@@ -1,0 +1,111 @@
+//! `time-feeds`: feeds that the axes can follow, and the time of every move.
+//!
+//! Before: joints with process feeds. After: each feed is the largest that the tip reaches in that block when the axes
+//! run through the operation as fast as their speeds, accelerations and jerks allow (see [`crate::kin::feedrate`] for what
+//! a feasible feed is), never above the process feed, and no axis would go faster than it can where the block is run
+//! through at its feed alone: that is proved over the whole block ([`Machine::planned_time`]), rapids
+//! included. The times of the moves are those of the feeds; what speeding up and slowing down adds is simulated by the
+//! verifier.
+
+use crate::ir::{JointMove, Motion, MoveKind, Program};
+use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
+use crate::kin::{Joints, Machine, between};
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+/// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves the chord by 15 um there.
+const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
+
+/// Most stations of a move.
+const MOST_STATIONS: f64 = 1000.0;
+
+/// Feed unit of the text forms, mm/min: feeds are rounded down to it so that a post never has to round up.
+const FEED_STEP: f64 = 1e-3;
+
+/// Sets feeds and times.
+pub(crate) fn run(program: &Program, motion: &mut Motion) {
+    let machine = &program.machine;
+    motion.operations.par_iter_mut().for_each(|operation| {
+        let declared = &program.operations[operation.operation];
+        let (finishing, t) = (declared.kind.finishes(), &program.tolerances);
+        let tool = &program.tools[declared.tool];
+        let rounding = Rounding {
+            tolerance: if finishing { t.chord.get() } else { t.chord_rough.get() },
+            height: tool.solid.flute_length,
+        };
+        let reached = reached_feeds(machine, &rounding, &operation.moves);
+        let mut before: Option<Joints> = None;
+        for (m, reached) in operation.moves.iter_mut().zip(reached) {
+            time_move(machine, tool.length(), before, m, reached);
+            before = Some(m.joints);
+        }
+    });
+}
+
+/// Largest feed of each move in the fastest run through all of them, mm/min; nothing where the tip stands.
+fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
+    let Some(first) = moves.first() else { return Vec::new() };
+    let mut tip = machine.forward(&first.joints).tip;
+    let mut stations = vec![Station { joints: first.joints.all(), tip: tip.coords.into(), time: 1.0 }];
+    // Move of each station.
+    let mut of: Vec<usize> = vec![0];
+    for (i, pair) in moves.windows(2).enumerate() {
+        let (from, to) = (&pair[0].joints, &pair[1].joints);
+        let next = machine.forward(to).tip;
+        let count = (machine.turn(from.rotary, to.rotary) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
+        for k in 1..=count as usize {
+            let t = k as f64 / count;
+            let at = tip + (next - tip) * t;
+            let j = machine.joints(&at, between(from.rotary, to.rotary, t));
+            let last = stations[stations.len() - 1];
+            let here = Station { joints: j.all(), tip: at.coords.into(), time: 0.0 };
+            // The process feed, or the axes where the tip stands.
+            let feed = pair[1].feed.map_or(machine.rapid, |f| f / 60.0);
+            let speeds = machine.planned_speeds();
+            let turn = (0..AXES).map(|k| (here.joints[k] - last.joints[k]).abs() / speeds[k]).fold(0.0, f64::max);
+            let time = ((next - tip).norm() / count / feed).max(turn);
+            if time > 0.0 {
+                stations.push(Station { time, ..here });
+                of.push(i + 1);
+            }
+        }
+        tip = next;
+    }
+    let limits =
+        Limits { speed: machine.planned_speeds(), acceleration: machine.accelerations(), jerk: machine.jerks() };
+    let profile = feedrate::plan(&stations, &limits, rounding);
+    let mut feeds = vec![None; moves.len()];
+    for (i, (segment, of)) in profile.segments.iter().zip(of).enumerate().skip(1) {
+        let way = (Point3::from(stations[i].tip) - Point3::from(stations[i - 1].tip)).norm();
+        let feed = way / stations[i].time * segment.share * 60.0;
+        if feed > feeds[of].unwrap_or(0.0) {
+            feeds[of] = Some(feed);
+        }
+    }
+    feeds
+}
+
+fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: &mut JointMove, reached: Option<f64>) {
+    // The first move positions from an unknown place: its time is the tool change's.
+    let Some(before) = before else { return };
+    let tips = [before, m.joints].map(|j| machine.forward(&j).tip);
+    let length = (tips[1] - tips[0]).norm();
+    let least = machine.planned_time(&before, &m.joints, length_of_tool);
+    m.time = match (m.kind, m.feed) {
+        (MoveKind::Rapid, _) | (_, None) => least.max(length / machine.rapid),
+        (_, Some(feed)) => {
+            let wanted = reached.map_or(feed, |r| r.min(feed));
+            let followed = if length > 0.0 && least > 0.0 { wanted.min(length / least * 60.0) } else { wanted };
+            if followed < feed * (1.0 - ROUNDING) && length > 0.0 {
+                let slower = ((followed / FEED_STEP).floor() * FEED_STEP).max(FEED_STEP);
+                m.feed = Some(slower);
+                length / slower * 60.0
+            } else {
+                (length / feed * 60.0).max(least)
+            }
+        }
+    };
+}
+
+/// Part of a feed that is rounding of numbers.
+const ROUNDING: f64 = 1e-9;

@@ -1,0 +1,98 @@
+//! What a path of flank milling leaves free beside its cut: clearance of shank and holder, travel of rotary axis 1.
+
+use crate::collide::Section;
+use crate::collide::tool::tool_coordinates;
+use crate::contract::Guarded;
+use crate::envelope::Target;
+use crate::envelope::target::{LEVER, Of};
+use crate::geom::DualCurve;
+use crate::ir::{OperationId, Program};
+use crate::passes::context::{Obstacles, STATIONS};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Stations of a path that are looked at: as many as its pass has contacts.
+const LOOKS: usize = STATIONS;
+
+/// Stations of a lead that are looked at.
+const LOOKS_ON_LINE: usize = 30;
+
+/// What is kept beyond each clearance, for what lies between samples and between stations, mm.
+const SPARE: f64 = 0.05;
+
+/// What is kept of the travel of rotary axis 1, radians.
+const LEAN_KEPT: f64 = 1e-3;
+
+/// What has no more to spare than this joins the bounds of the path, mm: about what a change of it moves.
+const NEAR: f64 = 1.0;
+
+/// How much further than the bounds on the face these give way on the way: they may be far off, and when the face holds
+/// they hold.
+const FREELY: f64 = 100.0;
+
+/// What an operation keeps.
+pub(crate) struct Clearances<'a> {
+    obstacles: &'a Obstacles,
+    /// Shank and holder with the clearance of each section, mm.
+    body: Vec<(Section, f64)>,
+    /// Largest angle between tool axis and Z, radians.
+    most_lean: f64,
+}
+
+/// What a path has beside it.
+pub(crate) struct Found {
+    /// True where everything is kept.
+    pub(crate) kept: bool,
+    /// What is near, as bounds.
+    pub(crate) near: Vec<Target>,
+}
+
+impl<'a> Clearances<'a> {
+    pub(crate) fn new(program: &Program, operation: OperationId, obstacles: &'a Obstacles) -> Self {
+        let solid = &program.tools[program.operations[operation].tool].solid;
+        let asked = |body: Guarded| program.clearance_asked(body).unwrap_or(0.0).max(program.clearance.get());
+        let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(asked);
+        let shank = solid.shank.iter().map(|s| (*s, shank));
+        let body = shank.chain(solid.holder.iter().map(|s| (*s, holder))).collect();
+        Self { obstacles, body, most_lean: program.machine.most_lean() - LEAN_KEPT }
+    }
+
+    /// Shank and holder with the clearance of each section, mm.
+    pub(crate) fn body(&self) -> &[(Section, f64)] {
+        &self.body
+    }
+
+    /// What shank and holder have to spare at a point in tool coordinates, mm.
+    fn spare(&self, rho: f64, s: f64) -> f64 {
+        self.body.iter().map(|(section, asked)| section.distance(rho, s) - asked).fold(f64::INFINITY, f64::min)
+    }
+
+    /// True when shank and holder are clear while the tool shifts along a line.
+    pub(crate) fn kept_on(&self, [from, to]: &[Point3<f64>; 2], axis: &Vector3<f64>) -> bool {
+        let stations = (0..=LOOKS_ON_LINE).map(|i| from + (to - from) * (i as f64 / LOOKS_ON_LINE as f64));
+        let clear =
+            |tip: Point3<f64>| self.obstacles.nearest((&tip, axis), |rho, s| self.spare(rho, s), 0.0).next().is_none();
+        stations.into_iter().all(clear)
+    }
+
+    /// What comes near to shank and holder along a path, and where the axis leans nearly as far as A travels.
+    pub(crate) fn found(&self, path: &DualCurve) -> Found {
+        let station = |i: usize| {
+            let t = i as f64 / LOOKS as f64;
+            let at = path.at(t);
+            let bodies = self.obstacles.nearest((&at.lower, &at.axis), |rho, s| self.spare(rho, s), NEAR);
+            let bodies = bodies.map(move |(spare, point): (f64, Point3<f64>)| {
+                let (rho, s) = tool_coordinates(&point, &at.lower, &at.axis);
+                // The samples of an obstacle see too much by this.
+                let unseen = self.spare(rho, s) - spare;
+                (spare, Target { of: Of::Body, give: [FREELY; 2], ..Target::clear(point, unseen + SPARE) })
+            });
+            let lean = LEVER * (self.most_lean - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
+            let of = Of::Lean { t, most: self.most_lean };
+            let lean = (lean < NEAR).then(|| (lean, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
+            bodies.chain(lean).collect::<Vec<_>>()
+        };
+        let found: Vec<(f64, Target)> = (0..=LOOKS).into_par_iter().flat_map_iter(station).collect();
+        Found { kept: found.iter().all(|x| x.0 >= 0.0), near: found.into_iter().map(|x| x.1).collect() }
+    }
+}

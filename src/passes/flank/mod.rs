@@ -1,0 +1,8 @@
+//! Flank milling: bands of the faces for the side of the cutter.
+
+mod axes;
+mod clearance;
+pub mod plan;
+mod sweep;
+
+pub(crate) use axes::{flank_points, path_points};

@@ -1,0 +1,408 @@
+//! Plan of the operation `flank`: bands of the vane faces for the side of the cutter (Wei 3.2).
+//!
+//! Before: an operation. After: per face and band a pass from inlet to outlet, from the top band to the root. The
+//! lowest band ends where the ball of the tool, rolling in the fillet, touches the face. `minimax` finds the path of
+//! the tool axis as well, since only both together say what is left on the face; `two-point` and `one-point` place every
+//! ruling by itself, and leave the axis to `orient-tool`.
+
+use super::sweep::{self, NO_LACK, Sweep, Task};
+use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
+use crate::analysis::flank_room::{SLACK, kept};
+use crate::collide::Cutter;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::DualCurve;
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Program};
+use crate::method::{Flank, FlankMethod};
+use crate::part::{FaceId, Part, Surface, SurfaceKind};
+use crate::passes::context::{Obstacles, PassContext, STATIONS, limits::check_fillet};
+use crate::units::length;
+use rayon::prelude::*;
+
+/// Most bands that `strips auto` tries.
+const MOST_STRIPS: u32 = 8;
+
+/// Rounds in which the heights of bands are evened out.
+const EVENINGS: usize = 3;
+
+/// Share of the room that a quick search may miss and the full one still finds.
+const NEARLY: f64 = 1.1;
+
+/// Share of the room from which evening out the heights further will not help, nor more bands do what the cube law says.
+const HOPEFUL: f64 = 1.5;
+
+/// Share of what is missing of clearance or travel that one more band has to take away for a further one to be tried.
+const WORTH: f64 = 0.8;
+
+/// A band of a face.
+struct Planned {
+    side: FaceId,
+    strip: u32,
+    points: Vec<CcPoint>,
+    sweep: Option<Sweep>,
+}
+
+/// Plans a flank operation.
+///
+/// # Errors
+/// The ball of the tool does not fit the fillet; no number of bands keeps the contracts. The diagnostic is in the sink.
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
+    let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
+    let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
+    check_fillet(cx, operation, why)?;
+    let (bands, notes) = match flank.method {
+        FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
+        FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
+    };
+    let pass = |band: Planned| CcPass {
+        label: format!("{} strip {}", band.side.name(), band.strip + 1),
+        drive: Drive::Face { side: band.side, strip: band.strip },
+        points: band.points,
+        path: band.sweep.map(|s| s.path),
+    };
+    Ok(CcOperation { operation: id, passes: bands.into_iter().map(pass).collect(), notes })
+}
+
+fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {
+    cx.sink.push(
+        Diag::error(
+            planning::NO_FILLET,
+            format!("a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling", side.name()),
+        )
+        .label(operation.span, "this operation rolls the ball in the fillet")
+        .help("take a smaller ball, or a smaller fillet"),
+    );
+    Aborted
+}
+
+/// Bands of one face.
+enum Bands {
+    /// Their paths, from the root; with a number of bands that the job gives, they may miss the bounds.
+    Found(Vec<Sweep>),
+    /// Not even the most bands keep the bounds.
+    Never {
+        /// The largest error that the most bands leave.
+        worst: Worst,
+        /// The error that the bounds leave to the plan on each side, mm.
+        needed: f64,
+        /// Largest sizes of the cutter that would do, as shares of its size, for numbers of bands.
+        fitting: Vec<(u32, Option<f64>)>,
+    },
+}
+
+/// The axis paths of the bands of a face, from the root, as a flank operation by `minimax` plans them. `None` where no
+/// ball rolls along the root, where no number of bands keeps the contracts, and for an operation of another kind.
+pub fn axis_paths(
+    program: &Program,
+    id: OperationId,
+    side: FaceId,
+    around: &Surroundings<'_>,
+    obstacles: &Obstacles,
+) -> Option<Vec<DualCurve>> {
+    let operation = &program.operations[id];
+    let OperationKind::Flank { flank, .. } = operation.kind else { return None };
+    let task = Task { program, operation: id, choices: flank, obstacles };
+    match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
+        Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
+        Bands::Never { .. } => None,
+    }
+}
+
+/// The paths of the bands of a face. `None` where no ball rolls along the root.
+fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
+    let sweeps = |bands: &[(Band<'_>, Worst)]| {
+        bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>()
+    };
+    let room = task.room(SurfaceKind::Face(side), side);
+    // One band where nothing is asked for.
+    let given = task.choices.strips.or_else(|| room.is_none().then_some(1));
+    match given {
+        // One band has no heights to be evened out.
+        Some(1) => return Some(Bands::Found(vec![task.sweep(&Band::new(around, side, [0.0, 1.0], cutter))?])),
+        Some(strips) => return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found),
+        None => {}
+    }
+    let [below, above] = room?;
+    // The least error lies evenly on both sides: it needs as much room.
+    let needed = 0.5 * (below + above);
+    // The cube law says from which number on bands may do.
+    let may = |(fewer, error): (u32, f64), strips: u32| {
+        error * (f64::from(fewer) / f64::from(strips)).powi(3) <= HOPEFUL * needed
+    };
+    let mut last: Option<(u32, f64)> = None;
+    // Bands that keep the bounds, but not clearances or travel, and by how much they miss these.
+    let mut crowded: Option<(Vec<Sweep>, f64)> = None;
+    for strips in 1..=MOST_STRIPS {
+        if last.is_some_and(|last| !may(last, strips)) {
+            continue;
+        }
+        let mut bands = flank::bands(around, side, strips, cutter, usize::from(strips > 1))?;
+        let mut error = flank::worst(&bands)?.error;
+        last = Some((strips, error));
+        if strips > 1 && error > needed && error < HOPEFUL * needed {
+            bands = flank::bands(around, side, strips, cutter, EVENINGS)?;
+            error = flank::worst(&bands)?.error;
+        }
+        if error > NEARLY * needed {
+            continue;
+        }
+        let found = sweeps(&bands)?;
+        if found.iter().any(|s| s.lacks > NO_LACK) {
+            continue;
+        }
+        let misses = found.iter().map(|s| s.crowded).fold(0.0, f64::max);
+        if misses == 0.0 {
+            return Some(Bands::Found(found));
+        }
+        // Lower bands may lean further, if that is what is missing.
+        let before = crowded.as_ref().map_or(f64::INFINITY, |c| c.1);
+        if misses < before {
+            crowded = Some((found, misses));
+        }
+        if misses > WORTH * before {
+            break;
+        }
+    }
+    if let Some((found, _)) = crowded {
+        return Some(Bands::Found(found));
+    }
+    let worst = flank::least_error(around, side, MOST_STRIPS, cutter, 1)?;
+    Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
+}
+
+/// Largest sizes of the cutter that keep an error in numbers of bands, as shares of its size.
+fn fitting(
+    around: &Surroundings<'_>,
+    side: FaceId,
+    cutter: Cutter,
+    strips: &[u32],
+    error: f64,
+) -> Vec<(u32, Option<f64>)> {
+    // What easing and the full search need beside.
+    let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
+    if error > SLACK { found.collect() } else { Vec::new() }
+}
+
+/// Bands of both faces with the paths that keep the contracts, or come nearest to it.
+fn optimised(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    faces: &[FaceId],
+    choices: Flank,
+) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+    let program = cx.program;
+    let tool = &program.tools[operation.tool];
+    let around = Surroundings::new(&program.part);
+    let task = Task { program, operation: id, choices, obstacles: cx.obstacles };
+    let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
+    let found: Vec<Option<Bands>> =
+        faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();
+    drop(work);
+    let mut bands = Vec::new();
+    let mut notes = Vec::new();
+    let mut failed = false;
+    for (side, found) in faces.iter().zip(found) {
+        let sweeps = match found {
+            Some(Bands::Found(sweeps)) => sweeps,
+            Some(Bands::Never { worst, needed, fitting }) => {
+                failed = true;
+                never(cx, operation, *side, &worst, needed, &fitting);
+                continue;
+            }
+            None => {
+                let rolling = program.part.main().fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.get());
+                return Err(no_ball(cx, operation, *side, rolling));
+            }
+        };
+        let strips = sweeps.len() as u32;
+        let worst =
+            sweeps.iter().fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.lacks)]);
+        notes.push(format!(
+            "{} face: {strips} band{} by minimax, planned within {} of gouge and {} of excess",
+            side.name(),
+            if strips == 1 { "" } else { "s" },
+            length(worst[0]),
+            length(worst[1])
+        ));
+        if worst[2] > NO_LACK {
+            lacking(cx, operation, &task, &around, *side, strips, worst[2]);
+        }
+        for (end, name) in ["inlet", "outlet"].iter().enumerate() {
+            let blocked = sweeps.iter().filter(|s| s.blocked[end]).count();
+            if blocked > 0 {
+                notes.push(format!(
+                    "{} face: {blocked} of the leads at the {name} clear the part in no direction and go straight on",
+                    side.name()
+                ));
+            }
+        }
+        for (strip, sweep) in (0..strips).zip(sweeps).rev() {
+            bands.push(Planned {
+                side: *side,
+                strip,
+                points: stations(&program.part, *side, &sweep),
+                sweep: Some(sweep),
+            });
+        }
+    }
+    if failed { Err(Aborted) } else { Ok((bands, notes)) }
+}
+
+/// The law behind the help of both diagnostics.
+const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
+
+/// What sizes of the cutter would do.
+fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
+    let size = |(strips, share): &(u32, Option<f64>)| {
+        // Down to tenths of a millimetre.
+        let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
+        Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
+    };
+    let all: Vec<String> = fitting.iter().filter_map(size).collect();
+    (!all.is_empty())
+        .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
+}
+
+/// No number of bands keeps the contracts.
+fn never(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    side: FaceId,
+    worst: &Worst,
+    needed: f64,
+    fitting: &[(u32, Option<f64>)],
+) {
+    let program = cx.program;
+    let tool = &program.tools[operation.tool];
+    let [u, v] = worst.placed.parameters;
+    let place = match worst.placed.kind {
+        SurfaceKind::Face(_) => format!("{} face at u = {u:.3}, v = {v:.3}", side.name()),
+        _ => format!("beside the {} face", side.name()),
+    };
+    let diag = Diag::error(
+        planning::NOT_FLANK_MILLABLE,
+        format!(
+            "{MOST_STRIPS} bands of {} leave {} on the {} face; the bounds leave {} to the plan on each side",
+            tool.name,
+            length(worst.error),
+            side.name(),
+            length(needed)
+        ),
+    )
+    .label(operation.span, "in this operation")
+    .label(tool.span, "with this cutter")
+    .place(place, worst.placed.target.point)
+    .note(LAW)
+    .note(format!("of each bound {} are kept: the chord tolerance, and room for the proof", length(kept(program))));
+    let help = match sizes(&tool.solid.cutter, fitting) {
+        Some(sizes) => format!("{sizes}; or wider contracts on this face, or point milling"),
+        None if needed < SLACK => "a finer `tolerance chord`, or wider contracts on this face".to_owned(),
+        None => "wider contracts on this face, or point milling; no smaller cutter of this shape keeps them".to_owned(),
+    };
+    cx.sink.push(diag.help(help));
+}
+
+/// Says by how much the contracts are missed with the number of bands that the job gives.
+fn lacking(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    task: &Task<'_>,
+    around: &Surroundings<'_>,
+    side: FaceId,
+    strips: u32,
+    lacks: f64,
+) {
+    let tool = &cx.program.tools[operation.tool];
+    let cutter = tool.solid.cutter;
+    let found = task
+        .room(SurfaceKind::Face(side), side)
+        .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
+    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
+    cx.sink.push(
+        Diag::warning(
+            planning::NOT_FLANK_MILLABLE,
+            format!(
+                "{strips} band{} of {} miss the bounds on the {} face by {}",
+                if strips == 1 { "" } else { "s" },
+                tool.name,
+                side.name(),
+                length(lacks)
+            ),
+        )
+        .help(format!("more bands (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
+        .label(operation.span, "in this operation")
+        .label(tool.span, "with this cutter")
+        .note(LAW),
+    );
+}
+
+/// Contact stations of an optimised band, with the ends of both leads.
+fn stations(part: &Part, side: FaceId, sweep: &Sweep) -> Vec<CcPoint> {
+    let face = part.face(side);
+    let at = |t: f64| {
+        let tip = sweep.path.at(t).lower;
+        let Some([u, v]) = sweep::contact(&sweep.contacts, t) else {
+            // Beyond inlet and outlet nothing is touched.
+            let u = if t < 0.5 { -1.0 } else { 2.0 };
+            return CcPoint { u, v: 0.0, w: 1.0, position: tip, normal: nalgebra::Vector3::zeros() };
+        };
+        let [low, high] = sweep.span;
+        // The ruling goes on from the lower edge of the band.
+        let upper = v + (1.0 - v) * (high - low) / (1.0 - low);
+        CcPoint { u, v, w: upper, position: face.surface.point(u, v), normal: face.normal(u, v) }
+    };
+    let path = (0..=STATIONS).map(|i| at(i as f64 / STATIONS as f64));
+    let [enters, leaves] = [0, 1].map(|end| CcPoint { position: sweep.leads[end], ..at(end as f64) });
+    std::iter::once(enters).chain(path).chain(std::iter::once(leaves)).collect()
+}
+
+/// Bands along the rulings, each ruling by itself.
+fn by_ruling(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    faces: &[FaceId],
+    flank: Flank,
+) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+    let part = &cx.program.part;
+    let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
+    let rolling = part.main().fillet.map_or(radius, |f| f.get());
+    let strips = flank.strips.unwrap_or(1);
+    let mut bands = Vec::new();
+    for side in faces {
+        let face = part.face(*side);
+        // On the face and, on its continuation, until the ball has left hub and edge behind.
+        let (from, to) =
+            (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
+        let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
+            .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
+            .map(|u| part.fillet_tangent(*side, u, rolling).map(|v| (u, v)))
+            .collect();
+        let Some(lowest) = lowest else { return Err(no_ball(cx, operation, *side, rolling)) };
+        // What is left of the lead: there the tool only shifts.
+        let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
+        let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
+        let after = part.root_step(*side, 1.0, rest(operation.lead_out.get()));
+        for strip in (0..strips).rev() {
+            let band = |v: f64, k: u32| v + (1.0 - v) * f64::from(k) / f64::from(strips);
+            let point = |u: f64, v: f64| CcPoint {
+                u,
+                v: band(v, strip),
+                w: band(v, strip + 1),
+                position: face.surface.point(u, band(v, strip)),
+                normal: face.normal(u, band(v, strip)),
+            };
+            let ends = (lowest.first().map(|x| x.1), lowest.last().map(|x| x.1));
+            let (Some(first), Some(last)) = ends else { return Err(Aborted) };
+            let mut points = vec![point(from - before, first)];
+            points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
+            points.push(point(to + after, last));
+            bands.push(Planned { side: *side, strip, points, sweep: None });
+        }
+    }
+    let law = match flank.method {
+        FlankMethod::OnePoint => "one-point offsets along the rulings",
+        _ => "two-point offsets (formulas 10 to 12)",
+    };
+    let notes = vec![format!("{strips} bands a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
+    Ok((bands, notes))
+}

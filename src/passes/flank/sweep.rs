@@ -1,0 +1,334 @@
+//! The axis path of one band by `method minimax`: within the bounds of the contracts, of clearance and of travel, and of
+//! those paths the one with the least motion of the rotary axes.
+
+use super::clearance::Clearances;
+use crate::analysis::flank::{Band, Placed};
+use crate::analysis::flank_room::{SLACK, room};
+use crate::envelope::target::Of;
+use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
+use crate::geom::DualCurve;
+use crate::ir::{OperationId, Program};
+use crate::method::{Conflict, ErrorSide, Flank};
+use crate::part::{FaceId, SurfaceKind};
+use crate::passes::context::Obstacles;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Gain of a step of minimax, as a share, to stop at.
+const GAIN: f64 = 2e-3;
+
+/// Times at most that points which were broken between the others join them.
+const EXCHANGES: usize = 12;
+
+/// Steps of easing, first and after the first exchanges; after later ones the path only returns to its bounds.
+const EASING: [usize; 3] = [20, 3, 3];
+
+/// Points of the last look, as a share of the spacing of the search, and how near to a bound they are looked at again, mm.
+const DENSE: f64 = 5.0;
+const NEAR: f64 = 1e-3;
+
+/// Points of the last look whose surroundings are looked at more closely.
+const CRESTS: usize = 30;
+
+/// A lack that is none, mm.
+pub(crate) const NO_LACK: f64 = 5e-5;
+
+/// Times at most that what is in the way of a path joins its bounds.
+const CLEARINGS: usize = 6;
+
+/// Weight of accelerations against speeds in the motion of the rotary axes, as a length of way, mm.
+const REACH: f64 = 3.0;
+
+/// The axis path of a band.
+#[derive(Clone, Debug)]
+pub(crate) struct Sweep {
+    /// Path of the tip, and of a point of the axis further up.
+    pub(crate) path: DualCurve,
+    /// Contacts on the lower edge of the band: parameter of the path, (u, v) of the face; ascending.
+    pub(crate) contacts: Vec<(f64, [f64; 2])>,
+    /// Tip at the far ends of both leads.
+    pub(crate) leads: [Point3<f64>; 2],
+    /// True where no lead clears the part, so that it goes straight on.
+    pub(crate) blocked: [bool; 2],
+    /// Deepest gouge and largest excess of the planned path, mm, on points twice as dense as those of the search.
+    pub(crate) error: [f64; 2],
+    /// Shares of the height of the face between which the band lies.
+    pub(crate) span: [f64; 2],
+    /// By how much the bounds had to give way, mm; zero where they are kept.
+    pub(crate) lacks: f64,
+    /// By how much the bounds would have to give way beside clearances and travel, mm; zero where these are kept.
+    pub(crate) crowded: f64,
+}
+
+/// What a band is optimised for.
+pub(crate) struct Task<'a> {
+    pub(crate) program: &'a Program,
+    pub(crate) operation: OperationId,
+    pub(crate) choices: Flank,
+    pub(crate) obstacles: &'a Obstacles,
+}
+
+/// How closely a path is looked at in the end.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// Between the points of the search.
+    Between,
+    /// On crests as well, as they stand where the envelope folds: a path that is pushed along itself comes near to that.
+    OnCrests,
+}
+
+/// Points that bound a path.
+struct Points {
+    /// Those that programs know of.
+    looked_at: Vec<Target>,
+    /// Those among which the broken ones are looked for.
+    all: Vec<Target>,
+    /// Those of the last look, with their places.
+    dense: Vec<(Target, Placed)>,
+}
+
+impl Task<'_> {
+    /// Deviations that the contracts leave to the plan on a surface.
+    pub(crate) fn room(&self, kind: SurfaceKind, side: FaceId) -> Option<[f64; 2]> {
+        room(self.program, self.operation, self.choices.side, kind, side)
+    }
+
+    /// Optimises a band. `None` where the cutter finds no place to start from.
+    ///
+    /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
+    /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
+    /// Twisted faces give little room to lean along them: of the height of a band with its square.
+    pub(crate) fn sweep(&self, band: &Band<'_>) -> Option<Sweep> {
+        let start = band.start()?;
+        let coarse = band.near(&start, band.targets(1.0), |p| p.target);
+        let fine = band.targets(2.0);
+        let plain = |placed: &[Placed]| placed.iter().map(|p| p.target).collect::<Vec<Target>>();
+        let start = least_squares(&start, &band.tool(), &plain(&coarse));
+        let face = SurfaceKind::Face(band.side);
+        // Without contracts, the least error there is.
+        let least = self.room(face, band.side).is_none().then(|| {
+            let best = finest(&start, &band.tool(), &plain(&coarse), &plain(&fine), GAIN).best;
+            let even = best.widening + SLACK;
+            (best.curve, if self.choices.side == ErrorSide::Both { [even; 2] } else { [0.0, 2.0 * even] })
+        });
+        let bounded = |placed: &Placed| {
+            let [below, above] = match &least {
+                Some((_, room)) => *room,
+                None => self.room(placed.kind, band.side).or_else(|| self.room(face, band.side)).unwrap_or([0.0; 2]),
+            };
+            // The neighbouring vane keeps its distance whatever the contracts say.
+            let target = if placed.target.low > 0.0 { placed.target } else { placed.target.widened(below, above) };
+            self.giving(target, placed, band)
+        };
+        let dense = band.near(&start, band.targets(DENSE), |p| p.target);
+        let mut points = Points {
+            looked_at: coarse.iter().map(bounded).collect(),
+            all: fine.iter().map(bounded).collect(),
+            dense: dense.iter().map(|p| (bounded(p), *p)).collect(),
+        };
+        let clearances = Clearances::new(self.program, self.operation, self.obstacles);
+        let tool = Mounted { body: clearances.body(), ..band.tool() };
+        let start = least.clone().map_or(start, |l| l.0);
+        let (path, lacks, _) = self.within_bounds(start, band, &tool, &bounded, &mut points, Look::Between);
+        let mut clear = || {
+            self.cleared(&path, &clearances, |path, near| {
+                points.looked_at.extend(near);
+                points.all.extend(near);
+                self.within_bounds(path, band, &tool, &bounded, &mut points, Look::OnCrests)
+            })
+        };
+        let (path, crowded) = match if lacks > NO_LACK { Ok(path.clone()) } else { clear() } {
+            Ok(path) => (path, 0.0),
+            Err(crowded) => (path, crowded),
+        };
+        let exact = plain(&fine);
+        let measured = Measured::new(&path, &tool, &exact);
+        let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.at[1]);
+        let edge = band.span[0];
+        // The row of targets nearest to the lower edge from above.
+        let row = lowest.filter(|h| *h >= edge - 1e-9).fold(1.0, f64::min);
+        let mut contacts: Vec<(f64, [f64; 2])> = fine
+            .iter()
+            .zip(&measured.at)
+            .filter(|(p, _)| p.kind == face && (p.at[1] - row).abs() < 1e-9)
+            .map(|(p, d)| (d.t, p.parameters))
+            .collect();
+        contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let error = measured.lack(&exact);
+        let operation = &self.program.operations[self.operation];
+        let length = [operation.lead_in.get(), operation.lead_out.get()];
+        let (directions, blocked) = leads(band, &path, length, &points.all, &clearances);
+        let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
+        Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
+    }
+
+    /// A path near one that shank, holder and travel may not allow, which they do; else by how much the bounds would have
+    /// to give way for it, mm. `within` finds a path from another, with more bounds.
+    fn cleared(
+        &self,
+        path: &DualCurve,
+        clearances: &Clearances<'_>,
+        mut within: impl FnMut(DualCurve, &[Target]) -> (DualCurve, f64, f64),
+    ) -> Result<DualCurve, f64> {
+        let mut path = path.clone();
+        let mut lacks = 0.0;
+        for _ in 0..CLEARINGS {
+            let found = clearances.found(&path);
+            if found.kept {
+                return Ok(path);
+            }
+            let (next, given, left) = within(path, &found.near);
+            (path, lacks) = (next, given.max(left));
+            if lacks > NO_LACK {
+                break;
+            }
+        }
+        Err(lacks.max(NO_LACK))
+    }
+
+    /// The path with the least motion that keeps the bounds of all points, by how much they had to give way, and by how
+    /// much more some are broken that never came to hold, mm.
+    fn within_bounds(
+        &self,
+        mut path: DualCurve,
+        band: &Band<'_>,
+        tool: &Mounted<'_>,
+        bounded: &impl Fn(&Placed) -> Target,
+        points: &mut Points,
+        look: Look,
+    ) -> (DualCurve, f64, f64) {
+        let mut lacks = 0.0;
+        let mut broken = Vec::new();
+        for round in 0..EXCHANGES {
+            let guarded = self.guarded(path, tool, &points.looked_at);
+            let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
+            if round == 0 && best.widening > NO_LACK {
+                // Finer knots may do what more bands would.
+                (best, points.looked_at) = {
+                    let found = finest(&guarded, tool, &points.looked_at, &points.all, GAIN);
+                    (found.best, found.targets)
+                };
+            }
+            lacks = best.widening;
+            let give = |t: &Target| t.widened(lacks * t.give[0], lacks * t.give[1]);
+            path = match EASING.get(round) {
+                Some(steps) => {
+                    let chain = &self.program.machine.chain;
+                    let widened: Vec<Target> = points.looked_at.iter().map(give).collect();
+                    ease(&best.curve, tool, &widened, &|axis| chain.gradients(axis), REACH, SLACK, *steps).curve
+                }
+                None => best.curve,
+            };
+            let lack = |d: &Deviation, t: &Target| (give(t).low - d.value).max(d.value - give(t).high);
+            let broken_of = |among: &[Target]| -> Vec<Target> {
+                let measured = Measured::new(&path, tool, among);
+                let broken = measured.at.iter().zip(among).filter(|(d, t)| lack(d, t) > 1.5 * SLACK);
+                broken.map(|x| *x.1).collect()
+            };
+            broken = broken_of(&points.all);
+            if broken.is_empty() {
+                // What easing gains it takes from between the points, most of all at both ends.
+                let dense: Vec<Target> = points.dense.iter().map(|p| p.0).collect();
+                let measured = Measured::new(&path, tool, &dense);
+                let mut near: Vec<(f64, &(Target, Placed))> =
+                    measured.at.iter().zip(&points.dense).map(|(d, p)| (lack(d, &p.0), p)).collect();
+                near.retain(|x| x.0 > -NEAR);
+                near.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let crests: Vec<Placed> = near.iter().take(CRESTS).map(|x| x.1.1).collect();
+                let mut finer: Vec<Target> = near.iter().map(|x| x.1.0).collect();
+                if look == Look::OnCrests {
+                    finer.extend(band.about(&crests, DENSE).iter().map(bounded));
+                }
+                broken = broken_of(&finer);
+                points.all.extend(near.iter().map(|x| x.1.0));
+                points.all.extend(&broken);
+            }
+            if broken.is_empty() {
+                break;
+            }
+            points.looked_at.extend(&broken);
+        }
+        let left = Measured::new(&path, tool, &broken).widening(&broken) - lacks;
+        (path, lacks, left.max(0.0))
+    }
+
+    /// Shares in which the bounds of a target give way.
+    fn giving(&self, target: Target, placed: &Placed, band: &Band<'_>) -> Target {
+        /// Share of a band's edge that the tool is to touch.
+        const HELD: f64 = 0.02;
+        match self.choices.conflict {
+            Conflict::Balance => target,
+            Conflict::GougeFree => Target { give: [0.0, 1.0], ..target },
+            Conflict::ContactBoth => {
+                let held = placed.kind == SurfaceKind::Face(band.side)
+                    && band.span.iter().any(|edge| (placed.at[1] - edge).abs() < 1e-9);
+                Target { give: if held { [HELD; 2] } else { [1.0; 2] }, ..target }
+            }
+        }
+    }
+
+    /// A path that keeps the bounds which do not give way, from one that may not: excess is free on the way there.
+    fn guarded(&self, path: DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
+        if self.choices.conflict != Conflict::GougeFree {
+            return path;
+        }
+        let firm: Vec<Target> = targets.iter().map(|t| Target { high: f64::INFINITY, give: [1.0; 2], ..*t }).collect();
+        minimax(&path, tool, &firm, GAIN).curve
+    }
+}
+
+/// Parameters of the face at which the tool touches at a parameter of the path, between the first and the last contact.
+pub(crate) fn contact(contacts: &[(f64, [f64; 2])], t: f64) -> Option<[f64; 2]> {
+    let i = contacts.partition_point(|c| c.0 <= t);
+    let (a, b) = (contacts.get(i.checked_sub(1)?)?, contacts.get(i)?);
+    let share = (t - a.0) / (b.0 - a.0).max(f64::MIN_POSITIVE);
+    Some([0, 1].map(|k| a.1[k] + (b.1[k] - a.1[k]) * share))
+}
+
+/// Directions of the leads beyond both ends of a path: on along the path, or bent away from face and hub until the tool,
+/// which shifts without turning, cuts nothing there and is clear; and whether none of these does.
+fn leads(
+    band: &Band<'_>,
+    path: &DualCurve,
+    length: [f64; 2],
+    targets: &[Target],
+    clearances: &Clearances<'_>,
+) -> ([Vector3<f64>; 2], [bool; 2]) {
+    /// Shares of normals of face and hub that are tried, from straight on to steeply away.
+    const BENDS: [[f64; 2]; 8] =
+        [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
+    let tool = band.tool();
+    let found = [0, 1].map(|end| {
+        let (at, [lower, _]) = path.moving(end as f64);
+        let away = if end == 0 { -1.0 } else { 1.0 };
+        let straight = lower.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * away;
+        let normals = band.normals(end as f64);
+        let direction = |bend: &[f64; 2]| (straight + normals[0] * bend[0] + normals[1] * bend[1]).normalize();
+        let clear = |direction: &Vector3<f64>| {
+            let line = [0.0, length[end]].map(|s| at.lower + direction * s);
+            let of_cutter = targets.par_iter().filter(|t| t.of == Of::Cutter);
+            let cuts_nothing = of_cutter.all(|t| {
+                let distance = |s: f64| {
+                    let d = t.point - (line[0] + (line[1] - line[0]) * s);
+                    let height = d.dot(&at.axis);
+                    tool.cutter.distance((d - at.axis * height).norm_squared().sqrt(), height)
+                };
+                // The end of the path is measured with it; a convex function beyond it.
+                least_convex(distance) >= (t.low - SLACK).min(distance(0.0))
+            });
+            cuts_nothing && clearances.kept_on(&line, &at.axis)
+        };
+        BENDS.iter().map(direction).find(clear).ok_or(straight)
+    });
+    (found.map(|d| d.unwrap_or_else(|straight| straight)), found.map(|d| d.is_err()))
+}
+
+/// Least value of a convex function on [0, 1].
+fn least_convex(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..24 {
+        let (a, b) = (low + (high - low) * 0.45, low + (high - low) * 0.55);
+        if f(a) < f(b) { high = b } else { low = a }
+    }
+    f(low).min(f(high))
+}

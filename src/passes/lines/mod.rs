@@ -1,0 +1,327 @@
+//! Lines of constant scallop on a surface between two walls: as far from each other as the scallop allows, everywhere.
+//!
+//! Ridges are measured in the metric (I / R + II) / 8h of the surface, whose unit is the step in any direction: in it a
+//! ball of radius R that follows a line leaves 4h d^2 at the distance d from it. For other cutters I / R is the second
+//! fundamental form of the cutter at the contact.
+
+mod constant_scallop;
+pub mod scallop;
+
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::BandMetric;
+use crate::ir::{CcPoint, Operation};
+use crate::method::Lines as Order;
+use crate::passes::context::{PassContext, STATIONS, limits::check_points};
+use constant_scallop::{Track, tracks};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Stations of the metric, less one.
+pub(crate) const METRIC_STATIONS: usize = 600;
+
+/// Stations of an arc on which a line begins or ends inside of the surface.
+const ARC_STATIONS: usize = 24;
+
+/// Width of a surface, in steps, below which one line covers it: a ball that rolls along both walls at once.
+const NO_WIDTH: f64 = 1e-3;
+
+/// Times that lines are laid again where ridges are not as high as the metric says: it is right to second order, and knows
+/// only the rounding of the cutter that it touches with.
+const ROUNDS: usize = 4;
+
+/// Share of the height asked for that lines are laid for: ridges are looked for in some columns only.
+const BETWEEN: f64 = 0.99;
+
+/// Share over the highest ridge up to which the height is used well.
+const NEARLY: f64 = 1.04;
+
+/// Largest growth of the height in a round.
+const MOST_GROWTH: f64 = 3.0;
+
+/// A surface with x along its lines, from 0 to 1, and y across them.
+pub(crate) trait Ground: Sync {
+    /// What a set of lines covers, in words.
+    fn name(&self) -> String;
+
+    /// y of the first wall at x, and from it to the second.
+    fn walls(&self, x: f64) -> (f64, f64);
+
+    /// Contact at (x, y), a share of the way from wall to wall; x also beyond both ends.
+    fn contact(&self, x: f64, y: f64, share: f64) -> CcPoint;
+
+    /// True at the ends x = 0 and x = 1 where lines may go on beyond the surface on their leads; at others they rise on an
+    /// arc.
+    fn open(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
+    /// Length along a line of a slope dy/dx at (x, y), mm per unit of x.
+    fn speed(&self, x: f64, y: f64, slope: f64) -> f64;
+
+    /// Metric whose unit is the step that leaves ridges of a height.
+    fn metric(&self, height: f64) -> BandMetric;
+
+    /// Highest ridge between lines, found by looking; `None` where the metric is exact enough.
+    fn highest_ridge(&self, _lines: &[Line]) -> Option<f64> {
+        None
+    }
+
+    /// Length that no lines could be shorter than: each point takes the largest step that it has in any direction.
+    fn least_length(&self, height: f64) -> f64;
+}
+
+/// A line on a surface.
+pub(crate) struct Line {
+    /// Contacts, with those of its leads or arcs.
+    points: Vec<CcPoint>,
+    /// Those on the surface and their x, ascending.
+    pub(crate) on_surface: Vec<(f64, CcPoint)>,
+    /// True when it begins or ends inside of the surface.
+    partial: bool,
+}
+
+impl Line {
+    /// A line with its contacts on the surface, by ascending x, alone.
+    pub(crate) fn whole(on_surface: Vec<(f64, CcPoint)>) -> Self {
+        Self { points: Vec::new(), on_surface, partial: false }
+    }
+
+    /// Length on the surface, mm.
+    pub(crate) fn length(&self) -> f64 {
+        self.on_surface.windows(2).map(|pair| (pair[1].1.position - pair[0].1.position).norm()).sum()
+    }
+}
+
+/// Lines over a surface in sector 0, with what is worth telling about them.
+pub(crate) struct Lines {
+    pub(crate) lines: Vec<Vec<CcPoint>>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// x of stations, and the lengths of the leads at the ends x = 0 and x = 1, mm, of lines that are cut in one direction.
+pub(crate) struct Direction {
+    pub(crate) grid: Vec<f64>,
+    leads: [f64; 2],
+}
+
+/// The directions of even and of odd lines, for speeds along x at both ends, mm per unit. Backwards the lead into the cut
+/// is at x = 1.
+pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> [Direction; 2] {
+    let beyond = speed.map(|s| radius / s);
+    let whole = 1.0 + beyond[0] + beyond[1];
+    // Dense until the ball has left the ends behind, then the leads.
+    let direction = |leads: [f64; 2]| {
+        let (from, to) = (-leads[0] / speed[0], 1.0 + leads[1] / speed[1]);
+        let mut grid: Vec<f64> =
+            (0..=STATIONS).map(|i| i as f64 / STATIONS as f64 * whole - beyond[0]).chain([0.0, 1.0]).collect();
+        grid.retain(|u| *u > from && *u < to);
+        grid.extend([from, to]);
+        grid.sort_by(f64::total_cmp);
+        grid.dedup();
+        Direction { grid, leads }
+    };
+    let leads = [operation.lead_in.get(), operation.lead_out.get()];
+    let back = match order {
+        Order::Zigzag => [leads[1], leads[0]],
+        Order::OneWay | Order::Spiral => leads,
+    };
+    [direction(leads), direction(back)]
+}
+
+/// Turns every other line back, where that is the order.
+pub(crate) fn turn_back(lines: &mut [Vec<CcPoint>], order: Order) {
+    if order == Order::Zigzag {
+        lines.iter_mut().skip(1).step_by(2).for_each(|line| line.reverse());
+    }
+}
+
+/// What a scallop height leaves to the ridges: the interpolation may lift the tool by the chord.
+pub(crate) fn left_to_ridges(cx: &PassContext<'_>, height: f64) -> f64 {
+    height - cx.program.tolerances.chord.get().min(0.5 * height)
+}
+
+/// Lines over a surface for a ball, or a corner, of a radius.
+///
+/// # Errors
+/// Lines too dense to be planned; the diagnostic is in the sink.
+pub(crate) fn constant_scallop(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    ground: &dyn Ground,
+    radius: f64,
+    height: f64,
+    directions: &[Direction; 2],
+) -> Result<Lines, Aborted> {
+    let target = left_to_ridges(cx, height);
+    let (lines, ridge) = refined(target, |planned| {
+        let lines = lay(cx, operation, ground, radius, planned, directions)?;
+        let ridge = ground.highest_ridge(&lines);
+        Ok((lines, ridge))
+    })?;
+    let length: f64 = lines.iter().map(Line::length).sum();
+    let least = ground.least_length(height);
+    let partial = lines.iter().filter(|l| l.partial).count();
+    let name = ground.name();
+    let name = if name.starts_with(['i', 'o']) { format!("an {name}") } else { format!("a {name}") };
+    let (count, left) = (lines.len(), height - target);
+    let mut notes = if count == 1 {
+        vec![format!("one line {name}, {length:.1} mm: the ball rolls along both borders at once")]
+    } else {
+        vec![
+            format!(
+                "{count} lines {name}, {partial} of them only where it is wide, for a scallop of {height:.4} mm, of which {left:.4} mm is left to the chord"
+            ),
+            format!(
+                "{length:.1} mm of contact {name}, {:.1} % over the lower bound {least:.1} mm (area over the larger step)",
+                100.0 * (length / least - 1.0)
+            ),
+        ]
+    };
+    notes.extend(ridge.filter(|_| count > 1).map(|r| format!("highest ridge between lines {r:.4} mm")));
+    Ok(Lines { lines: lines.into_iter().map(|l| l.points).collect(), notes })
+}
+
+/// What is laid for ridges of at most a height, with the highest ridge that was found on it: laid again for another height
+/// until that is what was asked for. Without a ridge the first is taken. With the ridge of what is taken.
+pub(crate) fn refined<T>(
+    target: f64,
+    mut lay: impl FnMut(f64) -> Result<(T, Option<f64>), Aborted>,
+) -> Result<(T, Option<f64>), Aborted> {
+    let (mut laid, mut ridge) = lay(target)?;
+    let mut planned = target;
+    for _ in 1..ROUNDS {
+        let Some(found) = ridge.filter(|r| *r > 0.0) else { break };
+        let ratio = BETWEEN * target / found;
+        if (1.0..NEARLY).contains(&ratio) {
+            break;
+        }
+        // Not all ridges follow: from above a little farther.
+        planned *= if ratio < 1.0 { ratio * ratio.min(0.998) } else { ratio.min(MOST_GROWTH) };
+        let next = lay(planned)?;
+        if ratio < 1.0 || next.1.is_some_and(|r| r <= BETWEEN * target) {
+            (laid, ridge) = next;
+        } else {
+            break;
+        }
+    }
+    Ok((laid, ridge))
+}
+
+/// Lines for ridges of a height by the metric.
+fn lay(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    ground: &dyn Ground,
+    radius: f64,
+    planned: f64,
+    directions: &[Direction; 2],
+) -> Result<Vec<Line>, Aborted> {
+    let grid = &directions[0].grid;
+    let metric = ground.metric(planned);
+    let width = |x: f64| {
+        let (a, across) = ground.walls(x);
+        let densest =
+            [0.0, 0.5, 1.0].map(|share| metric.form(x, a + across * share)[1]).into_iter().fold(0.0, f64::max);
+        across * densest
+    };
+    let steps = grid.iter().map(|x| width(*x)).fold(0.0, f64::max);
+    let widest = steps.max(1.0).ceil();
+    check_points(cx, operation, widest * grid.len() as f64)?;
+    // A line that begins inside of the surface comes down on a quarter of a circle, which lifts the ball over what
+    // roughing left.
+    let quarter = |lead: f64| lead.min(FRAC_PI_4 * radius) / FRAC_PI_2;
+    let arcs = [0, 1].map(|back: usize| directions[back].leads.map(quarter));
+    let tracks = if steps < NO_WIDTH {
+        let middle = |x: f64| {
+            let (a, across) = ground.walls(x);
+            a + 0.5 * across
+        };
+        let range = [f64::NEG_INFINITY, f64::INFINITY];
+        Some(vec![Track { azimuth: metric.stations().map(middle).collect(), range }])
+    } else {
+        let (first, second): (Vec<f64>, Vec<f64>) = metric
+            .stations()
+            .map(|x| {
+                let (a, across) = ground.walls(x);
+                (a, a + across)
+            })
+            .unzip();
+        let slowest = grid.iter().map(|x| ground.speed(*x, ground.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
+        let short = arcs[0][0].max(arcs[0][1]) / slowest;
+        tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8)
+    };
+    let Some(tracks) = tracks else {
+        let message = format!("the lines of `{}` do not fill the {}", operation.name, ground.name());
+        cx.sink.push(
+            Diag::error(planning::TOO_FINE, message)
+                .label(operation.span, "this operation steps too finely")
+                .help("a bigger `scallop`"),
+        );
+        return Err(Aborted);
+    };
+    let lines = tracks.iter().enumerate().map(|(j, track)| {
+        let back = j % 2;
+        line(ground, &metric, &tracks, (j, track), arcs[back], &directions[back].grid)
+    });
+    Ok(lines.collect())
+}
+
+/// Contacts of a track with its leads or arcs.
+fn line(
+    ground: &dyn Ground,
+    metric: &BandMetric,
+    tracks: &[Track],
+    (j, track): (usize, &Track),
+    arcs: [f64; 2],
+    grid: &[f64],
+) -> Line {
+    let last = tracks.len() - 1;
+    // A station next to an end would give its piece any direction.
+    let apart = 0.5 / STATIONS as f64;
+    let at = |x: f64| {
+        let (a, across) = ground.walls(x);
+        match j {
+            0 if last > 0 => a,
+            _ if j == last && last > 0 => a + across,
+            _ => metric.at(&track.azimuth, x),
+        }
+    };
+    let point = |x: f64| {
+        // The share stays on the leads.
+        let inside = x.clamp(0.0, 1.0);
+        let (a, across) = ground.walls(inside);
+        ground.contact(x, at(x), ((at(inside) - a) / across).clamp(0.0, 1.0))
+    };
+    let open = ground.open();
+    let end = |i: usize| if open[i] || track.range[i].is_finite() { track.range[i] } else { i as f64 };
+    let [from, to] = [end(0), end(1)];
+    let ends = [from, to].into_iter().filter(|u| u.is_finite());
+    let within = |u: &f64| from + apart < *u && *u < to - apart;
+    let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let all: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
+    let on_surface = places.iter().zip(&all).filter(|(x, _)| (0.0..=1.0).contains(*x)).map(|(x, p)| (*x, *p)).collect();
+    // From the end of a line, `back` along it and lifted.
+    let arc = |end: f64, radius: f64, direction: f64| {
+        let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
+        let speed = ground.speed(end, at(end), turn);
+        (1..=ARC_STATIONS).map(move |i| {
+            let (sin, cos) = libm::sincos(FRAC_PI_2 * i as f64 / ARC_STATIONS as f64);
+            (end + direction * radius * sin / speed, radius * (1.0 - cos))
+        })
+    };
+    let lifted = |(u, lift): (f64, f64)| {
+        let p = point(u);
+        CcPoint { position: p.position + p.normal * lift, ..p }
+    };
+    let mut points: Vec<CcPoint> = Vec::new();
+    if from.is_finite() && arcs[0] > 0.0 {
+        points.extend(arc(from, arcs[0], -1.0).map(lifted));
+        points.reverse();
+    }
+    points.extend(all);
+    if to.is_finite() && arcs[1] > 0.0 {
+        points.extend(arc(to, arcs[1], 1.0).map(lifted));
+    }
+    Line { points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
+}

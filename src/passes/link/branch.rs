@@ -1,0 +1,67 @@
+//! Branch and winding of the rotary axes over a run of moves.
+
+use crate::ir::ClPoint;
+use crate::kin::{Angles, Machine};
+use std::f64::consts::TAU;
+
+/// Why no joints were found.
+pub(crate) struct OutOfTravel {
+    pub(crate) index: usize,
+    pub(crate) axis: String,
+    pub(crate) value: f64,
+    pub(crate) range: [f64; 2],
+    pub(crate) unit: &'static str,
+}
+
+/// Rotary angles of a run of places that keeps one branch and does not unwind, within the travel of all axes with a tool of a
+/// length (mm); of several the one that is nearest to where the axes stand.
+///
+/// # Errors
+/// The place that the farthest of all tries does not reach.
+pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles) -> Result<Vec<Angles>, OutOfTravel> {
+    let mut best: Option<(f64, Vec<Angles>)> = None;
+    let [_, last] = &machine.rotary;
+    let mut nearest_miss: Option<OutOfTravel> = None;
+    for branch in 0..2 {
+        let mut angles: Vec<Angles> = Vec::with_capacity(run.len());
+        for p in run {
+            let before = angles.last().map_or(at[1], |x| x[1]);
+            angles.push(machine.chain.unwound(&p.axis, branch, before));
+        }
+        let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[1]), h.max(x[1])));
+        // Whole turns that bring the run into the travel, those near the middle of the travel included.
+        let middle = 0.5 * (last.min.max(-1e3) + last.max.min(1e3));
+        let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
+        for turns in [0.0, shift, shift - TAU, shift + TAU] {
+            let moved: Vec<Angles> = angles.iter().map(|[first, second]| [*first, second + turns]).collect();
+            if let Some(miss) = out_of_travel(machine, run, length, &moved) {
+                if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
+                    nearest_miss = Some(miss);
+                }
+                continue;
+            }
+            let time = |k: usize| (moved[0][k] - at[k]).abs() / machine.rotary[k].speed;
+            let cost = time(1) + time(0);
+            if best.as_ref().is_none_or(|b| cost < b.0) {
+                best = Some((cost, moved));
+            }
+        }
+    }
+    match (best, nearest_miss) {
+        (Some((_, angles)), _) => Ok(angles),
+        (None, Some(miss)) => Err(miss),
+        (None, None) => Ok(Vec::new()),
+    }
+}
+
+/// The first place where an axis leaves its travel: the rotary axes are asked first.
+fn out_of_travel(machine: &Machine, run: &[ClPoint], length: f64, angles: &[Angles]) -> Option<OutOfTravel> {
+    let travel = machine.travel();
+    run.iter().zip(angles).enumerate().find_map(|(index, (p, rotary))| {
+        let positions = machine.positions(&machine.joints(&p.tip, *rotary), length);
+        let k = [3, 4, 0, 1, 2].into_iter().find(|k| !(travel[*k][0]..=travel[*k][1]).contains(&positions[*k]))?;
+        let (unit, scale) = if k < 3 { ("mm", 1.0) } else { ("deg", 1.0_f64.to_degrees()) };
+        let axis = machine.names()[k].to_owned();
+        Some(OutOfTravel { index, axis, value: positions[k] * scale, range: travel[k].map(|x| x * scale), unit })
+    })
+}

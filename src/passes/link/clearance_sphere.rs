@@ -1,0 +1,85 @@
+//! The sphere about the stock on which rapids run.
+
+use crate::collide::ToolSolid;
+use crate::ir::Program;
+use crate::kin::{Chain, RotaryPose, between};
+use nalgebra::{Point3, Vector3};
+
+/// Distance of the tip on the clearance sphere from the farthest corner of the stock, mm.
+const SPHERE_GAP: f64 = 10.0;
+
+/// Distance of shank and holder from the sphere of that corner, mm.
+const BODY_GAP: f64 = 5.0;
+
+/// Longest step on the sphere, radians: its chord goes 1.5 % of the radius inside. Shorter ones would make more corners, at
+/// each of which the control slows down.
+const SPHERE_STEP: f64 = 0.35;
+
+/// Sphere around the stock on which rapids run, about a point of the axis of the table. A tool with its tip on it and its axis
+/// not inward has all of its points outside of the sphere of the stock's farthest corner.
+pub(crate) struct ClearanceSphere {
+    centre: Point3<f64>,
+    radius: f64,
+}
+
+impl ClearanceSphere {
+    pub(crate) fn new(program: &Program, tool: &ToolSolid) -> Self {
+        let profile = &program.stock.profile;
+        let (low, high) =
+            profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[1]), h.max(p[1])));
+        let centre = Point3::new(0.0, 0.0, 0.5 * (low + high));
+        let far = profile.iter().map(|p| libm::hypot(p[0], p[1] - centre.z)).fold(0.0, f64::max);
+        // A point s over the tip and r beside the axis, which is at worst at right angles to the radius of the tip.
+        let sections = tool.shank.iter().chain(&tool.holder);
+        let corners = sections.flat_map(|x| [(x.radius_from, x.from), (x.radius_to, x.to)]);
+        let cutter = [(tool.cutter.widest_below(tool.flute_length), 0.0)];
+        let wide = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
+        // Chords between steps lie inside.
+        let wide = wide.fold(0.0, f64::max) / libm::cos(0.5 * SPHERE_STEP);
+        Self { centre, radius: wide.max(far + SPHERE_GAP) }
+    }
+
+    /// Distance to go from a point along a direction until outside, and on until the direction is not inward.
+    pub(crate) fn exit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
+        let d = from - self.centre;
+        let b = d.dot(direction);
+        let c = d.norm_squared() - self.radius * self.radius;
+        if c >= 0.0 && b >= 0.0 { 0.0 } else { -b + (b * b - c).max(0.0).sqrt() }
+    }
+
+    /// Length of the way from one outside point to another.
+    pub(crate) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
+        let (a, b) = (from - self.centre, to - self.centre);
+        let (ra, rb) = (a.norm(), b.norm());
+        libm::hypot(ra - rb, a.angle(&b) * 0.5 * (ra + rb))
+    }
+
+    /// Tips and rotary angles on the way from one place outside to another, both excluded. The rotary axes turn evenly;
+    /// the tip, as the machine sees it, goes straight round the sphere: where the tool axis is not inward at both ends,
+    /// it is nowhere on the way, and the table turns below a tool that hardly moves.
+    pub(crate) fn around(&self, chain: &Chain, from: &RotaryPose, to: &RotaryPose) -> Vec<RotaryPose> {
+        let [start, end] = [from, to].map(|p| chain.rotation(p.rotary).inverse() * (p.tip - self.centre));
+        let (rs, re) = (start.norm(), end.norm());
+        let (s, mut e) = (start / rs, end / re);
+        // Opposite directions leave the way open: go over the top.
+        if s.dot(&e) < -0.999 {
+            e = (e + Vector3::z() * 0.1).normalize();
+        }
+        let angle = libm::acos(s.dot(&e).clamp(-1.0, 1.0));
+        let turn = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs()).iter().sum::<f64>();
+        let count = ((angle + turn) / SPHERE_STEP).ceil() as usize;
+        (1..count)
+            .map(|i| {
+                let t = i as f64 / count as f64;
+                let direction = if angle > 1e-9 {
+                    (s * libm::sin((1.0 - t) * angle) + e * libm::sin(t * angle)) / libm::sin(angle)
+                } else {
+                    s
+                };
+                let rotary = between(from.rotary, to.rotary, t);
+                let tip = self.centre + chain.rotation(rotary) * direction * (rs + (re - rs) * t);
+                RotaryPose { tip, rotary }
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,161 @@
+//! The short way from the end of a finishing pass to the start of the next, where it lies near.
+//!
+//! The tool lifts along its axis, which sweeps nothing but the room that it stands in, goes straight over the start of the
+//! next pass, and comes down along the axis that it has there. While it goes over, it keeps its distances to the part by
+//! proof over continuous time, and it meets no stock, in one of two ways:
+//!
+//! - What finishing finds is bounded where the job has a contract on it (`require rest`): all of the tool stays farther
+//!   from the part than that.
+//! - Where nothing is known about the stock, it stands in free room at both ends, since passes begin and end outside of
+//!   the stock. Between two places of a cylinder of radius R, d apart, stands a ridge of at most d^2 / 8R: as far as the
+//!   tool reaches into the blank, it goes no farther than leaves a ridge that is thinner than a chip.
+
+use crate::collide::{Section, ToolSolid};
+use crate::contract::{ContractKind, Guarded};
+use crate::ir::{ClPoint, Operation, Program};
+use crate::kin::{Machine, RotaryPose};
+use crate::passes::axis::run::rotary;
+use crate::passes::context::{Ends, Obstacles};
+
+/// Heights that the tool lifts by, mm.
+const LIFTS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+
+/// Distance of the cutter to the part on the way, mm.
+const CUTTER: f64 = 0.1;
+
+/// Distance to keep from stock that the contract on rest allows, mm.
+const OVER_REST: f64 = 0.2;
+
+/// Thickest ridge that the tool may go through, mm.
+const RIDGE: f64 = 0.1;
+
+/// Steps along the tool in which it is asked whether it is still in the blank, mm.
+const HEIGHT_STEP: f64 = 1.0;
+
+/// Largest turn of a rotary axis on the way, radians.
+const MOST_TURN: f64 = 0.35;
+
+/// Ways between passes of an operation.
+pub(crate) struct Hops<'a> {
+    machine: &'a Machine,
+    obstacles: &'a Obstacles,
+    solid: &'a ToolSolid,
+    /// Outside of the blank as (r, z), closed from its last point to its first.
+    blank: &'a [[f64; 2]],
+    /// Distances of cutter, shank and holder to the part, mm.
+    asked: [f64; 3],
+    /// Distance at which nothing but the part is met, where it is known, mm.
+    free: Option<f64>,
+}
+
+impl<'a> Hops<'a> {
+    pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
+        let least = program.clearance.get();
+        let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
+        let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
+        Self {
+            machine: &program.machine,
+            obstacles,
+            solid: &program.tools[operation.tool].solid,
+            blank: &program.stock.profile,
+            asked: [CUTTER, clearance(Guarded::Shank), clearance(Guarded::Holder)],
+            free: rest.map(|c| c.bound.value() + OVER_REST).reduce(f64::min),
+        }
+    }
+
+    /// Places over the end of a pass and over the start of the next, between which the tool goes straight; `None` where
+    /// no such way is proved.
+    pub(crate) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<[ClPoint; 2]> {
+        let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
+        let [start, end] = [angles[0], angles[1]];
+        if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MOST_TURN) {
+            return None;
+        }
+        let height = self.height_in_blank(from).max(self.height_in_blank(to));
+        LIFTS.iter().find_map(|lift| {
+            let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
+            let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
+            let way = (over[1].tip - over[0].tip).norm();
+            // A block at feed has to move its tip.
+            let moves = way > 1e-2;
+            let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
+            let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.lack(rho, s, least));
+            let near = || thin() && clear(0.0);
+            let free = || self.free.is_some_and(clear);
+            (moves && (near() || free())).then_some(over)
+        })
+    }
+
+    /// How far a point is beyond the distances asked, each at least `least`; negative where one is lacking.
+    fn lack(&self, rho: f64, s: f64, least: f64) -> f64 {
+        let [cutter, shank, holder] = self.asked.map(|asked| asked.max(least));
+        let of = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+        (self.solid.cutter_distance(rho, s) - cutter)
+            .min(of(&self.solid.shank) - shank)
+            .min(of(&self.solid.holder) - holder)
+    }
+
+    /// Thickest ridge between two places of the tool whose tips are `way` apart and whose axes turn by at most `turn`, up
+    /// to a height over the tip.
+    fn ridge(&self, way: f64, turn: f64, height: f64) -> f64 {
+        let sections = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from < height);
+        let body = sections.map(|x| (x.radius_from.min(x.radius_to), x.to));
+        let cutter = (self.solid.radius(), self.solid.flute_length);
+        let moved = |s: f64| way + turn * s.min(height);
+        body.chain([cutter]).map(|(r, s)| moved(s).powi(2) / (8.0 * r)).fold(0.0, f64::max)
+    }
+
+    /// Height over the tip above which no point of the tool is in the blank, mm.
+    fn height_in_blank(&self, at: &ClPoint) -> f64 {
+        let count = (self.solid.length() / HEIGHT_STEP).ceil() as usize;
+        let inside = |k: &usize| {
+            let s = *k as f64 * HEIGHT_STEP;
+            let p = at.tip + at.axis * s;
+            let body = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from <= s && s <= x.to);
+            let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
+            near_profile(self.blank, [libm::hypot(p.x, p.y), p.z], widest + HEIGHT_STEP)
+        };
+        (0..=count).rev().find(inside).map_or(0.0, |k| k as f64 * HEIGHT_STEP)
+    }
+}
+
+/// True when a point of the meridian plane lies inside of a closed profile, or within a distance of it.
+fn near_profile(profile: &[[f64; 2]], [r, z]: [f64; 2], within: f64) -> bool {
+    let mut inside = false;
+    for (i, a) in profile.iter().enumerate() {
+        let b = profile[(i + 1) % profile.len()];
+        let (er, ez) = (b[0] - a[0], b[1] - a[1]);
+        let (dr, dz) = (r - a[0], z - a[1]);
+        let length = er * er + ez * ez;
+        let t = if length > 0.0 { ((dr * er + dz * ez) / length).clamp(0.0, 1.0) } else { 0.0 };
+        if libm::hypot(dr - t * er, dz - t * ez) <= within {
+            return true;
+        }
+        if (a[1] > z) != (b[1] > z) && r < a[0] + er * (z - a[1]) / ez {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_is_near_from_inside_and_outside() {
+        let square = [[5.0, 0.0], [5.0, 10.0], [15.0, 10.0], [15.0, 0.0]];
+        for (point, within, expected) in [
+            ([10.0, 5.0], 0.1, true),
+            ([15.5, 5.0], 0.4, false),
+            ([15.5, 5.0], 0.6, true),
+            ([3.0, 5.0], 1.0, false),
+            // Near the closing edge, from below.
+            ([10.0, -0.5], 0.6, true),
+            ([18.0, 14.0], 4.9, false),
+            ([18.0, 14.0], 5.1, true),
+        ] {
+            assert_eq!(near_profile(&square, point, within), expected, "{point:?} {within}");
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! `link-moves`: the ways between passes, with the joints of all moves.
+//!
+//! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves for each
+//! operation: down along the tool axis to the start of a pass, the pass, up along the tool axis to the clearance sphere,
+//! over it to the next; or, between finishing passes of which one begins where the other ends, the short way over (see
+//! [`super::hop`]). Passes that short ways join keep one branch and run without unwinding; where no travel holds them
+//! together, the tool goes over the sphere half way. Branch and winding change only there.
+//!
+//! A tool that leaves along its own axis sweeps nothing but the room that it stands in. After rest machining passes
+//! begin and end in room that is free of stock already, with a tool that nothing above its cutter makes thinner.
+
+use super::branch::{self, OutOfTravel};
+use super::clearance_sphere::ClearanceSphere;
+use super::hop::Hops;
+use crate::diag::{Aborted, Diag, codes::kinematics};
+use crate::ir::motion::MotionOperation;
+use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation};
+use crate::kin::{Angles, Machine, RotaryPose};
+use crate::passes::context::PassContext;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A move to a cutter location.
+struct LinkMove {
+    kind: MoveKind,
+    to: ClPoint,
+    /// Index of the pass that it belongs to or leads to.
+    pass: u32,
+}
+
+/// Passes with the short ways between neighbours, and the way out to the clearance sphere.
+struct Links<'a> {
+    passes: &'a [ClPass],
+    /// Between each pass and the next: the places on the short way, where there is one.
+    short: Vec<Option<[ClPoint; 2]>>,
+    sphere: ClearanceSphere,
+}
+
+/// Makes the motion; feeds are those of the process.
+///
+/// # Errors
+/// A pass that no branch and winding keep within the travel of the axes.
+pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
+    let mut motion = Motion::default();
+    let mut failed = false;
+    let mut at = [0.0; 2];
+    let machine = &cx.program.machine;
+    for planned in &cl.operations {
+        let operation = &cx.program.operations[planned.operation];
+        let length = cx.program.tools[operation.tool].length();
+        let links = Links::new(cx, operation, &planned.passes);
+        let mut moves = Vec::new();
+        // The last run on top.
+        let mut open = links.runs();
+        open.reverse();
+        while let Some(run) = open.pop() {
+            let linked = links.linked(run.clone());
+            let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
+            match branch::solve(machine, &places, length, at) {
+                Ok(rotary) => {
+                    append(machine, &links.sphere, operation, (&linked, &rotary), &mut moves);
+                    at = rotary.last().copied().unwrap_or(at);
+                }
+                Err(_) if run.len() > 1 => {
+                    let middle = run.start + run.len() / 2;
+                    open.extend([middle..run.end, run.start..middle]);
+                }
+                Err(reason) => {
+                    failed = true;
+                    report(cx, planned, &linked, &reason);
+                }
+            }
+        }
+        add_stations(machine, length, &mut moves);
+        motion.operations.push(MotionOperation {
+            operation: planned.operation,
+            labels: planned.passes.iter().map(|p| p.label.clone()).collect(),
+            moves,
+        });
+    }
+    if failed { Err(Aborted) } else { Ok(motion) }
+}
+
+impl<'a> Links<'a> {
+    fn new(cx: &PassContext<'_>, operation: &Operation, passes: &'a [ClPass]) -> Self {
+        let program = cx.program;
+        let sphere = ClearanceSphere::new(program, &program.tools[operation.tool].solid);
+        let hops = Hops::new(program, cx.obstacles, operation);
+        let short = passes
+            .par_windows(2)
+            .map(|pair| {
+                let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
+                let hop = hops.between(from, to).filter(|_| operation.kind.finishes())?;
+                // Not where the way over the sphere takes less time.
+                let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
+                let feed = operation.link_feed.get() / 60.0;
+                let [out, back] = [from, to].map(|p| lifted(&sphere, p));
+                let over = (length(&[*from, out]) + length(&[back, *to])) / feed
+                    + sphere.way(&out.tip, &back.tip) / program.machine.rapid;
+                (length(&[*from, hop[0], hop[1], *to]) / feed <= over).then_some(hop)
+            })
+            .collect();
+        Self { passes, short, sphere }
+    }
+
+    /// Passes in a row that short ways join; passes without points are left out.
+    fn runs(&self) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for index in (0..self.passes.len()).filter(|i| !self.passes[*i].points.is_empty()) {
+            match runs.last_mut() {
+                Some(run) if run.end == index && self.short[index - 1].is_some() => run.end = index + 1,
+                _ => runs.push(index..index + 1),
+            }
+        }
+        runs
+    }
+
+    /// The moves of passes that short ways join, from the clearance sphere and back to it.
+    fn linked(&self, run: Range<usize>) -> Vec<LinkMove> {
+        let mut moves: Vec<LinkMove> = Vec::new();
+        for index in run.clone() {
+            let points = &self.passes[index].points;
+            let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
+            let pass = u32::try_from(index).unwrap_or(u32::MAX);
+            let mut add = |kind: MoveKind, to: ClPoint| moves.push(LinkMove { kind, to, pass });
+            let start = ClPoint { contact: None, ..*first };
+            match index.checked_sub(1).and_then(|before| self.short[before]) {
+                Some(over) if index > run.start => {
+                    for to in [over[0], over[1], start] {
+                        add(MoveKind::Link, to);
+                    }
+                }
+                _ => {
+                    let over = lifted(&self.sphere, first);
+                    add(MoveKind::Rapid, over);
+                    if over.tip != first.tip {
+                        add(MoveKind::Link, start);
+                    }
+                }
+            }
+            for p in points.iter().skip(1) {
+                add(MoveKind::Cut, *p);
+            }
+            let out = lifted(&self.sphere, last);
+            if index + 1 == run.end && out.tip != last.tip {
+                add(MoveKind::Link, out);
+            }
+        }
+        moves
+    }
+}
+
+/// Out along the tool axis to the clearance sphere.
+fn lifted(sphere: &ClearanceSphere, p: &ClPoint) -> ClPoint {
+    ClPoint { tip: p.tip + p.axis * sphere.exit(&p.tip, &p.axis), axis: p.axis, contact: None }
+}
+
+/// Puts the stations at retract height before the first and behind the last move.
+fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
+    let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
+    let over = |m: JointMove| {
+        let mut joints = m.joints;
+        joints.xyz.z = machine.retract - length;
+        JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: m.pass, stop: false }
+    };
+    moves.insert(0, over(first));
+    moves.push(over(last));
+}
+
+/// Appends the moves of a run, and in front of them the way over the sphere.
+fn append(
+    machine: &Machine,
+    sphere: &ClearanceSphere,
+    operation: &Operation,
+    (run, rotary): (&[LinkMove], &[Angles]),
+    out: &mut Vec<JointMove>,
+) {
+    let (Some(first), Some(start)) = (run.first(), rotary.first().copied()) else { return };
+    let push = |m: &LinkMove, tip: &Point3<f64>, rotary: Angles, out: &mut Vec<JointMove>| {
+        out.push(JointMove {
+            kind: m.kind,
+            joints: machine.joints(tip, rotary),
+            feed: match m.kind {
+                MoveKind::Rapid => None,
+                MoveKind::Link => Some(operation.link_feed.get()),
+                MoveKind::Cut => Some(operation.feed.get()),
+            },
+            time: 0.0,
+            pass: m.pass,
+            stop: false,
+        });
+    };
+    if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
+        let from = RotaryPose { tip: machine.forward(&last).tip, rotary: last.rotary };
+        for place in sphere.around(&machine.chain, &from, &RotaryPose { tip: first.to.tip, rotary: start }) {
+            push(first, &place.tip, place.rotary, out);
+        }
+    }
+    for (m, angles) in run.iter().zip(rotary) {
+        push(m, &m.to.tip, *angles, out);
+    }
+}
+
+fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[LinkMove], miss: &OutOfTravel) {
+    let declared = &cx.program.operations[operation.operation];
+    let names = cx.program.machine.names();
+    let (label, tip) = run.get(miss.index).map_or((String::new(), Point3::origin()), |m| {
+        (operation.passes.get(m.pass as usize).map_or(String::new(), |p| p.label.clone()), m.to.tip)
+    });
+    cx.sink.push(
+        Diag::error(
+            kinematics::OUT_OF_TRAVEL,
+            format!(
+                "`{}` needs {} = {:.3} {unit}; the axis of {} goes from {:.3} to {:.3} {unit}",
+                declared.name,
+                miss.axis,
+                miss.value,
+                cx.program.machine.name,
+                miss.range[0],
+                miss.range[1],
+                unit = miss.unit
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .place(label, tip)
+        .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
+        .help("take a machine with more travel, or mount the part elsewhere on the table"),
+    );
+}

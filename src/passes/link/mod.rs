@@ -1,0 +1,7 @@
+//! What is left to cut, the ways between passes, and the joints of all moves.
+
+mod branch;
+mod clearance_sphere;
+mod hop;
+pub(crate) mod link_moves;
+pub mod rest_machining;

@@ -1,0 +1,307 @@
+//! `rest-machining`: cuts that would take nothing off what earlier operations left go.
+//!
+//! Before: the ways that the machine will interpolate, pass by pass. After: of an operation that asks for it, only the
+//! stretches on which the cutter meets the rest stock deeper than the thickness of the job, each with its leads;
+//! `link-moves` leads to them. The stock of this pass comes from the planned cuts of the operations before, links left
+//! out: more may stand there than in truth, never less. It serves planning alone; the verifier makes its own.
+//!
+//! Between the rays of the stock the surface is not known. Where a rounding of radius R dips by t into it, the chip is
+//! 2 sqrt(2 R t) wide, and half a diagonal of a cell h beside the deepest place lacks h^2 / 4R of the depth: cells are
+//! so small that this is half of the thickness, and the cutter is grown by it before it is asked. A needle or an edge of
+//! stock narrower than a cell may still stand between the rays; contracts on excess and rest judge what is left.
+
+use super::clearance_sphere::ClearanceSphere;
+use crate::collide::{Cutter, ToolSolid};
+use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, Operation, Program};
+use crate::kin::{Angles, Machine, between};
+use crate::progress::{Progress, Work};
+use crate::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
+use crate::units::trim;
+use std::ops::Range;
+
+/// Cells where a thick rest would allow larger ones, mm: those of the usual verification.
+const MOST_CELL: f64 = 1.0;
+
+/// Longest way of the tip in a step, mm: stretches are cut out to this.
+const STEP_LENGTH: f64 = 1.0;
+
+/// Largest turn of a step, radians: the same at the top of a cutter.
+const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
+/// Steps that go through the stock between two looks at the share done.
+const PIECE: usize = 1 << 11;
+
+/// Thins out the passes of the operations that ask for rest machining.
+///
+/// # Errors
+/// An operation with nothing left to cut; a thickness that would need too fine a stock. The reasons are in the sink.
+pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
+    let asks = |o: &ClOperation| program.operations[o.operation].rest.is_some();
+    let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
+    let mut field = field(program, sink)?;
+    let mut failed = false;
+    for (i, planned) in cl.operations.iter_mut().enumerate().take(last + 1) {
+        let operation = &program.operations[planned.operation];
+        if let Some(thickness) = operation.rest {
+            let work = progress.begin(format!("{}, look for rest", operation.name), planned.passes.len());
+            failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
+        }
+        if i < last {
+            let work = progress.begin(format!("{}, rest stock", operation.name), planned.passes.len());
+            cut(program, operation, planned, &mut field, &work);
+        }
+    }
+    if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// The blank, with cells for the most demanding of the operations.
+fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
+    let asked = program.operations.iter().filter_map(|(_, o)| {
+        let cutter = &program.tools[o.tool].solid;
+        o.rest.map(|t| ((2.0 * rounding(cutter) * t.get()).sqrt(), o))
+    });
+    let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
+    Field::turned(&program.stock.profile, cell.min(MOST_CELL)).map_err(|error| {
+        let reason = match error {
+            FieldError::TooFine { rays, least_cell } => {
+                format!("cells of {cell:.3} mm are {rays:.1e} rays; {least_cell:.3} mm are possible on this stock")
+            }
+            FieldError::BadCell | FieldError::BadProfile => "the stock has no inside".to_owned(),
+        };
+        sink.push(
+            Diag::error(
+                planning::REST_TOO_FINE,
+                format!("the rest stock before `{}` cannot be simulated as finely as it asks", operation.name),
+            )
+            .label(operation.span, "rest machining asked for here")
+            .note(reason)
+            .help("a bigger thickness after `rest over`, or none"),
+        );
+        Aborted
+    })
+}
+
+/// Radius of the rounding that a cutter dips into a surface with; of a flat one that of its side.
+fn rounding(solid: &ToolSolid) -> f64 {
+    let tip = solid.cutter.tip_radius();
+    if tip > 0.0 { tip } else { solid.radius() }
+}
+
+/// Takes the cuts of an operation off the stock.
+fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
+    let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
+    send(field, &solid, steps(&program.machine, &planned.passes, StepKind::Cut, 0.0), work);
+}
+
+/// Sends a tool through the stock; what it must not touch and does. `work` counts passes.
+fn send(
+    field: &mut Field,
+    solid: &ToolSolid,
+    steps: impl Iterator<Item = (usize, Step)>,
+    work: &Work,
+) -> Vec<Collision> {
+    let mut met = Vec::new();
+    work.in_pieces(
+        steps,
+        PIECE,
+        |(pass, _)| *pass,
+        |piece| met.extend(stock::simulate(field, solid, piece.into_iter().map(|(_, step)| step)).collisions),
+    );
+    met
+}
+
+/// The cutter without shank and holder, grown on all sides.
+fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
+    let cutter = match solid.cutter {
+        Cutter::Flat { radius } => Cutter::Flat { radius: radius + by },
+        Cutter::Ball { radius } => Cutter::Ball { radius: radius + by },
+        Cutter::Bull { radius, corner } => Cutter::Bull { radius: radius + by, corner: corner + by },
+        Cutter::TaperedBall { ball, half_angle } => Cutter::TaperedBall { ball: ball + by, half_angle },
+        Cutter::Barrel { radius, barrel, tip } => {
+            Cutter::Barrel { radius: radius + by, barrel: barrel + by, tip: tip + by }
+        }
+        Cutter::Lollipop { radius } => Cutter::Lollipop { radius: radius + by },
+    };
+    ToolSolid { cutter, flute_length: solid.flute_length + 2.0 * by, shank: Vec::new(), holder: Vec::new() }
+}
+
+/// A place on a pass, with rotary angles that do not jump.
+#[derive(Clone, Copy)]
+struct Station {
+    point: ClPoint,
+    rotary: Angles,
+    /// False for those put in between.
+    planned: bool,
+}
+
+/// Stations of a pass so near to each other that two of them bound a step of the stock: the machine runs the tip
+/// straight between the planned ones and both rotary angles evenly with it.
+fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
+    let mut found: Vec<Station> = Vec::with_capacity(pass.points.len());
+    for point in &pass.points {
+        let before = found.last().map_or(0.0, |s| s.rotary[1]);
+        let to = Station { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
+        if let Some(from) = found.last().copied() {
+            let way = to.point.tip - from.point.tip;
+            let turn = machine.turn(from.rotary, to.rotary);
+            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+            found.extend((1..count as usize).map(|k| {
+                let t = k as f64 / count;
+                let rotary = between(from.rotary, to.rotary, t);
+                let axis = machine.chain.tool_axis(rotary);
+                let point = ClPoint { tip: from.point.tip + way * t, axis, contact: None };
+                Station { point, rotary, planned: false }
+            }));
+        }
+        found.push(to);
+    }
+    found
+}
+
+/// The steps of passes, numbered through, each with the index of its pass, of a cutter whose tip lies lower on its axis by
+/// `lowered`.
+fn steps<'a>(
+    machine: &'a Machine,
+    passes: &'a [ClPass],
+    kind: StepKind,
+    lowered: f64,
+) -> impl Iterator<Item = (usize, Step)> + 'a {
+    passes
+        .iter()
+        .enumerate()
+        .flat_map(move |(i, pass)| {
+            let stations = stations(machine, pass);
+            let pairs: Vec<(usize, [Station; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
+            pairs
+        })
+        .enumerate()
+        .map(move |(n, (pass, [from, to]))| {
+            let axes = [0.0, 0.5, 1.0].map(|t| machine.chain.tool_axis(between(from.rotary, to.rotary, t)));
+            let tips = [from.point.tip - axes[0] * lowered, to.point.tip - axes[2] * lowered];
+            (pass, Step { block: u32::try_from(n).unwrap_or(u32::MAX), kind, tips, axes })
+        })
+}
+
+/// Leaves of an operation what cuts.
+fn reduce(
+    program: &Program,
+    operation: &Operation,
+    thickness: f64,
+    planned: &mut ClOperation,
+    (field, work): (&mut Field, &Work),
+    sink: &mut Sink,
+) -> Result<(), Aborted> {
+    let solid = &program.tools[operation.tool].solid;
+    let grown_by = field.cell() * field.cell() / (4.0 * rounding(solid));
+    let grown = cutter_alone(solid, grown_by);
+    // At rapid the engine tells what the cutter meets, and removes nothing.
+    let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
+    let met = send(field, &grown, looks, work);
+    let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
+    let mut deep = deep.map(|c| c.block as usize).peekable();
+    let ways =
+        Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program, solid), program };
+    let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
+    for pass in &planned.passes {
+        let stations = stations(&program.machine, pass);
+        let steps = stations.len().saturating_sub(1);
+        let mut cuts = vec![false; steps];
+        while let Some(n) = deep.next_if(|n| *n < before + steps) {
+            cuts[n - before] = true;
+        }
+        before += steps;
+        let runs = ways.runs(&stations, &cuts);
+        length[0] += runs.iter().map(|r| way(&stations[r.start..=r.end])).sum::<f64>();
+        length[1] += way(&stations);
+        let several = runs.len() > 1;
+        for (k, run) in runs.into_iter().enumerate() {
+            let label = if several { format!("{} rest {}", pass.label, k + 1) } else { pass.label.clone() };
+            let inside = stations[run.start..=run.end].iter().enumerate();
+            let ends = inside.filter(|(i, s)| s.planned || *i == 0 || *i == run.end - run.start);
+            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect() });
+        }
+    }
+    if kept.is_empty() {
+        sink.push(
+            Diag::error(
+                planning::NO_REST,
+                format!("`{}` finds no stock thicker than {} mm to cut", operation.name, trim(thickness, 3)),
+            )
+            .label(operation.span, "nothing is left for this operation")
+            .note("the operations before it have already cut all its passes")
+            .help("take the operation out, or give a smaller thickness after `rest over`"),
+        );
+        return Err(Aborted);
+    }
+    planned.notes.push(format!(
+        "rest machining over {} mm: {:.0} of {:.0} mm cut, in {} passes of {}; stock in cells of {:.2} mm",
+        trim(thickness, 3),
+        length[0],
+        length[1],
+        kept.len(),
+        planned.passes.len(),
+        field.cell()
+    ));
+    planned.passes = kept;
+    Ok(())
+}
+
+/// True when a tool that leaves along its axis sweeps no more than it stands in: nothing above the cutter is thinner.
+fn leaves_along_axis(solid: &ToolSolid) -> bool {
+    let widest = solid.cutter.widest_below(solid.flute_length);
+    solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
+}
+
+/// Length of the way of the tip, mm.
+fn way(stations: &[Station]) -> f64 {
+    stations.windows(2).map(|w| (w[1].point.tip - w[0].point.tip).norm()).sum()
+}
+
+/// What decides where a pass is left and entered.
+struct Ways<'a> {
+    program: &'a Program,
+    operation: &'a Operation,
+    /// True when the tool may leave a pass at its ends only.
+    whole: bool,
+    sphere: ClearanceSphere,
+}
+
+impl Ways<'_> {
+    /// Stretches of a pass that stay, by their first and last station; `cuts` tells of each step whether it cuts.
+    fn runs(&self, stations: &[Station], cuts: &[bool]) -> Vec<Range<usize>> {
+        let last = cuts.len();
+        if self.whole {
+            return if cuts.contains(&true) { std::iter::once(0..last).collect() } else { Vec::new() };
+        }
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for n in (0..last).filter(|n| cuts[*n]) {
+            let (mut start, mut end) = (n, n + 1);
+            let step = |n: usize| (stations[n + 1].point.tip - stations[n].point.tip).norm();
+            let mut lead = 0.0;
+            while start > 0 && lead < self.operation.lead_in.get() {
+                start -= 1;
+                lead += step(start);
+            }
+            lead = 0.0;
+            while end < last && lead < self.operation.lead_out.get() {
+                lead += step(end);
+                end += 1;
+            }
+            match runs.last_mut() {
+                Some(run) if run.end >= start || !self.pays(stations, run.end..start) => run.end = end,
+                _ => runs.push(start..end),
+            }
+        }
+        runs
+    }
+
+    /// True when the way over the clearance sphere takes less time than the cut between two stations.
+    fn pays(&self, stations: &[Station], gap: Range<usize>) -> bool {
+        let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
+        let [out, back] = [from, to].map(|p| self.sphere.exit(&p.tip, &p.axis));
+        let over = self.sphere.way(&(from.tip + from.axis * out), &(to.tip + to.axis * back));
+        let link = (out + back) / (self.operation.link_feed.get() / 60.0) + over / self.program.machine.rapid;
+        link < way(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
+    }
+}

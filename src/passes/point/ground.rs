@@ -1,0 +1,323 @@
+//! Faces, fillets and edges of a vane as surfaces for lines, under any cutter: what a step leaves, by the forms of surface
+//! and cutter and by looking.
+
+use super::axes::{VaneAxis, tip_at};
+use crate::collide::Cutter;
+use crate::collide::tool::tool_coordinates;
+use crate::geom::BandMetric;
+use crate::ir::CcPoint;
+use crate::part::{
+    FaceId, SurfaceKind,
+    chart::{Chart, Shape},
+};
+use crate::passes::context::Lean;
+use crate::passes::lines::{Ground, Line, METRIC_STATIONS};
+use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
+use rayon::prelude::*;
+
+/// Layers of the metric across a surface.
+const LAYERS: usize = 25;
+
+/// Step of differences in the chart.
+const STEP: f64 = 1e-4;
+
+/// Places along and across a surface at which its hollow is looked for.
+const LOOKS: [usize; 2] = [120, 12];
+
+/// Steps across below which no metric goes, an inverse: a ball in a fillet of its own radius has endless steps.
+const LEAST_ACROSS: f64 = 1e-6;
+
+/// Lean at which the side of a barrel is laid, as a share of the angle that its arc spans.
+const BARREL_LEAN: f64 = 0.5;
+
+/// A face or fillet of sector 0 under a cutter.
+pub(crate) struct VaneGround<'a> {
+    pub(crate) chart: &'a Chart<'a>,
+    /// Its face, that of a fillet; of an edge either.
+    pub(crate) side: FaceId,
+    /// Radius of the fillet, where this is one.
+    pub(crate) hollow: Option<f64>,
+    pub(crate) cutter: Cutter,
+    pub(crate) axes: &'a VaneAxis<'a>,
+    /// Lower border, as y, at even x from 0 to 1.
+    pub(crate) low: Vec<f64>,
+}
+
+/// Tangents of a chart with its forms, over (x, y).
+struct Local {
+    px: Vector3<f64>,
+    py: Vector3<f64>,
+    /// First fundamental form.
+    first: Matrix2<f64>,
+    /// Curvature, positive where the surface bulges out of the material.
+    bulge: Matrix2<f64>,
+}
+
+impl VaneGround<'_> {
+    fn local(&self, x: f64, y: f64) -> Local {
+        let (x, y) = (x.clamp(STEP, 1.0 - STEP), y.clamp(STEP, 1.0 - STEP));
+        let [a, b, c, d] =
+            [(x - STEP, y), (x + STEP, y), (x, y - STEP), (x, y + STEP)].map(|(x, y)| self.chart.place(x, y));
+        let half = 0.5 / STEP;
+        let (px, py) = ((b.position - a.position) * half, (d.position - c.position) * half);
+        let (nx, ny) = ((b.normal - a.normal) * half, (d.normal - c.normal) * half);
+        let cross = 0.5 * (px.dot(&ny) + py.dot(&nx));
+        // Exactly, so that a ball of the same radius has no ridge at all.
+        let across = self.hollow.map_or_else(|| py.dot(&ny), |r| -py.norm_squared() / r);
+        Local {
+            px,
+            py,
+            first: Matrix2::new(px.dot(&px), px.dot(&py), px.dot(&py), py.dot(&py)),
+            bulge: Matrix2::new(px.dot(&nx), cross, cross, across),
+        }
+    }
+
+    /// Second fundamental form of the cutter at a contact.
+    fn cutter_form(&self, x: f64, y: f64, at: &Local) -> Matrix2<f64> {
+        if self.cutter.ends_in_ball() {
+            return at.first / self.cutter.tip_radius();
+        }
+        let place = self.chart.place(x.clamp(0.0, 1.0), y);
+        let [u, v] = place.parameters;
+        let axis = self.axes.axis(self.chart.kind, u, v, Lean::Away(nominal_tilt(&self.cutter)));
+        let sin = axis.dot(&place.normal).clamp(-1.0, 1.0);
+        let Some(profile) = self.cutter.profile_at(libm::asin(sin)) else { return at.first };
+        let along = (axis - place.normal * sin).normalize();
+        let around = place.normal.cross(&along);
+        let tangents = [at.px, at.py];
+        let form = |d: &Vector3<f64>, curvature: f64| {
+            Matrix2::from_fn(|i, j| curvature * tangents[i].dot(d) * tangents[j].dot(d))
+        };
+        form(&along, 1.0 / profile.bend) + form(&around, (1.0 - sin * sin).sqrt() / profile.rho)
+    }
+
+    /// Radius of the profile at the contacts.
+    fn bend(&self) -> f64 {
+        self.cutter.profile_at(nominal_tilt(&self.cutter)).map_or(0.0, |p| p.bend)
+    }
+
+    /// Ridges in steps: (I / R + II) / 8h, with the second term of the exact law for a flat.
+    fn form(&self, x: f64, y: f64, height: f64) -> (Matrix2<f64>, Local) {
+        let at = self.local(x, y);
+        let scale = 1.0 / (8.0 * height - 4.0 * height * height / self.bend());
+        let form = (self.cutter_form(x, y, &at) + at.bulge) * scale;
+        (form, at)
+    }
+
+    /// Steps per unit of y, straight across lines of equal y, for ridges of a height.
+    pub(crate) fn density(&self, x: f64, y: f64, height: f64) -> f64 {
+        let (form, _) = self.form(x, y, height);
+        (form[(1, 1)] - form[(0, 1)] * form[(0, 1)] / form[(0, 0)].max(LEAST_ACROSS)).max(0.0).sqrt()
+    }
+
+    /// Most hollow place: its least curvature against that of the cutter, with the curvature of the surface there.
+    pub(crate) fn most_hollow(&self) -> (f64, f64, [f64; 2]) {
+        let mut worst = (f64::INFINITY, 0.0, [0.5; 2]);
+        for i in 0..=LOOKS[0] {
+            for j in 0..=LOOKS[1] {
+                let (x, y) = (i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64);
+                let at = self.local(x, y);
+                let rest = least_against(&(self.cutter_form(x, y, &at) + at.bulge), &at.first);
+                if rest < worst.0 {
+                    worst = (rest, least_against(&at.bulge, &at.first), [x, y]);
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// Columns over a surface in which ridges are looked for.
+const COLUMNS: usize = 40;
+
+/// Looks between two lines.
+const RIDGES: usize = 8;
+
+/// Share of x about a place within which the cutter comes nearest to it.
+const WINDOW: f64 = 0.06;
+
+/// A contact with x along its surface, and the tool there.
+struct Pose {
+    x: f64,
+    contact: Point3<f64>,
+    tip: Point3<f64>,
+    axis: Vector3<f64>,
+}
+
+/// Greatest value of a function that rises to a top between two places and falls behind it.
+fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    /// Thirds taken away at one end or the other: what is left is a thousandth.
+    const THIRDS: usize = 16;
+    let mut best = 0.0_f64;
+    for _ in 0..THIRDS {
+        let third = (high - low) / 3.0;
+        let (a, b) = (f(low + third), f(high - third));
+        best = best.max(a).max(b);
+        if a < b { low += third } else { high -= third }
+    }
+    best
+}
+
+/// Poses of a line about a place.
+fn around(line: &[Pose], x: f64) -> Option<&[Pose]> {
+    let from = line.partition_point(|p| p.x < x - WINDOW);
+    let to = line.partition_point(|p| p.x <= x + WINDOW);
+    (from < to).then(|| &line[from..to])
+}
+
+impl VaneGround<'_> {
+    fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<Pose> {
+        let axis = self.axes.axis(self.chart.kind, p.u, p.v, Lean::Away(nominal_tilt(&self.cutter)));
+        let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
+        Some(Pose { x: *x, contact: p.position, tip, axis })
+    }
+
+    /// What poses leave at a point: the least distance over each line, between its poses by a parabola.
+    fn left_at(&self, lines: &[&[Pose]], p: &Point3<f64>) -> f64 {
+        // Of a ball the ball alone: how near its side comes to the surface depends on the axis that is chosen later.
+        let ball = self.cutter.ends_in_ball().then(|| self.cutter.tip_radius());
+        let gap = |pose: &Pose| match ball {
+            Some(radius) => (p - (pose.tip + pose.axis * radius)).norm() - radius,
+            None => {
+                let (rho, s) = tool_coordinates(p, &pose.tip, &pose.axis);
+                self.cutter.distance(rho, s)
+            }
+        };
+        // The nearest contacts leave least, but for the shape of the cutter: those of the three nearest lines.
+        let mut nearest: Vec<(f64, usize, usize)> = lines
+            .iter()
+            .enumerate()
+            .filter_map(|(i, line)| {
+                let far = |k: usize| (line[k].contact - p).norm_squared();
+                let k = (0..line.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
+                Some((far(k), i, k))
+            })
+            .collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut least = f64::INFINITY;
+        for (_, i, start) in nearest.into_iter().take(3) {
+            let line = lines[i];
+            // Downhill from the nearest contact.
+            let (mut k, mut value) = (start, gap(&line[start]));
+            loop {
+                let next = [k.checked_sub(1), Some(k + 1).filter(|n| *n < line.len())]
+                    .into_iter()
+                    .flatten()
+                    .map(|n| (n, gap(&line[n])))
+                    .min_by(|a, b| a.1.total_cmp(&b.1));
+                match next {
+                    Some((n, g)) if g < value => (k, value) = (n, g),
+                    _ => break,
+                }
+            }
+            if k > 0 && k + 1 < line.len() {
+                let (before, after) = (gap(&line[k - 1]) - value, gap(&line[k + 1]) - value);
+                let bend = before + after;
+                if bend > 0.0 {
+                    value -= (after - before).powi(2) / (8.0 * bend);
+                }
+            }
+            least = least.min(value);
+        }
+        least
+    }
+}
+
+/// Least ratio of two forms over all directions.
+fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> f64 {
+    let Some(root) = metric.cholesky().and_then(|c| c.l().try_inverse()) else { return 0.0 };
+    SymmetricEigen::new(root * form * root.transpose()).eigenvalues.min()
+}
+
+/// Tilt off the surface for which lines are laid, radians: that of a barrel decides which radius cuts.
+pub(crate) fn nominal_tilt(cutter: &Cutter) -> f64 {
+    cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end)
+}
+
+impl Ground for VaneGround<'_> {
+    fn name(&self) -> String {
+        match self.chart.kind {
+            SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),
+            SurfaceKind::OutletEdge(_) => "outlet edge".to_owned(),
+            SurfaceKind::Fillet(side) => format!("{} fillet", side.name()),
+            _ => format!("{} face", self.side.name()),
+        }
+    }
+
+    fn walls(&self, x: f64) -> (f64, f64) {
+        let at = x.clamp(0.0, 1.0) * (self.low.len() - 1) as f64;
+        let i = (at as usize).min(self.low.len() - 2);
+        let low = self.low[i] + (self.low[i + 1] - self.low[i]) * (at - i as f64);
+        (low, 1.0 - low)
+    }
+
+    fn contact(&self, x: f64, y: f64, _share: f64) -> CcPoint {
+        let inside = x.clamp(0.0, 1.0);
+        let place = self.chart.place(inside, y.clamp(0.0, 1.0));
+        let [u, v] = place.parameters;
+        let off = x - inside;
+        let (u, w) = match self.chart.kind {
+            // Along an edge u stays at its end.
+            SurfaceKind::InletEdge(_) => (0.0, y),
+            SurfaceKind::OutletEdge(_) => (1.0, y),
+            _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
+        };
+        let position = if off == 0.0 { place.position } else { place.position + self.local(inside, y).px * off };
+        CcPoint { u, v, w, position, normal: place.normal }
+    }
+
+    /// Below an edge is the hub, beside it free room.
+    fn open(&self) -> [bool; 2] {
+        [!matches!(self.chart.kind, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)), true]
+    }
+
+    fn speed(&self, x: f64, y: f64, slope: f64) -> f64 {
+        let at = self.local(x, y);
+        (at.px + at.py * slope).norm()
+    }
+
+    fn metric(&self, height: f64) -> BandMetric {
+        // On the leads it stays.
+        BandMetric::over(([-0.02, 1.02], METRIC_STATIONS + 1), ([0.0, 1.0], LAYERS), |x, y| {
+            let (form, _) = self.form(x, y, height);
+            let across = form[(1, 1)].max(LEAST_ACROSS * LEAST_ACROSS);
+            let skew = if across > LEAST_ACROSS { form[(0, 1)] / across } else { 0.0 };
+            let along = (form[(0, 0)] - skew * skew * across).max(LEAST_ACROSS * LEAST_ACROSS);
+            [along.sqrt(), across.sqrt(), skew]
+        })
+    }
+
+    fn highest_ridge(&self, lines: &[Line]) -> Option<f64> {
+        let poses: Vec<Vec<Pose>> =
+            lines.iter().map(|line| line.on_surface.iter().filter_map(|p| self.pose(p)).collect()).collect();
+        let rows = RIDGES * lines.len().max(2);
+        let columns: Vec<f64> = (0..=COLUMNS).map(|i| i as f64 / COLUMNS as f64).collect();
+        let highest = |x: &f64| {
+            let (low, height) = self.walls(*x);
+            // Neighbours of a row are those that lie around it, and what is next to them where lines begin.
+            let near: Vec<&[Pose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
+            let left = |row: f64| self.left_at(&near, &self.chart.place(*x, low + height * row / rows as f64).position);
+            let values: Vec<f64> = (0..=rows).map(|j| left(j as f64)).collect();
+            // A ridge is a sharp top between two rows.
+            let tops = values.windows(3).enumerate().filter(|(_, v)| v[1] > v[0] && v[1] >= v[2]);
+            tops.map(|(j, _)| top(&left, j as f64, j as f64 + 2.0)).fold(0.0, f64::max)
+        };
+        columns.par_iter().map(highest).collect::<Vec<f64>>().into_iter().reduce(f64::max)
+    }
+
+    fn least_length(&self, height: f64) -> f64 {
+        let cell = 1.0 / (LOOKS[0] * LOOKS[1]) as f64;
+        let mut sum = 0.0;
+        for i in 0..LOOKS[0] {
+            let x = (i as f64 + 0.5) / LOOKS[0] as f64;
+            let (low, high) = self.walls(x);
+            for j in 0..LOOKS[1] {
+                let y = low + high * (j as f64 + 0.5) / LOOKS[1] as f64;
+                let (form, at) = self.form(x, y, height);
+                let least = least_against(&form, &at.first).max(0.0).sqrt();
+                sum += at.first.determinant().max(0.0).sqrt() * least * high * cell;
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,209 @@
+//! Plan of the operation `point`: lines of constant scallop on faces, fillets and edges of vanes.
+//!
+//! Before: an operation. After: lines along each surface, from the shroud down to the fillet on faces, from the face to
+//! the hub on fillets, from face to face on edges; both borders are lines, and where a surface is higher, as vanes are at
+//! the inlet, further lines begin and end on it. A ball as big as the fillet rolls along it in a single line. A spiral runs
+//! round both faces and both edges of a vane without leaving it.
+
+use super::axes::{VaneAxis, tip_at};
+use super::ground::{VaneGround, nominal_tilt};
+use super::spiral::Around;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
+use crate::method::Lines;
+use crate::part::{
+    BladeId, SurfaceKind,
+    chart::{Shape, charts, edges, edges_of},
+};
+use crate::passes::context::{
+    Lean, PassContext,
+    limits::{check_fillet, check_points},
+};
+use crate::passes::lines::{self, Ground, constant_scallop};
+use crate::units::length;
+use rayon::prelude::*;
+
+/// Plans a point milling operation.
+///
+/// # Errors
+/// A cutter bigger than the fillet or than a hollow of a surface; no fillet where one is to be finished. The diagnostic
+/// is in the sink.
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
+    let OperationKind::Point { ref surfaces, scallop, lines: order, .. } = operation.kind else { return Err(Aborted) };
+    let part = &cx.program.part;
+    let cutter = cx.program.tools[operation.tool].solid.cutter;
+    // An edge ends at the fillets, but before it is free room: there a ball of any size stands.
+    let beside = surfaces.iter().find_map(|kind| match kind {
+        SurfaceKind::Face(_) => {
+            Some(["this operation goes down to the fillets", "this ball would cut into the hub there"])
+        }
+        SurfaceKind::Fillet(_) => {
+            Some(["this operation cuts the fillets", "this ball would cut into hub and vane beside them"])
+        }
+        _ => None,
+    });
+    if let Some(why) = beside {
+        check_fillet(cx, operation, why)?;
+    }
+    let mut all = charts(part);
+    all.extend(edges(part));
+    let axes = VaneAxis::new(part);
+    let ground = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
+        let side = match kind {
+            SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
+            _ => BladeId::MAIN.faces()[0],
+        };
+        let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
+        let hollow = part.main().fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
+        let mut ground = VaneGround { chart, side, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
+        if matches!(kind, SurfaceKind::Face(_)) {
+            ground.low = lowest(cx, operation, &ground);
+        }
+        check_hollow(cx, operation, &ground)?;
+        Ok(ground)
+    };
+    let (mut laid, mut notes) = (Vec::new(), Vec::new());
+    let faces = BladeId::MAIN.faces().map(SurfaceKind::Face);
+    let round = order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f));
+    if round {
+        let grounds = [ground(cx, faces[0])?, ground(cx, faces[1])?];
+        let (points, told) = spiral(cx, operation, [&grounds[0], &grounds[1]], scallop.get())?;
+        notes.extend(told);
+        laid.push((Drive::Round, "spiral".to_owned(), vec![points]));
+    }
+    for kind in surfaces.iter().filter(|kind| !(round && faces.contains(kind))) {
+        let ground = ground(cx, *kind)?;
+        let speed = [0.0, 1.0]
+            .map(|x| [0.0, 0.5, 1.0].map(|y| ground.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
+        let directions = lines::directions(operation, cutter.tip_radius(), speed, order);
+        let lines = constant_scallop(cx, operation, &ground, cutter.tip_radius(), scallop.get(), &directions)?;
+        notes.extend(lines.notes);
+        let mut lines = lines.lines;
+        lines::turn_back(&mut lines, order);
+        if matches!(kind, SurfaceKind::Face(_)) {
+            // From the shroud down.
+            lines.reverse();
+        }
+        laid.push((Drive::Contact(*kind), ground.name(), lines));
+    }
+    let mut passes = Vec::new();
+    for (drive, name, lines) in laid {
+        for (j, points) in lines.into_iter().enumerate() {
+            passes.push(CcPass { path: None, label: format!("{name} line {}", j + 1), drive, points });
+        }
+    }
+    Ok(CcOperation { operation: id, passes, notes })
+}
+
+/// A spiral round both faces, with what is worth telling about it.
+fn spiral(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    grounds: [&VaneGround<'_>; 2],
+    height: f64,
+) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
+    let edges = edges_of(&cx.program.part, BladeId::MAIN);
+    let low = grounds.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
+    let around = Around { faces: [grounds[0], grounds[1]], edges: &edges, low };
+    let target = lines::left_to_ridges(cx, height);
+    let leads = [operation.lead_in.get(), operation.lead_out.get()];
+    let (laid, _) = lines::refined(target, |planned| {
+        let density = |side: usize, x: f64, y: f64| grounds[side].density(x, y, planned);
+        let spiral = around.lay(&density, leads);
+        check_points(cx, operation, spiral.points.len() as f64)?;
+        let ridges = [0, 1].map(|side| grounds[side].highest_ridge(&spiral.turns[side]));
+        Ok((spiral, ridges.into_iter().flatten().reduce(f64::max)))
+    })?;
+    let length: f64 = laid.turns.iter().flatten().map(lines::Line::length).sum();
+    let least: f64 = grounds.iter().map(|g| g.least_length(height)).sum();
+    let note = format!(
+        "a spiral of {} turns a vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \
+         lower bound {least:.1} mm (area over the larger step)",
+        laid.turns[0].len(),
+        100.0 * (length / least - 1.0)
+    );
+    Ok((laid.points, vec![note]))
+}
+
+fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
+    cx.sink.push(
+        Diag::error(planning::NO_FILLET_TO_FINISH, format!("`{}` finds no fillet on the part", operation.name))
+            .label(operation.span, "this operation finishes fillets")
+            .help("declare the radius in the part, `fillet 3 mm`, or take the operation out"),
+    );
+    Aborted
+}
+
+/// Refuses a cutter that is rounder outside than a surface is inside.
+fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Result<(), Aborted> {
+    let (rest, bulge, [x, y]) = ground.most_hollow();
+    // A ball in the fillet of its own radius leaves nothing.
+    if rest > 0.0 || (ground.hollow.is_some() && rest > -1e-6) {
+        return Ok(());
+    }
+    let tool = &cx.program.tools[operation.tool];
+    let place = ground.chart.place(x, y);
+    let room = -1.0 / bulge;
+    cx.sink.push(
+        Diag::error(
+            planning::TOO_HOLLOW,
+            format!(
+                "{} is bigger than the hollow of the {}, whose radius is {}",
+                tool.name,
+                ground.name(),
+                length(room)
+            ),
+        )
+        .label(operation.span, "in this operation")
+        .label(tool.span, "this cutter would touch it beside the line that it is to cut")
+        .place(
+            format!("{} at u = {:.3}, v = {:.3}", ground.name(), place.parameters[0], place.parameters[1]),
+            place.position,
+        )
+        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * room).floor() / 100.0)),
+    );
+    Err(Aborted)
+}
+
+/// Stations of the lower border.
+const BORDER: usize = 60;
+
+/// Halvings of the lower border: a thousandth of the ruling.
+const HALVINGS: usize = 10;
+
+/// Lowest y at which the cutter stands on a face without cutting into fillet or hub: the edge of the fillet for a ball.
+fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Vec<f64> {
+    let part = &cx.program.part;
+    let solid = &cx.program.tools[operation.tool].solid;
+    let stations = (0..=BORDER).map(|i| i as f64 / BORDER as f64);
+    if solid.cutter.ends_in_ball() {
+        let radius = solid.cutter.tip_radius();
+        let height = |x: f64| {
+            let [low, high] = [0.0, 1.0].map(|y| ground.chart.place(x, y).parameters[1]);
+            let v = part.fillet_tangent(ground.side, x, radius)?;
+            Some(((v - low) / (high - low)).clamp(0.0, 1.0))
+        };
+        // With a fillet the chart begins where any ball that fits it may stand.
+        return if part.main().fillet.is_some() {
+            vec![0.0; 2]
+        } else {
+            stations.map(|x| height(x).unwrap_or(0.0)).collect()
+        };
+    }
+    let stands = |x: f64, y: f64| {
+        let place = ground.chart.place(x, y);
+        let [u, v] = place.parameters;
+        let axis = ground.axes.axis(ground.chart.kind, u, v, Lean::Away(nominal_tilt(&solid.cutter)));
+        let tip = tip_at(&solid.cutter, &place.position, &place.normal, &axis);
+        tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
+    };
+    let border = |x: f64| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if stands(x, middle) { high = middle } else { low = middle }
+        }
+        high
+    };
+    stations.collect::<Vec<f64>>().into_par_iter().map(border).collect()
+}

@@ -1,0 +1,83 @@
+//! Plan of the operation `expand`: inverted V lines on both sides of the groove (Wei 3.1.2).
+//!
+//! Before: an operation. After: per layer a set of V lines. Each leg runs at a constant distance from the boundary on
+//! its side; the legs of a V meet on the groove line where the channel has become as narrow as the V. So the lines lie
+//! a step apart everywhere and none crowd at the narrow inlet. Order: from the groove outward to the walls.
+
+use super::groove::{check_room, describe, passes};
+use super::layers::{Layer, Roughing};
+use crate::diag::Aborted;
+use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
+use crate::passes::context::{PassContext, limits::check_points};
+use crate::passes::lines::scallop;
+
+/// Plans an expand operation from the level that earlier expanding reached; returns the level that it reaches.
+///
+/// # Errors
+/// The tool has no room in the first layer; the diagnostic is in the sink.
+pub(crate) fn plan(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    top: f64,
+) -> Result<(CcOperation, f64), Aborted> {
+    let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
+    let roughing = super::roughing(cx, operation)?;
+    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+    let reached = check_room(cx, operation, &layers, &end, top)?;
+    let solid = &cx.program.tools[operation.tool].solid;
+    let step = scallop::formula_9_step(solid.radius(), residual.get());
+    let mut notes = vec![describe(&layers, &end, top)];
+    let mut lines = Vec::new();
+    let widest =
+        layers.iter().flat_map(|l| l.stations.iter().map(|s| roughing.chart.width(s.u, l.level))).fold(0.0, f64::max);
+    let stations: usize = layers.iter().map(|l| l.stations.len()).sum();
+    check_points(cx, operation, widest / step * stations as f64)?;
+    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
+    for layer in &layers {
+        let count = work.step(v_lines(&roughing, layer, step, &mut lines));
+        if layer.number == layers.len() {
+            notes.push(format!(
+                "formula (9): {count} V lines a layer, {step:.3} mm apart; the exact law for {:.3} mm left by a ball gives {:.3} mm",
+                residual.get(),
+                scallop::flat_step(solid.radius(), residual.get())
+            ));
+        }
+    }
+    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
+}
+
+/// Adds the V lines of a layer, the innermost first; returns their number.
+fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(String, Vec<CcPoint>)>) -> usize {
+    let Some(outlet) = layer.stations.iter().rfind(|s| s.u <= 1.0) else { return 0 };
+    let room = |s: &super::layers::Station| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
+    // Lines of both sides and the groove share the arc between the boundaries (S of formula 9).
+    let pairs = (0.5 * room(outlet) / step).ceil().max(1.0);
+    let spacing = 0.5 * room(outlet) / pairs;
+    for i in (0..pairs as usize).rev() {
+        let offset = i as f64 * spacing;
+        // From the outlet up to the apex: stations where the leg is still on its side of the groove.
+        let legs: Vec<(f64, [f64; 2])> = layer
+            .stations
+            .iter()
+            .rev()
+            .map(|s| (s, offset / roughing.chart.width(s.u, layer.level)))
+            .take_while(|(s, share)| s.room[0] + share < s.middle())
+            .map(|(s, share)| (s.u, [s.room[0] + share, s.room[1] - share]))
+            .collect();
+        let Some((apex, apex_legs)) = legs.last().copied() else { continue };
+        // The crossing at the apex: on the groove line inside the channel, in air in front of the inlet.
+        let width = (apex_legs[1] - apex_legs[0]) * roughing.chart.width(apex, layer.level);
+        let crossing = (width / step).ceil().max(1.0) as usize;
+        let across = (1..crossing).map(|k| {
+            let w = apex_legs[0] + (apex_legs[1] - apex_legs[0]) * k as f64 / crossing as f64;
+            (apex, w)
+        });
+        let up = legs.iter().map(|(u, w)| (*u, w[0]));
+        let down = legs.iter().rev().map(|(u, w)| (*u, w[1]));
+        let points =
+            up.chain(across).chain(down).map(|(u, w)| roughing.cc_point(u, layer.level, w)).collect::<Vec<_>>();
+        lines.push((format!("layer {} line {}", layer.number, pairs as usize - i), points));
+    }
+    pairs as usize
+}

@@ -1,0 +1,127 @@
+//! Plan of the operation `groove`: one line in the middle of each channel, layer by layer (Wei 3.1.1).
+//!
+//! Before: an operation. After: passes from inlet to outlet, one a layer, from the shroud down to the hub allowance or
+//! to the lowest layer that the tool can complete.
+
+use super::layers::{End, Layer, Roughing};
+use super::step;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::geom::interpolate;
+use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId};
+use crate::part::Surface;
+use crate::passes::context::PassContext;
+use nalgebra::Point3;
+
+/// Longest step of a roughing line, mm: the axis of the tool turns along the line too, and the law of the curvature
+/// does not see that.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Plans a groove operation from the level that earlier roughing reached (`top`); returns the level that it reaches.
+///
+/// # Errors
+/// The tool has no room in the first layer; the diagnostic is in the sink.
+pub(crate) fn plan(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    top: f64,
+) -> Result<(CcOperation, f64), Aborted> {
+    let roughing = super::roughing(cx, operation)?;
+    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+    let reached = check_room(cx, operation, &layers, &end, top)?;
+    let mut notes = vec![describe(&layers, &end, top)];
+    let mut line_lengths = 0;
+    let mut lines = Vec::new();
+    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
+    for layer in &layers {
+        let points: Vec<CcPoint> =
+            layer.stations.iter().map(|s| roughing.cc_point(s.u, layer.level, s.middle())).collect();
+        let points = restep(&roughing, layer.level, &points, cx.program.tolerances.chord_rough.get());
+        line_lengths += points.len();
+        lines.push((format!("layer {}", layer.number), work.step(points)));
+    }
+    notes.push(format!("{line_lengths} stations a channel by the step law (6), {} lines", lines.len()));
+    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
+}
+
+/// The level that the layers reach; an error when there is none.
+pub(crate) fn check_room(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    layers: &[Layer],
+    end: &End,
+    top: f64,
+) -> Result<f64, Aborted> {
+    let Some(last) = layers.last() else {
+        if let End::Narrow { level, u } = end {
+            let tool = &cx.program.tools[operation.tool];
+            let place = cx.program.part.face(cx.program.part.first_passage().walls[0]).surface.point(*u, *level);
+            cx.sink.push(
+                Diag::error(
+                    planning::NO_ROOM,
+                    format!(
+                        "tool {} has no room in the first layer of `{}`, {:.1} % over the hub",
+                        tool.name,
+                        operation.name,
+                        level * 100.0
+                    ),
+                )
+                .label(operation.span, "this operation starts there")
+                .label(tool.span, "this tool is too big for it")
+                .place(format!("channel at u = {u:.3}, from level {top:.3}"), place)
+                .help("take a thinner tool, a longer reach, or smaller allowances"),
+            );
+        }
+        return Err(Aborted);
+    };
+    Ok(last.level)
+}
+
+/// One line about the layers.
+pub(crate) fn describe(layers: &[Layer], end: &End, top: f64) -> String {
+    let reached = layers.last().map_or(top, |l| l.level);
+    let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", layers.len(), top, reached);
+    match end {
+        End::Floor => format!("{range}: the hub allowance is reached"),
+        End::Narrow { level, u } => {
+            format!("{range}: at level {level:.3} the tool does not fit at u = {u:.3} with its allowances")
+        }
+    }
+}
+
+/// Puts stations of a line at steps from its curvature (Wei 4 to 7): a NURBS curve through the stations gives the
+/// curvature; the stations keep to the chart.
+pub(crate) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], epsilon: f64) -> Vec<CcPoint> {
+    let positions: Vec<Point3<f64>> = points.iter().map(|p| p.position).collect();
+    // Data points a few millimetres apart carry the shape; all stations would carry the noise of the lifts.
+    let stride = (positions.len() / 16).max(1);
+    let mut data: Vec<Point3<f64>> = positions.iter().step_by(stride).copied().collect();
+    if !(positions.len() - 1).is_multiple_of(stride) {
+        data.extend(positions.last());
+    }
+    let Ok(curve) = interpolate(&data, 3.min(data.len().saturating_sub(1))) else { return points.to_vec() };
+    let length: Vec<f64> = std::iter::once(0.0)
+        .chain(positions.windows(2).scan(0.0, |sum, p| {
+            *sum += (p[1] - p[0]).norm();
+            Some(*sum)
+        }))
+        .collect();
+    let total = length.last().copied().unwrap_or(0.0);
+    step::stations(&curve, epsilon, LONGEST_STEP)
+        .into_iter()
+        .map(|t| {
+            // Chord length parameter, so that it is the share of the length.
+            let at = t * total;
+            let i = length.partition_point(|l| *l < at).clamp(1, length.len() - 1);
+            let share = ((at - length[i - 1]) / (length[i] - length[i - 1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let mix = |a: f64, b: f64| a + (b - a) * share;
+            let (p, q) = (&points[i - 1], &points[i]);
+            roughing.cc_point(mix(p.u, q.u), level, mix(p.w, q.w))
+        })
+        .collect()
+}
+
+/// Lines in a channel, each with its name, as passes.
+pub(crate) fn passes(lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
+    lines.into_iter().map(|(label, points)| CcPass { path: None, label, drive: Drive::Channel, points }).collect()
+}

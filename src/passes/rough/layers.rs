@@ -1,0 +1,214 @@
+//! Layers of channel roughing: how deep a tool comes, and how far to both walls at each place.
+
+use crate::collide::ToolSolid;
+use crate::ir::{CcPoint, Operation, OperationKind, Program};
+use crate::passes::context::{ChannelChart, Keep, Obstacles};
+use crate::progress::Progress;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this they leave
+/// their chord by a few micrometres, well inside the roughing allowance.
+const STATION_SPACING: f64 = 0.7;
+
+/// Bisection steps for wall distances and lifts: half a channel over 2^10 is about 0.02 mm.
+const BISECTIONS: u32 = 10;
+
+/// What a roughing operation may do.
+pub(crate) struct Roughing<'a> {
+    pub(crate) chart: ChannelChart<'a>,
+    obstacles: &'a Obstacles,
+    solid: &'a ToolSolid,
+    keep: Keep,
+    depth: f64,
+    lead_in: f64,
+    lead_out: f64,
+}
+
+/// A layer with the room that the tool has at each station.
+pub(crate) struct Layer {
+    /// Number, from 1 at the shroud.
+    pub(crate) number: usize,
+    /// Nominal height, 0 at the hub to 1 at the shroud.
+    pub(crate) level: f64,
+    /// Stations from before the inlet to behind the outlet.
+    pub(crate) stations: Vec<Station>,
+}
+
+/// Room of the tool at one u of a layer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Station {
+    pub(crate) u: f64,
+    /// Least and largest w at which the tool keeps all allowances.
+    pub(crate) room: [f64; 2],
+}
+
+impl Station {
+    /// Middle between the boundaries (Wei: the groove line runs midway between E1 and E2).
+    pub(crate) fn middle(&self) -> f64 {
+        0.5 * (self.room[0] + self.room[1])
+    }
+}
+
+/// Why the layers end.
+pub(crate) enum End {
+    /// The floor is reached.
+    Floor,
+    /// The tool does not fit at this station of this level.
+    Narrow { level: f64, u: f64 },
+}
+
+impl<'a> Roughing<'a> {
+    /// `None` for an operation that is not roughing.
+    pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
+        let (depth, vane, hub) = match operation.kind {
+            OperationKind::Groove { depth, allowance_vane, allowance_hub }
+            | OperationKind::Expand { depth, allowance_vane, allowance_hub, .. } => {
+                (depth, allowance_vane, allowance_hub)
+            }
+            OperationKind::Flank { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => return None,
+        };
+        Some(Self {
+            chart: ChannelChart::new(&program.part),
+            obstacles,
+            solid: &program.tools[operation.tool].solid,
+            // The machine leaves the planned stations by up to the chord tolerance.
+            keep: Keep {
+                vane: vane.get() + program.tolerances.chord_rough.get(),
+                hub: hub.get() + program.tolerances.chord_rough.get(),
+                clearance: program.clearance.get(),
+            },
+            depth: depth.get(),
+            lead_in: operation.lead_in.get(),
+            lead_out: operation.lead_out.get(),
+        })
+    }
+
+    /// Distance of the axis from a wall that the tool touches with its allowance.
+    pub(crate) fn edge(&self) -> f64 {
+        self.solid.radius() + self.keep.vane
+    }
+
+    /// Tool axis at a place of the chart, sector 0.
+    pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
+        self.chart.axis(u, v, w, self.edge())
+    }
+
+    /// Station of a path in the chart, sector 0.
+    pub(crate) fn cc_point(&self, u: f64, level: f64, w: f64) -> CcPoint {
+        let v = self.lifted(u, level, w).unwrap_or(level);
+        CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
+    }
+
+    /// Number of layers from a level down to the hub.
+    pub(crate) fn layer_count(&self, top: f64) -> f64 {
+        (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0)
+    }
+
+    /// Layers from `top` (a level already cleared, 1 for the shroud) down, and why they end. `name` is that of the
+    /// operation, for `progress`.
+    pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, End) {
+        let count = self.layer_count(top);
+        let work = progress.begin(format!("{name}, layers"), count as usize);
+        let mut layers = Vec::new();
+        for number in 1..=count as usize {
+            let level = top * (1.0 - number as f64 / count);
+            match self.layer(number, level) {
+                Ok(layer) => layers.push(work.step(layer)),
+                Err(u) => {
+                    work.rest_is_needless();
+                    return (layers, End::Narrow { level, u });
+                }
+            }
+        }
+        (layers, End::Floor)
+    }
+
+    /// Measures a layer; an error carries the u at which the tool has no room.
+    fn layer(&self, number: usize, level: f64) -> Result<Layer, f64> {
+        let from = -self.chart.lead(0.0, level, self.lead_in);
+        let to = 1.0 + self.chart.lead(1.0, level, self.lead_out);
+        let length: f64 = (0..50)
+            .map(|i| {
+                let at = |k: i32| self.chart.point(from + (to - from) * f64::from(k) / 50.0, level, 0.5);
+                (at(i + 1) - at(i)).norm()
+            })
+            .sum();
+        let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
+        let stations = (0..=count)
+            .into_par_iter()
+            .map(|i| {
+                let u = from + (to - from) * i as f64 / count as f64;
+                self.room(u, level).map(|room| Station { u, room }).ok_or(u)
+            })
+            .collect::<Vec<_>>();
+        // The first station without room, whatever thread found it.
+        let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
+        keep_room_at_edges(&mut stations)?;
+        Ok(Layer { number, level, stations })
+    }
+
+    /// Height of the tip at (u, w) of a level: lifted, for a tool with a rounded tip, until the hub keeps its
+    /// allowance. `None` when that needs more than the step to the layer above.
+    fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
+        let clear = |v: f64| {
+            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+            self.obstacles.hub_clear(self.solid, &tip, &axis, &self.keep)
+        };
+        if clear(level) {
+            return Some(level);
+        }
+        if self.solid.cutter.tip_radius() <= 0.0 {
+            return None;
+        }
+        let ruling = (self.chart.point(u, 1.0, w) - self.chart.point(u, 0.0, w)).norm();
+        let (mut low, mut high) = (level, level + (self.depth + self.keep.hub) / ruling);
+        if !clear(high) {
+            return None;
+        }
+        for _ in 0..BISECTIONS {
+            let v = 0.5 * (low + high);
+            if clear(v) { high = v } else { low = v }
+        }
+        Some(high)
+    }
+
+    fn clear(&self, u: f64, level: f64, w: f64) -> bool {
+        self.lifted(u, level, w).is_some_and(|v| {
+            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+            self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
+        })
+    }
+
+    /// Room between the walls at u of a level.
+    fn room(&self, u: f64, level: f64) -> Option<[f64; 2]> {
+        // The middle first, then outward: the widest place of a twisted channel is near its middle.
+        const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
+        let seed = SEEDS.into_iter().find(|w| self.clear(u, level, *w))?;
+        let boundary = |mut blocked: f64| {
+            let mut free = seed;
+            for _ in 0..BISECTIONS {
+                let w = 0.5 * (free + blocked);
+                if self.clear(u, level, w) { free = w } else { blocked = w }
+            }
+            free
+        };
+        Some([boundary(0.0), boundary(1.0)])
+    }
+}
+
+/// In front of the inlet and behind the outlet there are no walls, but a line that widened there would cut across the
+/// edges of the vanes: the room outside is at most that of the nearest station inside.
+fn keep_room_at_edges(stations: &mut [Station]) -> Result<(), f64> {
+    let inside = |s: &&Station| (0.0..=1.0).contains(&s.u);
+    let (first, last) = (stations.iter().find(inside).copied(), stations.iter().rfind(inside).copied());
+    let (Some(first), Some(last)) = (first, last) else { return Ok(()) };
+    for s in stations.iter_mut().filter(|s| !(0.0..=1.0).contains(&s.u)) {
+        let edge = if s.u < 0.0 { first } else { last };
+        s.room = [s.room[0].max(edge.room[0]), s.room[1].min(edge.room[1])];
+        if s.room[0] > s.room[1] {
+            return Err(s.u);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! Roughing of a channel, layer by layer.
+
+pub(crate) mod expand;
+pub(crate) mod groove;
+mod layers;
+mod step;
+
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::ir::{CcPass, CcPoint, ClPoint, Operation};
+use crate::passes::context::PassContext;
+use layers::Roughing;
+
+/// Room finder of a roughing operation.
+///
+/// # Errors
+/// Layers so thin that planning would not end; the diagnostic is in the sink.
+pub(crate) fn roughing<'a>(cx: &mut PassContext<'a>, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
+    let roughing = Roughing::new(cx.program, operation, cx.obstacles);
+    if let Some(roughing) = &roughing {
+        // A layer takes some ten thousand looks at the part: as long as that many points.
+        check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
+    }
+    roughing.ok_or_else(|| {
+        cx.sink.push(Diag::error(
+            planning::NO_ROOM,
+            format!("`{}` has no layers: it is no roughing operation", operation.name),
+        ));
+        Aborted
+    })
+}
+
+/// Distance queries that measuring a layer takes.
+const LOOKS_PER_LAYER: f64 = 1e4;
+
+/// Most looks at the part that the layers of one operation take: some minutes.
+const MOST_LOOKS: f64 = 2e7;
+
+/// Refuses an operation whose layers would take too many looks at the part.
+fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> Result<(), Aborted> {
+    if looks <= MOST_LOOKS {
+        return Ok(());
+    }
+    cx.sink.push(
+        Diag::error(
+            planning::TOO_FINE,
+            format!(
+                "the layers of `{}` take {looks:.1e} looks at the part; at most {MOST_LOOKS:.1e} are made",
+                operation.name
+            ),
+        )
+        .label(operation.span, "this operation steps too finely")
+        .help("a bigger `depth`"),
+    );
+    Err(Aborted)
+}
+
+/// Roughing: the tip is the drive point, the axis blends the rulings of both walls.
+pub(crate) fn channel_points(roughing: &Roughing<'_>, pass: &CcPass) -> Vec<ClPoint> {
+    let point = |p: &CcPoint| ClPoint { tip: p.position, axis: roughing.axis(p.u, p.v, p.w), contact: None };
+    pass.points.iter().map(point).collect()
+}
