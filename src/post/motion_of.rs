@@ -5,8 +5,8 @@
 //! axis speeds. Where the axes stand when the transformation is switched on is the first station of an operation, the
 //! retract after it the last. Nothing is mended: what the job does not allow is a fault with its line.
 
+use super::nc::{Direction, NcMove, NcSection};
 use super::read_back::says_tool;
-use super::{Direction, NcMove, NcSection};
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
 use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc, most_turn};

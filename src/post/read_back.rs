@@ -1,7 +1,8 @@
 //! V5: the text, interpreted, against the motion.
 
+use super::dialect::Post;
+use super::nc::{Direction, NcMove, NcSection, NcTool};
 use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, INVERSE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
-use super::{Direction, NcMove, NcSection, NcTool, Post};
 use crate::diag::{Diag, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use crate::kin::{Angles, most_turn};

@@ -1,9 +1,9 @@
 //! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
 
 use super::{Length, Place, State, Transformation};
+use crate::post::control::modal::{Group, Setting};
 use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
-use crate::post::modal::{Group, Setting};
-use crate::post::{Direction, NcMove, NcTool};
+use crate::post::nc::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
 
 impl State<'_> {

@@ -3,10 +3,10 @@
 //! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks and case mean nothing. What
 //! is accepted and in which order the words of a block act is that of the interpreter (manual, "Order of Execution").
 
-use super::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
-use super::modal::{Group, Modal, Needed};
-use super::{NcSection, NcTool, ReadError};
 use crate::kin::Machine;
+use crate::post::control::modal::{Group, Modal, Needed};
+use crate::post::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Longest line of the interpreter, without its line feed; a carriage return counts.
 const LONGEST_LINE: usize = 252;
@@ -501,4 +501,15 @@ fn miscellaneous(code: &str, block: &mut Block) -> Result<(), String> {
         "M48" => Ok(()),
         _ => Err(format!("`{code}` is not understood")),
     }
+}
+
+/// Whether a block holds a word that no other dialect knows.
+pub(super) fn recognises(code: &str) -> bool {
+    const OWN: [&str; 6] = ["M428", "M429", "G43", "G49", "G92.1", "G21"];
+    let mut words = code.split_whitespace();
+    let first = words.next().unwrap_or_default().to_ascii_uppercase();
+    // On the other control rotary words have an equals sign.
+    let number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
+    let rotary = |w: &str| w.strip_prefix(['A', 'C']).is_some_and(|n| !n.is_empty() && n.chars().all(number));
+    OWN.contains(&first.as_str()) || words.any(rotary)
 }

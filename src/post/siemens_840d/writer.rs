@@ -1,89 +1,46 @@
-//! Siemens SINUMERIK 840D sl and ONE.
-//!
-//! Tool centre point control by TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
-//! to the holder, always all three: a missing one would count as 0). ORIAXES lets the rotary axes run linearly between
-//! blocks, which is what the motion means. A vector fits two rotary positions; which one is meant is made certain by
-//! the rapid in front of every pass, which carries the rotary positions themselves (such as A= C=), and by [`check`]:
-//! within a pass rotary axis 1 keeps its sign and rotary axis 2 turns less than 90 deg a block, so that the nearest
-//! position is the right one. Rotary axis 2 is a limited axis here: no DC().
-//!
-//! The head takes back what a program that was aborted can have left. Axes move with the transformation off in the machine
-//! frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X and Y. TRAORI
-//! and TRAFOOF drop frames, so that the work offset is said again behind them.
+//! From a motion to NC text.
 
-use super::words::{self, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
-use super::{NcLine, NcProgram, NcSection, Post, ReadError, read_siemens_840d};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Joints, Machine};
-use crate::verify::Verified;
-
-/// The dialect.
-pub(super) struct Siemens840d;
+use crate::post::nc::{NcLine, NcProgram};
+use crate::post::words::{self, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
 
 /// Turn of rotary axis 2 between blocks from which the nearest rotary position would no longer be certain.
 const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
-impl Post for Siemens840d {
-    fn name(&self) -> &'static str {
-        "siemens-840d"
-    }
-
-    fn about(&self) -> &'static str {
-        "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832"
-    }
-
-    // The sense of each rotary axis is machine data of the control.
-    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
-
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        words::check(program, motion, sink);
-        for operation in &motion.operations {
-            let declared = &program.operations[operation.operation];
-            let unsure = operation.moves.windows(2).find(|m| {
-                let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
-                m[1].kind != MoveKind::Rapid && (a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN)
-            });
-            if let Some(m) = unsure {
-                let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
-                sink.push(
-                    Diag::error(
-                        post::AMBIGUOUS_VECTOR,
-                        format!(
-                            "`{}` turns {} by {:.1} deg in one block, or runs through the pole",
-                            declared.name,
-                            program.machine.rotary[1].name,
-                            (m[0].joints.rotary[1] - m[1].joints.rotary[1]).to_degrees().abs()
-                        ),
-                    )
-                    .label(declared.span, "in this operation")
-                    .place(label, program.machine.forward(&m[1].joints).tip)
-                    .note("a direction vector fits two rotary positions; the control takes the nearer one")
-                    .help("a finer chord tolerance, or a tool axis that keeps away from the pole"),
-                );
-            }
+/// Refuses what the dialect cannot say.
+pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+    words::check(program, motion, sink);
+    for operation in &motion.operations {
+        let declared = &program.operations[operation.operation];
+        let unsure = operation.moves.windows(2).find(|m| {
+            let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
+            m[1].kind != MoveKind::Rapid && (a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN)
+        });
+        if let Some(m) = unsure {
+            let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
+            sink.push(
+                Diag::error(
+                    post::AMBIGUOUS_VECTOR,
+                    format!(
+                        "`{}` turns {} by {:.1} deg in one block, or runs through the pole",
+                        declared.name,
+                        program.machine.rotary[1].name,
+                        (m[0].joints.rotary[1] - m[1].joints.rotary[1]).to_degrees().abs()
+                    ),
+                )
+                .label(declared.span, "in this operation")
+                .place(label, program.machine.forward(&m[1].joints).tip)
+                .note("a direction vector fits two rotary positions; the control takes the nearer one")
+                .help("a finer chord tolerance, or a tool axis that keeps away from the pole"),
+            );
         }
-    }
-
-    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
-        emit(program, motion.get(), header)
-    }
-
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        read_siemens_840d::read(text, machine)
-    }
-
-    fn recognises(&self, code: &str) -> bool {
-        const OWN: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
-        code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
-            OWN.contains(&&*w)
-                || w.starts_with("CYCLE832")
-                || ["A3=", "A=", "B=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
-        })
     }
 }
 
-fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
+/// The program as text.
+pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
     let mut nc = NcProgram::default();
     nc.line(format!("; %_N_{}_MPF", program.name.to_ascii_uppercase().replace('-', "_")));
     for line in header {

@@ -5,13 +5,14 @@
 //! write. After a fault the state goes on as the block meant it, so that a text with many faults says them all in one
 //! run. A dialect gives its [`Control`] as data and makes a [`Block`] of each line.
 
+pub(super) mod modal;
 mod state;
 
 pub(super) use state::read;
 
-use super::NcTool;
-use super::modal::{GROUPS, Group, Modal};
 use crate::kin::Machine;
+use crate::post::nc::NcTool;
+use modal::{GROUPS, Group, Modal};
 use std::sync::Arc;
 
 /// Most faults of one text that are told.

@@ -3,10 +3,10 @@
 //! Modal: G0 and G1, X Y Z, F, S, the direction as a whole. A vector is taken with all three components only: on the
 //! control a missing one counts as 0, which nobody means. Case means nothing but in names of tools; words may be glued.
 
-use super::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
-use super::modal::{Group, Modal, Needed};
-use super::{NcSection, NcTool, ReadError};
 use crate::kin::Machine;
+use crate::post::control::modal::{Group, Modal, Needed};
+use crate::post::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use crate::post::nc::{NcSection, NcTool, ReadError};
 use std::borrow::Cow;
 
 /// Longest block of the control.
@@ -497,4 +497,14 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" => Ok(Smoothing::Within(tolerance)),
         _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode, 40))),
     }
+}
+
+/// Whether a block holds a word that no other dialect knows.
+pub(super) fn recognises(code: &str) -> bool {
+    const OWN: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
+    code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
+        OWN.contains(&&*w)
+            || w.starts_with("CYCLE832")
+            || ["A3=", "A=", "B=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
+    })
 }

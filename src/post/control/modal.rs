@@ -2,7 +2,7 @@
 
 /// What modal words decide, over all dialects. A control has those that its table names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Group {
+pub(in crate::post) enum Group {
     /// Plane of tool length and radius.
     Plane,
     /// Inch or mm.
@@ -34,11 +34,11 @@ pub(super) enum Group {
 }
 
 /// Number of groups.
-pub(super) const GROUPS: usize = Group::Coolant as usize + 1;
+pub(in crate::post) const GROUPS: usize = Group::Coolant as usize + 1;
 
 /// Moves that need a group to be right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Needed {
+pub(in crate::post) enum Needed {
     /// Every move.
     Always,
     /// Moves in the work frame.
@@ -50,29 +50,29 @@ pub(super) enum Needed {
 }
 
 /// One modal group of a control.
-pub(super) struct Modal {
+pub(in crate::post) struct Modal {
     /// Which one.
-    pub(super) group: Group,
+    pub(in crate::post) group: Group,
     /// What it decides, as a message says it.
-    pub(super) what: &'static str,
+    pub(in crate::post) what: &'static str,
     /// Words with which moves are right; the first is the one to write.
-    pub(super) right: &'static [&'static str],
+    pub(in crate::post) right: &'static [&'static str],
     /// Other words of the group.
-    pub(super) wrong: &'static [&'static str],
+    pub(in crate::post) wrong: &'static [&'static str],
     /// Moves that need it.
-    pub(super) needed: Needed,
+    pub(in crate::post) needed: Needed,
 }
 
 impl Modal {
     /// The word of this group that is spelt like this.
-    pub(super) fn word(&self, text: &str) -> Option<&'static str> {
+    pub(in crate::post) fn word(&self, text: &str) -> Option<&'static str> {
         self.right.iter().chain(self.wrong).copied().find(|w| *w == text)
     }
 }
 
 /// What a group is set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Setting {
+pub(in crate::post) enum Setting {
     /// By whatever ran before; no block says.
     Unknown,
     /// By a word in a line.

@@ -4,8 +4,8 @@ mod moves;
 
 use super::{Act, Block, Control, LengthWord, MOST_FAULTS, Motion, ROUNDING, Smoothing, figure};
 use crate::kin::Machine;
-use crate::post::modal::{GROUPS, Group, Needed, Setting};
-use crate::post::{Direction, NcSection, NcTool, ReadError, Station};
+use crate::post::control::modal::{GROUPS, Group, Needed, Setting};
+use crate::post::nc::{Direction, NcSection, NcStation, NcTool, ReadError};
 use nalgebra::Vector3;
 
 /// Tool centre point control.
@@ -321,7 +321,7 @@ impl<'a> State<'a> {
         self.tip = [None; 3];
         self.direction = Direction::Rotary(rotary);
         if self.faults.is_empty() {
-            let start = Station { line: self.placed, xyz: Vector3::new(x, y, z), rotary };
+            let start = NcStation { line: self.placed, xyz: Vector3::new(x, y, z), rotary };
             self.sections.push(NcSection { start, moves: Vec::new(), retract: None });
         }
         self.open = true;

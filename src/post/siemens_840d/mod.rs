@@ -1,0 +1,54 @@
+//! Siemens SINUMERIK 840D sl and ONE.
+//!
+//! Tool centre point control by TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
+//! to the holder, always all three: a missing one would count as 0). ORIAXES lets the rotary axes run linearly between
+//! blocks, which is what the motion means. A vector fits two rotary positions; which one is meant is made certain by
+//! the rapid in front of every pass, which carries the rotary positions themselves (such as A= C=), and by [`Post::check`]:
+//! within a pass rotary axis 1 keeps its sign and rotary axis 2 turns less than 90 deg a block, so that the nearest
+//! position is the right one. Rotary axis 2 is a limited axis here: no DC().
+//!
+//! The head takes back what a program that was aborted can have left. Axes move with the transformation off in the machine
+//! frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X and Y. TRAORI
+//! and TRAFOOF drop frames, so that the work offset is said again behind them.
+
+mod reader;
+mod writer;
+
+use crate::diag::Sink;
+use crate::ir::{Motion, Program};
+use crate::kin::Machine;
+use crate::post::dialect::Post;
+use crate::post::nc::{NcProgram, NcSection, ReadError};
+use crate::verify::Verified;
+
+/// The dialect.
+pub(super) struct Siemens840d;
+
+impl Post for Siemens840d {
+    fn name(&self) -> &'static str {
+        "siemens-840d"
+    }
+
+    fn about(&self) -> &'static str {
+        "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832"
+    }
+
+    // The sense of each rotary axis is machine data of the control.
+    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        writer::check(program, motion, sink);
+    }
+
+    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
+        writer::emit(program, motion.get(), header)
+    }
+
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine)
+    }
+
+    fn recognises(&self, code: &str) -> bool {
+        reader::recognises(code)
+    }
+}
