@@ -11,8 +11,8 @@ use impellerc::part::{
     chart::{Place, Shape},
 };
 use impellerc::passes::pipeline;
+use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{Limits, certify, certify_shape};
-use impellerc::verify::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
 use std::hint::black_box;
 use std::path::PathBuf;

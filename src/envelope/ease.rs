@@ -6,9 +6,10 @@
 
 use super::band::{Band, dot};
 use super::deviation::Mounted;
+use super::measured::{Measured, Row};
 use super::program::ENTRIES;
 use super::step::{Aim, Model, best};
-use super::target::{Measured, Row, Target};
+use super::target::Target;
 use crate::geom::{AxisAt, DualCurve};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;

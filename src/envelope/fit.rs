@@ -2,8 +2,9 @@
 
 use super::band::Band;
 use super::deviation::Mounted;
+use super::measured::{Measured, Row};
 use super::program::ENTRIES;
-use super::target::{Measured, Row, Target};
+use super::target::Target;
 use crate::geom::DualCurve;
 
 /// Steps at most; after some ten nothing changes.

@@ -2,8 +2,9 @@
 //! Zhu 2009, algorithms reference 1.4).
 
 use super::deviation::{Deviation, Mounted};
+use super::measured::{Measured, ROUNDING, Row};
 use super::step::{Aim, Model, best};
-use super::target::{Measured, ROUNDING, Row, Target};
+use super::target::Target;
 use crate::geom::DualCurve;
 
 /// Outcome.

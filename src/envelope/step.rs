@@ -6,8 +6,9 @@
 
 use super::band::Band;
 use super::bend;
+use super::measured::{Measured, Row};
 use super::program::{Bound, Program};
-use super::target::{Measured, Of, Row, Target};
+use super::target::{Of, Target};
 use crate::geom::DualCurve;
 
 /// The linear model about a curve.

@@ -1,9 +1,9 @@
 //! Contracts of the job: `require` and `allow`.
 
+use super::context::Context;
 use super::eval::{suggest, unknown};
 use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationKind, OperationSpec};
 use super::quantity::Dimension;
-use super::resolve::Context;
 use crate::contract::{Guarded, OfOperations, Region, Scope};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;

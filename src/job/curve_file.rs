@@ -1,12 +1,14 @@
 //! Points of curves from a file of comma separated values: `curve,number,x,y,z`, `#` begins a comment.
 
 use super::eval::unknown;
-use super::part::MAX_POINTS;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::{Name, Text};
 use std::collections::BTreeSet;
+
+/// Points of one curve. Splines of measured blades have hundreds.
+pub(super) const MAX_POINTS: usize = 2000;
 
 /// Points of a curve with the places of their lines; numbers count from 1 without a gap.
 pub(super) fn read(

@@ -1,5 +1,6 @@
 //! The job: units as types, names resolved, every default explicit, libraries merged.
 
+mod context;
 mod contracts;
 pub mod curve_file;
 mod eval;

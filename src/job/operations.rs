@@ -1,11 +1,11 @@
 //! Operations: which tool, how fast, and what only their kind has.
 
+use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
 use super::limits;
 use super::model::{CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
-use super::resolve::{Context, head};
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;

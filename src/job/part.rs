@@ -1,13 +1,13 @@
 //! The part: vanes, faces, curves.
 
-use super::curve_file;
+use super::context::Context;
+use super::curve_file::{self, MAX_POINTS};
 use super::eval::{mismatch, suggest, unknown_unit};
 use super::files::Fault;
 use super::limits;
 use super::model::{BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
 use super::quantity::{Dimension, Quantity};
-use super::resolve::Context;
 use crate::diag::Diag;
 use crate::diag::codes::{files as file_codes, geometry, job as codes};
 use crate::part::{BladeId, FaceId, RulingEnd};
@@ -17,9 +17,6 @@ use crate::units::{Mm, Rad};
 
 /// Bound of the number that is read; how many vanes have room is found from their thickness.
 const MAX_VANES: u32 = 10_000;
-
-/// Points of one curve. Splines of measured blades have hundreds.
-pub(super) const MAX_POINTS: usize = 2000;
 
 /// Sections of a lofted face between root and tip. Designers give some 5 to 20.
 const MAX_SECTIONS: usize = 30;

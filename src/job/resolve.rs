@@ -1,5 +1,6 @@
 //! From the syntax tree to the [`Job`].
 
+use super::context::{Context, head};
 use super::eval::{Scope, suggest};
 use super::files::{Fault, Files, Missing};
 use super::library::{self, ToolLibrary};
@@ -18,16 +19,6 @@ use crate::units::Mm;
 
 /// The edition that this compiler reads.
 pub(super) const EDITION: &str = "2026";
-
-/// Everything that resolving an item may need.
-pub(super) struct Context<'a> {
-    pub(super) scope: Scope,
-    pub(super) files: &'a mut dyn Files,
-    pub(super) sources: &'a mut SourceMap,
-    pub(super) sink: &'a mut Sink,
-    /// Text that curves were looked up in, bytes.
-    pub(super) looked_up: usize,
-}
 
 /// Resolves a job. Every fault goes to the sink.
 ///
@@ -98,18 +89,6 @@ fn single<'f, T>(
         cx.sink.push(diag.help(format!("add `{example}`")));
     }
     found
-}
-
-/// The part of an item that a message points to: up to its block.
-pub(super) fn head(item: &Item) -> Span {
-    let end = match &item.kind {
-        ItemKind::Part { name, .. } | ItemKind::Post { name, .. } => name.span.end,
-        ItemKind::Stock { kind, .. } => kind.span.end,
-        ItemKind::Operation { kind, name, .. } => name.as_ref().unwrap_or(kind).span.end,
-        ItemKind::Tool { name, .. } => name.span.end,
-        _ => item.span.end,
-    };
-    Span { end, ..item.span }
 }
 
 fn edition(file: &File, cx: &mut Context<'_>) {

@@ -1,12 +1,12 @@
 //! Tools of the job, from the library or spelt out.
 
+use super::context::{Context, head};
 use super::eval::{suggest, unknown};
 use super::library::{ToolLibrary, shape_fault};
 use super::limits;
 use super::model::{CutterKind, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
-use super::resolve::{Context, head};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;

@@ -3,10 +3,10 @@
 //!
 //! Proved as gouge is (`kept.rs`), of the roughing cutters alone, up to the tolerance outside of the part.
 
-use super::certificate::describe;
 use super::kept::{cover, deepest};
+use super::place::describe;
+use super::proof::sweep::Sweep;
 use super::surface::{self, SLACK, Worst};
-use super::sweep::Sweep;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, OperationKind, Program};
 use crate::part::kept::{Kept, kept, milled};

@@ -1,9 +1,9 @@
 //! Distance of cutter, shank and holder to the table and the fixtures that turn with the part, over continuous time: in
 //! cuts, links and rapids.
 
-use super::certificate::describe;
 use super::clearance::Clearance;
-use super::sweep;
+use super::place::describe;
+use super::proof::piece;
 use super::{holder_distance, least_over, shank_distance};
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::diag::{Diag, Sink, codes::verification};
@@ -69,7 +69,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
         for (o, operation) in motion.operations.iter().enumerate() {
             let declared = &program.operations[operation.operation];
             let tool = &program.tools[declared.tool].solid;
-            let pieces = sweep::pieces(&program.machine, motion, o);
+            let pieces = piece::pieces(&program.machine, motion, o);
             let work = progress
                 .begin(format!("{}, distance to the {}", declared.name, solid.name), parts.len() * pieces.len());
             for (part, distance) in parts {

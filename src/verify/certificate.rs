@@ -8,10 +8,11 @@ use super::clearance::Clearance;
 use super::kept::KeptSurfaces;
 use super::machine::{AXIS_UNITS, MachineReport};
 use super::perimeter::PerimeterReport;
+use super::place::describe;
+use super::proof::piece::At;
 use super::rest::RestReport;
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
-use super::sweep::At;
 use crate::contract::clock;
 use crate::ir::{Motion, Program};
 use crate::source::Span;
@@ -148,19 +149,6 @@ pub struct Certificate {
     pub contracts: Vec<ContractReport>,
     /// What is taken out of them.
     pub allowed: Vec<AllowedReport>,
-}
-
-/// A place of the program in words.
-pub fn describe(program: &Program, motion: &Motion, at: Option<At>) -> String {
-    let Some(at) = at else { return "no cutter comes near".to_owned() };
-    let Some(operation) = motion.operations.get(at.operation as usize) else { return String::new() };
-    let name = &program.operations[operation.operation].name;
-    let label = operation
-        .moves
-        .get(at.index as usize)
-        .and_then(|m| operation.labels.get(m.pass as usize))
-        .map_or("", String::as_str);
-    format!("{name}, {label}, move {}", at.index)
 }
 
 /// In place of a figure where no cutter comes near.

@@ -4,8 +4,8 @@
 //! The distance of two convex bodies is the largest gap between them along any direction: each direction gives a lower
 //! bound, so that what is found to be clear is clear, however good the search for the best direction is.
 
-use super::certificate::describe;
-use super::sweep::{self, At, Piece};
+use super::place::describe;
+use super::proof::piece::{self, At, Piece};
 use crate::collide::Body;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MoveKind, Program};
@@ -82,7 +82,7 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
     let mut nearest: Option<(f64, &'static str, [f64; 3], At)> = None;
     for (o, operation) in motion.operations.iter().enumerate() {
         let bodies = program.tools[program.operations[operation.operation].tool].solid.bodies();
-        let pieces = sweep::pieces(&program.machine, motion, o);
+        let pieces = piece::pieces(&program.machine, motion, o);
         let start = nearest.map_or(f64::INFINITY, |n| n.0);
         let found: Vec<_> = pieces.par_chunks(RUN).filter_map(|run| least(clamping, &bodies, run, start)).collect();
         // Of equal ones the first.

@@ -1,6 +1,6 @@
 //! Distance of shank and holder to the design part, and of the whole tool to the stock at rapid, over continuous time.
 
-use super::sweep::{At, Piece};
+use super::proof::piece::{At, Piece};
 use crate::collide::{Cloud, ToolSolid};
 use serde::Serialize;
 

@@ -1,7 +1,8 @@
 //! Contracts of the job against what was measured.
 
-use super::certificate::{AllowedReport, Certificate, ContractReport, describe};
+use super::certificate::{AllowedReport, Certificate, ContractReport};
 use super::measure::{Figure, Narrow, Unmeasured, measure};
+use super::place::describe;
 use super::surface::FAR;
 use crate::contract::{ContractKind, Guarded, OfOperations, Region, Relation, Scope};
 use crate::diag::{Code, Diag, Sink, codes::verification};

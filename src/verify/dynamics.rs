@@ -20,7 +20,7 @@
 
 mod jerk;
 
-use super::sweep::At;
+use super::proof::piece::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Chain, Joints, Machine, between, linuxcnc};
 use crate::method::Planning;

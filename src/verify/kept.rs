@@ -4,11 +4,11 @@
 //! surface. What no cutter touches is put aside by whole patches, so that a back face of 100 cm2 costs milliseconds.
 
 use super::SPACING;
-use super::cells::{Found, Goals, Looked, Proved, Task};
-use super::certificate::describe;
-use super::grid::{Grid, Surface};
+use super::place::describe;
+use super::proof::cells::{Found, Goals, Looked, Proved, Task};
+use super::proof::grid::{Grid, Surface};
+use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
-use super::sweep::Sweep;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::part::{

@@ -2,7 +2,7 @@
 //! reached, and how far the real motion leaves the one that was verified.
 
 use super::dynamics::{self, Peak, Run};
-use super::sweep::At;
+use super::proof::piece::At;
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Chain, Interpolation, Joints, Machine, between};
 use nalgebra::Point3;

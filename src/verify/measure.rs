@@ -3,9 +3,9 @@
 use super::certificate::Certificate;
 use super::clearance::Clearance;
 use super::dynamics::{Departure, Run};
+use super::proof::piece::At;
 use super::stock::{OperationStock, StockReport};
 use super::surface::SurfaceReport;
-use super::sweep::At;
 use crate::contract::{ContractKind, Guarded, Region};
 use crate::part::SurfaceClass;
 use crate::units::length;

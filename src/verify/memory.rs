@@ -13,7 +13,7 @@
 //! | wei2021 | 133 713 | 336 291 | 13 310 | 657 MB | 685 MB |
 
 use super::SPACING;
-use super::sweep::{self, PIECE_LENGTH};
+use super::proof::piece::{self, PIECE_LENGTH};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::kin::feedrate::AXES;
@@ -56,9 +56,9 @@ struct Counted {
 impl Counted {
     fn new(program: &Program, motion: &Motion, operation: usize) -> Self {
         let (mut counted, mut before) = (Self::default(), [0.0; AXES]);
-        sweep::each_move(&program.machine, motion, operation, |at, _, ends| {
+        piece::each_move(&program.machine, motion, operation, |at, _, ends| {
             counted.blocks += 1.0;
-            counted.pieces += sweep::piece_count(&program.machine.chain, &ends);
+            counted.pieces += piece::piece_count(&program.machine.chain, &ends);
             let [from, to] = &ends;
             let way = to.tip - from.tip;
             let turns = [0, 1].map(|k| ARM * (to.rotary[k] - from.rotary[k]));

@@ -6,7 +6,7 @@
 //! | layer | question | where |
 //! |---|---|---|
 //! | V1 | is the motion well formed? | [`structure`] |
-//! | V2 | what do the swept cutters leave on every design surface? | [`surface`], [`sweep`] |
+//! | V2 | what do the swept cutters leave on every design surface? | [`surface`], by [`proof`] |
 //! | | do they leave alone what milling does not make? | [`kept`] |
 //! | | does roughing keep off the part with what the control may add? | [`allowance`] |
 //! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
@@ -20,31 +20,24 @@
 
 pub mod alike;
 pub mod allowance;
-mod bounds;
-mod capsule;
 pub mod carried;
-mod ceiling;
-mod cells;
 pub mod certificate;
 pub mod clamping;
 pub mod clearance;
 mod contracts;
 pub mod dynamics;
 pub mod finite;
-mod grid;
-mod hierarchy;
 pub mod kept;
-mod load;
 pub mod machine;
 mod measure;
 pub mod memory;
 pub mod perimeter;
+pub mod place;
+pub mod proof;
 pub mod rest;
-mod roof;
 pub mod stock;
 pub mod structure;
 pub mod surface;
-pub mod sweep;
 
 pub use certificate::Certificate;
 
@@ -55,11 +48,13 @@ use crate::ir::{ContractKind, Motion, MoveKind, Program};
 use crate::part::{Sample, SurfaceClass, sample, solid};
 use crate::progress::{Progress, Work};
 use crate::units::length;
-use certificate::{OperationReport, describe};
+use certificate::OperationReport;
 use nalgebra::{Point3, Vector3};
+use place::describe;
+use proof::piece;
+use proof::sweep::Sweep;
 use rayon::prelude::*;
 use surface::{Limit, Limits};
-use sweep::Sweep;
 
 /// Spacing of the samples of the design surfaces, mm.
 pub const SPACING: f64 = 0.25;
@@ -242,7 +237,7 @@ impl measure::Narrow for Narrower<'_> {
         let chosen = self.samples.iter().filter(|s| classes.contains(&s.surface.kind.class()));
         let cloud = Cloud::new(sample::cloud_points(chosen));
         let declared = &self.program.operations[self.motion.operations.get(operation)?.operation];
-        let pieces = sweep::pieces(&self.program.machine, self.motion, operation);
+        let pieces = piece::pieces(&self.program.machine, self.motion, operation);
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
         let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
@@ -296,7 +291,7 @@ fn stock_points(program: &Program) -> Vec<CloudPoint> {
 
 /// Least distance over pieces, in parallel over runs of pieces; ties go to the earlier run.
 fn least_over(
-    pieces: &[sweep::Piece],
+    pieces: &[piece::Piece],
     solid: &ToolSolid,
     distance: fn(&ToolSolid, f64, f64) -> f64,
     cloud: &Cloud,
@@ -305,7 +300,7 @@ fn least_over(
 ) -> Option<clearance::Clearance> {
     /// Pieces of a run: enough that the bound found early in a run prunes the rest.
     const RUN: usize = 4096;
-    let least = |run: &[sweep::Piece]| {
+    let least = |run: &[piece::Piece]| {
         let found = clearance::least(run, solid, distance, cloud, half_spacing, search);
         work.advance(run.len());
         found
@@ -325,7 +320,7 @@ fn operation_report(
     let operation = &motion.operations[o];
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let pieces = sweep::pieces(&program.machine, motion, o);
+    let pieces = piece::pieces(&program.machine, motion, o);
     let mut rapids = pieces.clone();
     rapids.retain(|p| p.kind == MoveKind::Rapid);
     let half_stock = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;

@@ -5,7 +5,7 @@
 //! than part, stock, table and fixtures can come under any angles of the rotary axes within their travel. The ways down to the first target and up
 //! behind the last one are moves of the motion, which all other checks judge.
 
-use super::sweep::At;
+use super::proof::piece::At;
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::units::length;

@@ -4,7 +4,8 @@
 //! design surfaces, where the distance to the cleared room is what is left on the surface, and points of a grid in the
 //! room between part and stock, where an island may stand: what is left there is the distance to the part.
 
-use super::sweep::{At, Sweep};
+use super::proof::piece::At;
+use super::proof::sweep::Sweep;
 use crate::collide::Cloud;
 use crate::ir::Program;
 use crate::part::{Sample, SurfaceId};

@@ -3,34 +3,26 @@
 //! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
 //! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::part::chart`]). g is
 //! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
-//! surface, or within a contract's limit where that lies closer, by the bounds of `bounds.rs`, and divided where
+//! surface, or within a contract's limit where that lies closer, by the bounds of [`super::proof`], and divided where
 //! they fall short. A deeper place that comes up moves
 //! the goal with it.
 //!
 //! The one quantity that is measured instead of proved is how far a surface leaves the biquadratic through nine points
 //! of a cell; it is taken from third differences, with a margin.
 
-pub use super::cells::CORNER_SLACK;
-use super::cells::{Found, Goals, Looked, Proved, Task, deviation};
-use super::grid::{Grid, Surface};
-use super::sweep::{At, Sweep};
+pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};
+use super::proof::cells::{Found, Goals, Looked, Proved, Task, deviation};
+use super::proof::grid::{Grid, Surface};
+use super::proof::piece::At;
+use super::proof::sweep::Sweep;
 use crate::part::{
     Part, SurfaceClass, SurfaceId,
-    chart::{self, Patch, Shape, charts},
+    chart::{self, Shape, charts},
 };
 use crate::progress::{Progress, Work};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// Distance beyond which a place counts as out of reach of all cutters, mm; no search goes on beyond it.
-pub const FAR: f64 = 20.0;
-
-/// How far a proved bound may lie beyond the worst value found, mm.
-pub const SLACK: f64 = 5e-4;
-
-/// The same at least, where a limit lies close by, mm.
-pub const LEAST_SLACK: f64 = 2e-5;
 
 /// The same for the excess, as a share of it, where that is more.
 const SLACK_SHARE: f64 = 0.02;
@@ -90,15 +82,6 @@ pub struct SurfaceReport {
     /// What was found at the corners of the cells, for pictures; patches in the order of [`Shape::patches`].
     #[serde(skip)]
     pub corners: Vec<PatchCorners>,
-}
-
-/// g at the corners of the cells of a patch.
-#[derive(Clone, Debug)]
-pub struct PatchCorners {
-    /// The patch.
-    pub patch: Patch,
-    /// g, mm, column by column; at most [`CORNER_SLACK`] over the true one. NaN off the part.
-    pub values: Vec<f32>,
 }
 
 /// Figures of all milled surfaces, with the edges of the vanes where these are milled, in the order of surfaces.

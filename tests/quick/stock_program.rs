@@ -6,8 +6,8 @@ use impellerc::ir::{Motion, Program};
 use impellerc::part::{Sample, sample};
 use impellerc::progress::Progress;
 use impellerc::stock::{END_ERROR, Field};
+use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{Settings, StockReport, report, simulate};
-use impellerc::verify::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
 
 /// Cells of these tests, mm.

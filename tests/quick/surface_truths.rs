@@ -7,8 +7,8 @@ use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
     chart::{Place, Shape},
 };
+use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
-use impellerc::verify::sweep::Sweep;
 use nalgebra::{Point3, Unit, Vector3};
 
 /// What the certificate may be wrong by, mm.

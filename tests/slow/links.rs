@@ -9,7 +9,8 @@ use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::part::sample;
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
-use impellerc::verify::{clearance, dynamics, sweep};
+use impellerc::verify::proof::piece;
+use impellerc::verify::{clearance, dynamics};
 use nalgebra::Point3;
 
 /// Channel finishing in one sector of the paper's part.
@@ -62,8 +63,8 @@ fn directions(program: &Program, motion: &Motion) -> Vec<bool> {
 fn least(program: &Program, motion: &Motion, kind: MoveKind, of: fn(&ToolSolid, f64, f64) -> f64, far: f64) -> f64 {
     let spacing = 0.3;
     let cloud = Cloud::new(sample::cloud_points(&sample::sample(&program.part, spacing)));
-    let pieces: Vec<sweep::Piece> =
-        sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
+    let pieces: Vec<piece::Piece> =
+        piece::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;
     clearance::least(&pieces, solid, of, &cloud, spacing * std::f64::consts::FRAC_1_SQRT_2, far)
         .map_or(far, |c| c.found)
@@ -165,7 +166,7 @@ fn rapids_stay_outside_of_the_blank_with_any_holder() {
     // The blank in slices: no point of it inside of the tool at any place of a rapid.
     let mut least = f64::INFINITY;
     let mut looked = 0;
-    for piece in sweep::pieces(&program.machine, &motion, 0).iter().filter(|p| p.kind == MoveKind::Rapid) {
+    for piece in piece::pieces(&program.machine, &motion, 0).iter().filter(|p| p.kind == MoveKind::Rapid) {
         let (tip, axis) = piece.middle();
         looked += 1;
         for [r, z] in profile {

@@ -291,8 +291,8 @@ fn holder(solid: &ToolSolid, rho: f64, s: f64) -> f64 {
 fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
     let spacing = 0.3;
     let cloud = Cloud::new(sample::cloud_points(&sample::sample(&program.part, spacing)));
-    let pieces: Vec<sweep::Piece> =
-        sweep::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == MoveKind::Cut).collect();
+    let pieces: Vec<piece::Piece> =
+        piece::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == MoveKind::Cut).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;
     let half = spacing * std::f64::consts::FRAC_1_SQRT_2;
     let least = |f: fn(&ToolSolid, f64, f64) -> f64| {

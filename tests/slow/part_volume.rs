@@ -10,8 +10,8 @@ use impellerc::part::{
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
+use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{Settings, simulate};
-use impellerc::verify::sweep::Sweep;
 use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 

@@ -5,11 +5,11 @@ use crate::diag::Severity;
 use crate::part::Sample;
 use crate::units::length;
 use crate::verify::alike::alike;
-use crate::verify::certificate::describe;
 use crate::verify::clearance::Clearance;
+use crate::verify::place::describe;
+use crate::verify::proof::piece::At;
 use crate::verify::stock::Peak;
 use crate::verify::surface::{FAR, SurfaceReport, Worst};
-use crate::verify::sweep::At;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 

@@ -4,22 +4,22 @@
 //! fractions of a micrometre of a segment, so that the distance of a point to the swept ball is closed in form. Where the
 //! cutter is its ball, seen from a place, that is the distance to the cutter.
 
-use super::sweep::Piece;
+use super::piece::Piece;
 use crate::collide::{Cutter, ToolSolid};
 use nalgebra::{Point3, Vector3};
 
 /// The ball at the tip of a cutter; it lies inside of the cutter.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
+pub(crate) struct Ball {
     /// Radius, mm.
-    pub(super) radius: f64,
+    pub(crate) radius: f64,
     /// Largest s-component of the normal at which the cutter is this ball.
-    pub(super) upper: f64,
+    pub(crate) upper: f64,
 }
 
 impl Ball {
     /// The ball of a tool, if it has one.
-    pub(super) fn of(solid: &ToolSolid) -> Option<Self> {
+    pub(crate) fn of(solid: &ToolSolid) -> Option<Self> {
         let radius = solid.cutter.tip_radius();
         let upper = match solid.cutter {
             Cutter::Flat { .. } | Cutter::Bull { .. } => return None,
@@ -33,7 +33,7 @@ impl Ball {
 
 /// A ball over a piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Capsule {
+pub(crate) struct Capsule {
     /// Centre at the start.
     start: Point3<f64>,
     /// From there to the centre at the end.
@@ -52,25 +52,25 @@ pub(super) struct Capsule {
 
 /// The place of a capsule that is nearest to a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(crate) struct Foot {
     /// Share of the piece.
-    pub(super) t: f64,
+    pub(crate) t: f64,
     /// From the centre there to the point.
-    pub(super) out: Vector3<f64>,
+    pub(crate) out: Vector3<f64>,
     /// Its length.
-    pub(super) length: f64,
+    pub(crate) length: f64,
 }
 
 impl Foot {
     /// Direction of the point; none in the centre.
-    pub(super) fn direction(&self) -> Vector3<f64> {
+    pub(crate) fn direction(&self) -> Vector3<f64> {
         if self.length > 0.0 { self.out / self.length } else { Vector3::zeros() }
     }
 }
 
 impl Capsule {
     /// The capsule of a ball of a radius at the tip over a piece.
-    pub(super) fn new(piece: &Piece, radius: f64) -> Self {
+    pub(crate) fn new(piece: &Piece, radius: f64) -> Self {
         let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, radius).0);
         let way = end - start;
         let square = way.norm_squared();
@@ -91,7 +91,7 @@ impl Capsule {
 
     /// The nearest place to a point. The ball comes nowhere nearer than the length there, less the radius and
     /// [`Self::flaw`].
-    pub(super) fn foot(&self, p: &Point3<f64>) -> Foot {
+    pub(crate) fn foot(&self, p: &Point3<f64>) -> Foot {
         let from = p - self.start;
         let t = (from.dot(&self.way) * self.per_way).clamp(0.0, 1.0);
         let out = from - self.way * t;
@@ -99,23 +99,23 @@ impl Capsule {
     }
 
     /// Centres at both ends.
-    pub(super) fn ends(&self) -> [Point3<f64>; 2] {
+    pub(crate) fn ends(&self) -> [Point3<f64>; 2] {
         [self.start, self.start + self.way]
     }
 
     /// True if the cutter reaches no farther in a direction than its ball, at any time of the piece: then a half-space
     /// along it that holds the balls holds the cutters, and the ball is what is nearest to a point that lies that way.
-    pub(super) fn bears(&self, ball: Ball, direction: &Vector3<f64>) -> bool {
+    pub(crate) fn bears(&self, ball: Ball, direction: &Vector3<f64>) -> bool {
         direction.dot(&self.axis) + self.turn <= ball.upper
     }
 
     /// From the centre at the start to that at the end.
-    pub(super) fn way(&self) -> &Vector3<f64> {
+    pub(crate) fn way(&self) -> &Vector3<f64> {
         &self.way
     }
 
     /// How far the true centres may lie from the segment, mm.
-    pub(super) fn flaw(&self) -> f64 {
+    pub(crate) fn flaw(&self) -> f64 {
         self.flaw
     }
 
@@ -123,7 +123,7 @@ impl Capsule {
     ///
     /// The height of p over the centre is (p - tip) . axis - ball radius. From the middle of the piece on, the axis
     /// changes by at most the turn and the tip by its way.
-    pub(super) fn rules(&self, ball: Ball, p: &Point3<f64>, radius: f64) -> bool {
+    pub(crate) fn rules(&self, ball: Ball, p: &Point3<f64>, radius: f64) -> bool {
         let from = p - (self.start + self.way * 0.5);
         let far = from.norm();
         let highest = from.dot(&self.axis) + self.turn * (far + radius + ball.radius) + self.lift + radius;

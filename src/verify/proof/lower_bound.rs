@@ -7,11 +7,13 @@
 //! - *below*, F lies above its tangent at any (p*, t*). At the joint minimum over cell and piece that tangent is level,
 //!   and the bound is as sharp as the bend and the bulge of the cell allow ([`Sweep::below`]);
 //! - *above*, F at a mean of corners and times is at most the mean of F at the corners, each at its own best time
-//!   (`roof.rs`). No term with the radius of the cutter enters: the cutter follows the cell.
+//!   (`upper_bound.rs`). No term with the radius of the cutter enters: the cutter follows the cell.
 
 use super::capsule::{Ball, Capsule, Foot};
-use super::ceiling::Ceiling;
-use super::sweep::{Piece, Spans, Sweep, Touch};
+use super::cutoff::Cutoff;
+use super::hull::{Hull, least_of};
+use super::piece::{Piece, Spans, Touch};
+use super::sweep::Sweep;
 use crate::collide::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
 
@@ -27,112 +29,19 @@ const BEND_SLACK: f64 = 1e-4;
 /// How far beyond its goal a bound by the curvature of a ball is still told apart, mm.
 const BEYOND: f64 = 1e-3;
 
-/// A cell of a surface: the biquadratic through nine of its points, thickened.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hull {
-    /// Middle point.
-    pub(super) centre: Point3<f64>,
-    /// Corners: (low x, low y), (low, high), (high, low), (high, high).
-    pub(super) corners: [Point3<f64>; 4],
-    /// Distance of the farthest point from the middle.
-    pub(super) radius: f64,
-    /// Control points of the biquadratic relative to the middle; their hull holds it.
-    pub(super) control: [Vector3<f64>; 9],
-    /// Control points of edges and middle relative to those of the bilinear through the corners.
-    pub(super) bulge: [Vector3<f64>; 5],
-    /// Half sides.
-    sides: [Vector3<f64>; 2],
-    /// Thickness about the biquadratic.
-    pub(super) thickness: f64,
-}
-
-impl Hull {
-    /// Through nine points, x by x.
-    pub(super) fn new(points: &[Point3<f64>; 9], thickness: f64) -> Self {
-        let centre = points[4];
-        let p = points.map(|q| q - centre);
-        let middle = |a: Vector3<f64>, m: Vector3<f64>, b: Vector3<f64>| m * 2.0 - (a + b) * 0.5;
-        // Along y first, then along x.
-        let rows = [0, 3, 6].map(|i| [p[i], middle(p[i], p[i + 1], p[i + 2]), p[i + 2]]);
-        let mut control = [Vector3::zeros(); 9];
-        for j in 0..3 {
-            control[j] = rows[0][j];
-            control[3 + j] = middle(rows[0][j], rows[1][j], rows[2][j]);
-            control[6 + j] = rows[2][j];
-        }
-        let (a, b, c, d) = (control[0], control[2], control[6], control[8]);
-        let bulge = [
-            control[1] - (a + b) * 0.5,
-            control[3] - (a + c) * 0.5,
-            control[5] - (b + d) * 0.5,
-            control[7] - (c + d) * 0.5,
-            control[4] - (a + b + c + d) * 0.25,
-        ];
-        let radius = control.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt() + thickness;
-        let corners = [points[0], points[2], points[6], points[8]];
-        let sides = [(p[7] - p[1]) * 0.5, (p[5] - p[3]) * 0.5];
-        Self { centre, corners, radius, control, bulge, sides, thickness }
-    }
-
-    /// Area, mm2.
-    pub(super) fn area(&self) -> f64 {
-        let [a, b, c, d] = self.corners;
-        0.5 * (d - a).cross(&(c - b)).norm()
-    }
-
-    /// How far the cell may leave the hull of its corners.
-    pub(super) fn bulges(&self) -> f64 {
-        self.bulge.iter().map(Vector3::norm).fold(0.0, f64::max) + self.thickness
-    }
-
-    /// Least over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it, with the
-    /// best k of at most `most`: any share of a curvature holds, and the best one balances that of the surface.
-    fn least_curved(&self, at: [f64; 2], gradient: &Vector3<f64>, across: &Vector3<f64>, most: f64) -> f64 {
-        const PLACE: [f64; 3] = [-1.0, 0.0, 1.0];
-        const SQUARE: [f64; 3] = [1.0, -1.0, 1.0];
-        const SHARES: usize = 4;
-        let along = self.at(at).dot(gradient);
-        // e . (p - from) is linear up to what the bulge adds.
-        let (a, b) = (across.dot(&self.sides[0]), across.dot(&self.sides[1]));
-        let c = -a * at[0] - b * at[1];
-        let widest = a.abs() + b.abs() + c.abs();
-        let mut stray = 0.0_f64;
-        let parts: [(f64, f64); 9] = std::array::from_fn(|n| {
-            let (i, j) = (n / 3, n % 3);
-            let (x, y) = (PLACE[i], PLACE[j]);
-            let square = a * a * SQUARE[i] + b * b * SQUARE[j] + c * c + 2.0 * (a * b * x * y + c * (a * x + b * y));
-            stray = stray.max((across.dot(&self.control[n]) - a * x - b * y).abs());
-            (self.control[n].dot(gradient) - along, square)
-        });
-        let strayed = 2.0 * widest * (stray + self.thickness);
-        let least = |k: f64| least_of(parts.map(|p| p.0 + k * p.1)) - k * strayed;
-        let best = (0..=SHARES).map(|n| least(most * n as f64 / SHARES as f64)).fold(f64::NEG_INFINITY, f64::max);
-        best - self.thickness
-    }
-
-    fn at(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
-        self.sides[0] * x + self.sides[1] * y
-    }
-}
-
-/// The least of some numbers; `f64::min` would ask each whether it is one.
-fn least_of(values: [f64; 9]) -> f64 {
-    values.into_iter().fold(f64::INFINITY, |least, v| if v < least { v } else { least })
-}
-
 /// What is known about a cell and a piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Below {
+pub(crate) struct Below {
     /// No point of the cell comes nearer to the cutter.
-    pub(super) bound: f64,
+    pub(crate) bound: f64,
     /// Where the bound fell short of its goal: the nearest place of the cell, in half sides from the middle.
-    pub(super) nearest: Option<[f64; 2]>,
+    pub(crate) nearest: Option<[f64; 2]>,
 }
 
 /// A lower bound of the distance to a cutter over a piece, between two shares and for the points of a cell: linear in the
 /// point at each of both.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tangent {
+pub(crate) struct Tangent {
     /// Where it touches.
     place: Point3<f64>,
     value: f64,
@@ -174,7 +83,7 @@ impl Tangent {
     }
 
     /// At a place of the cell.
-    pub(super) fn at(&self, p: &Point3<f64>) -> f64 {
+    pub(crate) fn at(&self, p: &Point3<f64>) -> f64 {
         self.from(&(p - self.place))
     }
 
@@ -185,19 +94,19 @@ impl Tangent {
     }
 
     /// No more than anywhere within a radius of a place of the cell.
-    pub(super) fn about(&self, p: &Point3<f64>, radius: f64) -> f64 {
+    pub(crate) fn about(&self, p: &Point3<f64>, radius: f64) -> f64 {
         self.at(p) - radius * self.steepness
     }
 
-    /// True if it lies nowhere under a ceiling over the patch in whose middle it touches.
-    fn hides_from(&self, ceiling: &Ceiling<'_>) -> bool {
+    /// True if it lies nowhere under a cutoff over the patch in whose middle it touches.
+    fn hides_from(&self, cutoff: &Cutoff<'_>) -> bool {
         self.ends.iter().all(|end| {
-            ceiling.hides(self.value + self.change.0 * end, &(self.gradient + self.change.1 * *end), self.steepness)
+            cutoff.hides(self.value + self.change.0 * end, &(self.gradient + self.change.1 * *end), self.steepness)
         })
     }
 
     /// Over a whole cell.
-    pub(super) fn over(&self, hull: &Hull) -> f64 {
+    pub(crate) fn over(&self, hull: &Hull) -> f64 {
         let middle = hull.centre - self.place;
         least_of(hull.control.map(|c| self.from(&(middle + c)))) - hull.thickness * self.steepness
     }
@@ -205,39 +114,39 @@ impl Tangent {
 
 /// What a first look at a cell and a piece shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(crate) struct Look {
     /// Share at which the cutter is nearest to the middle.
-    pub(super) t: f64,
+    pub(crate) t: f64,
     /// Distance of the middle then.
-    pub(super) value: f64,
+    pub(crate) value: f64,
     /// Lower bound over cell and piece.
-    pub(super) tangent: Tangent,
+    pub(crate) tangent: Tangent,
     /// What the tangent leaves over the cell.
-    pub(super) bound: f64,
+    pub(crate) bound: f64,
 }
 
 impl Sweep<'_> {
-    /// A lower bound over a patch; none where the cutter comes nowhere under the ceiling.
-    pub(super) fn glance(&self, index: u32, ceiling: &Ceiling<'_>) -> Option<Tangent> {
-        let hull = ceiling.hull();
+    /// A lower bound over a patch; none where the cutter comes nowhere under the cutoff.
+    pub(crate) fn glance(&self, index: u32, cutoff: &Cutoff<'_>) -> Option<Tangent> {
+        let hull = cutoff.hull();
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
-            return (!ceiling.hides(tangent.value, &tangent.gradient, 1.0)).then_some(tangent);
+            return (!cutoff.hides(tangent.value, &tangent.gradient, 1.0)).then_some(tangent);
         }
         let piece = self.piece(index);
         let whole = (0.0, 1.0);
         let start = self.touch(piece, 0.5, &hull.centre);
         let tangent = Tangent::to_cutter(hull.centre, piece, &start, whole, hull.radius);
-        if tangent.hides_from(ceiling) {
+        if tangent.hides_from(cutoff) {
             return None;
         }
         let nearest = self.minimum(piece, start, &hull.centre, whole);
         let tangent = Tangent::to_cutter(hull.centre, piece, &nearest, whole, hull.radius);
-        (!tangent.hides_from(ceiling)).then_some(tangent)
+        (!tangent.hides_from(cutoff)).then_some(tangent)
     }
 
     /// The ball over a piece where it is what comes nearest to a point, and its place that does.
-    pub(super) fn bearing_ball(&self, index: u32, p: &Point3<f64>) -> Option<(Ball, &Capsule, Foot)> {
+    pub(crate) fn bearing_ball(&self, index: u32, p: &Point3<f64>) -> Option<(Ball, &Capsule, Foot)> {
         let (ball, capsule) = self.capsule(index)?;
         let foot = capsule.foot(p);
         // In the centre there is no direction, and the ball says nothing.
@@ -245,7 +154,7 @@ impl Sweep<'_> {
     }
 
     /// A first look at a cell; none where the cutter comes nowhere in it nearer than `enough`.
-    pub(super) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
+    pub(crate) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
             if tangent.value - hull.radius >= enough {
@@ -269,7 +178,7 @@ impl Sweep<'_> {
     }
 
     /// Most distance of any point of a cell at a share of a piece: the distance is convex.
-    pub(super) fn farthest(&self, index: u32, hull: &Hull, t: f64) -> f64 {
+    pub(crate) fn farthest(&self, index: u32, hull: &Hull, t: f64) -> f64 {
         let (tip, axis) = self.piece(index).pose(t);
         let distance = |c: &Vector3<f64>| {
             let (rho, s) = tool_coordinates(&(hull.centre + c), &tip, &axis);
@@ -285,7 +194,7 @@ impl Sweep<'_> {
 
     /// Lower bound of the distance of a cell to the cutter over a piece; the search ends where the bound reaches
     /// `goal`.
-    pub(super) fn below(&self, index: u32, hull: &Hull, goal: f64) -> Below {
+    pub(crate) fn below(&self, index: u32, hull: &Hull, goal: f64) -> Below {
         if let Some((ball, capsule)) = self.ruling_ball(index, hull) {
             return below_capsule(ball, capsule, hull, goal);
         }

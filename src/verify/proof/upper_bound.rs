@@ -4,9 +4,10 @@
 //! most the mean of F at the corners, each at its own best time. No term with the radius of the cutter enters: the cutter
 //! follows the cell.
 
-use super::bounds::Hull;
 use super::capsule::Ball;
-use super::sweep::{Drift, Piece, Sweep, Touch};
+use super::hull::Hull;
+use super::piece::{Drift, Piece, Touch};
+use super::sweep::Sweep;
 use crate::collide::{Cutter, tool::tool_coordinates};
 use nalgebra::{Point3, Vector3};
 
@@ -15,23 +16,23 @@ const ON_BALL: f64 = 1e-5;
 
 /// An upper bound of the distance over a cell: a biquadratic by its control values, x by x.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Roof {
+pub(crate) struct UpperBound {
     control: [f64; 9],
 }
 
-impl Roof {
+impl UpperBound {
     /// Most over the cell.
-    pub(super) fn most(&self) -> f64 {
+    pub(crate) fn most(&self) -> f64 {
         self.control.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Most of the mean of two.
-    pub(super) fn most_of_mean(&self, other: &Self) -> f64 {
+    pub(crate) fn most_of_mean(&self, other: &Self) -> f64 {
         self.control.iter().zip(&other.control).map(|(a, b)| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Over the quarters of the cell.
-    pub(super) fn quarters(&self) -> [Self; 4] {
+    pub(crate) fn quarters(&self) -> [Self; 4] {
         let halves = |[a, b, c]: [f64; 3]| {
             let (ab, bc) = (0.5 * (a + b), 0.5 * (b + c));
             let m = 0.5 * (ab + bc);
@@ -55,7 +56,7 @@ impl Roof {
 
 impl Sweep<'_> {
     /// Upper bound of the distance of a cell to the cutter swept over a piece and the one that follows it.
-    pub(super) fn above(&self, first: u32, second: u32, hull: &Hull) -> Roof {
+    pub(crate) fn above(&self, first: u32, second: u32, hull: &Hull) -> UpperBound {
         let pair = Pair::new(self.piece(first), self.piece(second), self.solid().flute_length);
         if let (Some((ball, a)), Some((_, b))) = (self.capsule(first), self.capsule(second)) {
             let near = hull.corners.map(|corner| {
@@ -70,7 +71,7 @@ impl Sweep<'_> {
                     || foot.length - ball.radius <= self.solid().cutter_distance(rho, s) + ON_BALL
             });
             if on_ball {
-                return pair.roof_of_ball(ball, &near.map(|(later, foot)| (later, foot.t)), hull);
+                return pair.bound_of_ball(ball, &near.map(|(later, foot)| (later, foot.t)), hull);
             }
         }
         let near = hull.corners.map(|corner| {
@@ -81,7 +82,7 @@ impl Sweep<'_> {
             if x.value <= y.value { (false, x) } else { (true, y) }
         });
         let least = near.iter().map(|(_, t)| self.least_radius(t, 2.0 * hull.radius)).fold(f64::INFINITY, f64::min);
-        pair.roof_of_cutter(&near, hull, least)
+        pair.bound_of_cutter(&near, hull, least)
     }
 
     /// Least radius of curvature of the level surfaces of the distance within a radius of a touched point; zero or less
@@ -158,19 +159,19 @@ impl<'a> Pair<'a> {
         (tip_a - tip_b / self.stretch).norm() + (axis_a - axis_b / self.stretch).norm() * reach
     }
 
-    /// The roof by the ball, from the shares at which it is nearest to the corners.
-    fn roof_of_ball(&self, ball: Ball, shares: &[(bool, f64); 4], hull: &Hull) -> Roof {
+    /// The bound by the ball, from the shares at which it is nearest to the corners.
+    fn bound_of_ball(&self, ball: Ball, shares: &[(bool, f64); 4], hull: &Hull) -> UpperBound {
         let run = self.run(shares);
         let bend = self.worst(&run, |p, scale| p.ball_drift(ball.radius).bend * scale * scale);
         let flaw = self.worst(&run, |p, _| p.ball_drift(ball.radius).flaw);
         let error = 0.125 * bend * run.time * run.time + flaw + run.across * (self.jump(ball.radius) + bend);
         let centres = shares.map(|(later, t)| self.piece(later).ball_centre(t, ball.radius).0);
-        roof_of_ball(ball.radius, &centres, hull, error)
+        bound_of_ball(ball.radius, &centres, hull, error)
     }
 
-    /// The roof by the whole cutter, from where it touches the corners; `least` is the least radius of curvature of level
+    /// The bound by the whole cutter, from where it touches the corners; `least` is the least radius of curvature of level
     /// surfaces of the distance over the cell.
-    fn roof_of_cutter(&self, near: &[(bool, Touch); 4], hull: &Hull, least: f64) -> Roof {
+    fn bound_of_cutter(&self, near: &[(bool, Touch); 4], hull: &Hull, least: f64) -> UpperBound {
         let run = self.run(&near.map(|(later, touch)| (later, touch.t)));
         let most = |p: &Piece, of: &dyn Fn(&Drift) -> f64| {
             near.iter().map(|(_, t)| of(&p.drift(t, hull.radius))).fold(0.0, f64::max)
@@ -185,7 +186,7 @@ impl<'a> Pair<'a> {
             + run.across * (self.jump(reach) + bend);
         // The gradient turns by no more than this over the cell.
         let swing = if least > 0.0 { (2.0 * hull.radius / least).min(2.0) } else { 2.0 } + turn * run.time;
-        roof_of_cutter(&near.map(|(_, touch)| touch), hull, swing, error)
+        bound_of_cutter(&near.map(|(_, touch)| touch), hull, swing, error)
     }
 }
 
@@ -198,18 +199,18 @@ fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
 const BULGE: [usize; 5] = [1, 3, 5, 7, 4];
 
 /// F at the means of corners and their times is at most the mean of F; the bulge adds its part along the gradients.
-fn roof_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> Roof {
+fn bound_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> UpperBound {
     let mut control = bilinear(touches.map(|t| t.value));
     for (b, place) in hull.bulge.iter().zip(BULGE) {
         let along = touches.iter().map(|t| t.gradient.dot(b)).fold(f64::NEG_INFINITY, f64::max);
         control[place] += (along + swing * b.norm()).min(b.norm());
     }
-    Roof { control: control.map(|c| c + error + hull.thickness) }
+    UpperBound { control: control.map(|c| c + error + hull.thickness) }
 }
 
 /// For a ball: with w_i from its centres to the corners, |mean w|^2 = mean |w|^2 - variance of w, so that the bound
 /// falls between the corners by as much as the ball stands out across its way.
-fn roof_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64) -> Roof {
+fn bound_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64) -> UpperBound {
     let w: [Vector3<f64>; 4] = std::array::from_fn(|k| hull.corners[k] - centres[k]);
     let d = w.map(|v| v.norm());
     let (least, most) = d.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
@@ -226,7 +227,7 @@ fn roof_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64
     let shortest = (least * least - stray * stray).max(0.0).sqrt();
     let mut extra = error + hull.thickness;
     if shortest <= 0.0 {
-        return Roof { control: control.map(|c| c + extra + 2.0 * hull.radius) };
+        return UpperBound { control: control.map(|c| c + extra + 2.0 * hull.radius) };
     }
     // mean d^2 exceeds (mean d)^2 by the variance of d.
     extra += (most - least) * (most - least) / (8.0 * shortest);
@@ -235,5 +236,5 @@ fn roof_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64
         let out = if along > 0.0 { along / shortest } else { along / most };
         control[place] += out + b.norm_squared() / (2.0 * shortest) - fall;
     }
-    Roof { control: control.map(|c| c + extra) }
+    UpperBound { control: control.map(|c| c + extra) }
 }

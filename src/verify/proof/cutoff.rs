@@ -2,9 +2,9 @@
 //!
 //! The distance to a cutter is convex, so that it lies over its tangent at the middle of the patch. A block lies within
 //! its bulge of the hull of its four corners, so that a linear function which is more at these corners than g is over the
-//! block, and more by the bulge, is more all over the block. What comes nowhere under the ceiling counts nowhere.
+//! block, and more by the bulge, is more all over the block. What comes nowhere under the cutoff counts nowhere.
 
-use super::bounds::Hull;
+use super::hull::Hull;
 use nalgebra::Vector3;
 
 /// Corners that are compared at once.
@@ -21,7 +21,7 @@ struct Lanes {
 
 /// What g is at most over the blocks of a patch.
 #[derive(Clone, Debug)]
-pub(super) struct Ceiling<'h> {
+pub(crate) struct Cutoff<'h> {
     hull: &'h Hull,
     lanes: Vec<Lanes>,
     highest: f64,
@@ -29,10 +29,10 @@ pub(super) struct Ceiling<'h> {
     bulge: f64,
 }
 
-impl<'h> Ceiling<'h> {
+impl<'h> Cutoff<'h> {
     /// Over the hull of a patch, by the corners of its blocks: their ways from its middle, and the most that g is over
     /// any block that meets there, its bulge added. No block bulges by more than `bulge`.
-    pub(super) fn new(hull: &'h Hull, corners: &[(Vector3<f64>, f64)], bulge: f64) -> Self {
+    pub(crate) fn new(hull: &'h Hull, corners: &[(Vector3<f64>, f64)], bulge: f64) -> Self {
         let lanes = corners.chunks(LANES).map(|some| {
             let mut lanes = Lanes { way: [[0.0; LANES]; 3], most: [f64::NEG_INFINITY; LANES] };
             for (k, (way, most)) in some.iter().enumerate() {
@@ -48,18 +48,18 @@ impl<'h> Ceiling<'h> {
     }
 
     /// The patch.
-    pub(super) fn hull(&self) -> &Hull {
+    pub(crate) fn hull(&self) -> &Hull {
         self.hull
     }
 
     /// Its highest place, bulges added.
-    pub(super) fn highest(&self) -> f64 {
+    pub(crate) fn highest(&self) -> f64 {
         self.highest
     }
 
-    /// True if a linear function of a value at the middle and a slope lies nowhere under the ceiling; the slope is no
+    /// True if a linear function of a value at the middle and a slope lies nowhere under the cutoff; the slope is no
     /// longer than `steepness`, at least one.
-    pub(super) fn hides(&self, value: f64, slope: &Vector3<f64>, steepness: f64) -> bool {
+    pub(crate) fn hides(&self, value: f64, slope: &Vector3<f64>, steepness: f64) -> bool {
         if value - steepness * self.hull.radius >= self.highest {
             return true;
         }

@@ -2,12 +2,12 @@
 //!
 //! Findings are errors where the tool breaks, else remarks. What they are compared with comes from the tool and the job.
 
-use super::certificate::describe;
-use super::stock::{FULL_ARC, OperationStock};
-use super::sweep::At;
+use super::{FULL_ARC, OperationStock};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::units::length;
+use crate::verify::place::describe;
+use crate::verify::proof::piece::At;
 use nalgebra::Point3;
 
 /// Depth of a slot from which finishing in full material is worth a remark, as a share of the diameter of the cutter.

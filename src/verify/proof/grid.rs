@@ -1,6 +1,6 @@
 //! A surface in one sector, the points of a patch of it, and the cells between them.
 
-use super::bounds::Hull;
+use super::hull::Hull;
 use crate::part::{
     SurfaceId,
     chart::{Patch, Shape},
@@ -15,30 +15,30 @@ const THICKNESS: f64 = 0.2;
 const BLOCK: usize = 2;
 
 /// A surface of one sector.
-pub(super) struct Surface<'a> {
+pub(crate) struct Surface<'a> {
     /// Its shape in sector 0.
-    pub(super) shape: &'a dyn Shape,
+    pub(crate) shape: &'a dyn Shape,
     /// Turn into the sector.
-    pub(super) turn: Rotation3<f64>,
+    pub(crate) turn: Rotation3<f64>,
     /// Which one.
-    pub(super) id: SurfaceId,
+    pub(crate) id: SurfaceId,
 }
 
 impl Surface<'_> {
     /// The point of a place of the chart.
-    pub(super) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
+    pub(crate) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
         self.turn * self.shape.place(x, y).position
     }
 
-    pub(super) fn holds(&self, p: &Point3<f64>) -> bool {
+    pub(crate) fn holds(&self, p: &Point3<f64>) -> bool {
         self.shape.is_milled(&(self.turn.inverse() * p))
     }
 }
 
 /// Points of a patch in sector 0: corners, middles of sides and middles of its cells, x by x.
-pub(super) struct Grid {
+pub(crate) struct Grid {
     /// The patch.
-    pub(super) patch: Patch,
+    pub(crate) patch: Patch,
     points: Vec<Point3<f64>>,
     /// Largest third difference along its lines, mm.
     third: f64,
@@ -46,7 +46,7 @@ pub(super) struct Grid {
 
 impl Grid {
     /// The grid of a patch.
-    pub(super) fn new(shape: &dyn Shape, patch: Patch) -> Self {
+    pub(crate) fn new(shape: &dyn Shape, patch: Patch) -> Self {
         let (nx, ny) = (2 * patch.columns, 2 * patch.rows);
         let points: Vec<Point3<f64>> = (0..=nx)
             .flat_map(|i| (0..=ny).map(move |j| (i, j)))
@@ -68,17 +68,17 @@ impl Grid {
     }
 
     /// Point i along x and j along y: two to a cell.
-    pub(super) fn point(&self, i: usize, j: usize) -> Point3<f64> {
+    pub(crate) fn point(&self, i: usize, j: usize) -> Point3<f64> {
         self.points[i * (2 * self.patch.rows + 1) + j]
     }
 
     /// How far a cell may leave the biquadratic through its nine points, mm.
-    pub(super) fn thickness(&self) -> f64 {
+    pub(crate) fn thickness(&self) -> f64 {
         THICKNESS * self.third
     }
 
     /// The hull of a run of cells, turned into a sector.
-    pub(super) fn hull(&self, block: &Block, turn: &Rotation3<f64>) -> Hull {
+    pub(crate) fn hull(&self, block: &Block, turn: &Rotation3<f64>) -> Hull {
         let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
         let (x, y) = (along(block.x), along(block.y));
         let size = block.longest() as f64;
@@ -87,7 +87,7 @@ impl Grid {
     }
 
     /// The first cell of a run.
-    pub(super) fn cell(&self, block: &Block) -> Cell {
+    pub(crate) fn cell(&self, block: &Block) -> Cell {
         let patch = &self.patch;
         let half = [
             0.5 * (patch.x[1] - patch.x[0]) / patch.columns as f64,
@@ -100,49 +100,49 @@ impl Grid {
 }
 
 /// The i-th of n + 1 even places over a range.
-pub(super) fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
+pub(crate) fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
     range[0] + (range[1] - range[0]) * i as f64 / n as f64
 }
 
 /// A run of cells of a patch: columns and rows from..to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(crate) struct Block {
     /// Columns from..to.
-    pub(super) x: [usize; 2],
+    pub(crate) x: [usize; 2],
     /// Rows from..to.
-    pub(super) y: [usize; 2],
+    pub(crate) y: [usize; 2],
 }
 
 impl Block {
-    pub(super) fn longest(&self) -> usize {
+    pub(crate) fn longest(&self) -> usize {
         (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
     }
 
     /// Its cells.
-    pub(super) fn cells(&self) -> impl Iterator<Item = Self> {
+    pub(crate) fn cells(&self) -> impl Iterator<Item = Self> {
         let [from, to] = self.y;
         (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
     }
 
     /// Runs of [`BLOCK`] cells along a side of some.
-    pub(super) fn runs([from, to]: [usize; 2]) -> Vec<[usize; 2]> {
+    pub(crate) fn runs([from, to]: [usize; 2]) -> Vec<[usize; 2]> {
         (from..to).step_by(BLOCK).map(|k| [k, (k + BLOCK).min(to)]).collect()
     }
 }
 
 /// A cell of the chart: middle and half sides.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     /// Middle.
-    pub(super) middle: [f64; 2],
+    pub(crate) middle: [f64; 2],
     /// Half sides.
-    pub(super) half: [f64; 2],
+    pub(crate) half: [f64; 2],
     /// Times that it was halved.
-    pub(super) depth: i32,
+    pub(crate) depth: i32,
 }
 
 impl Cell {
-    pub(super) fn quarters(self) -> [Self; 4] {
+    pub(crate) fn quarters(self) -> [Self; 4] {
         let half = self.half.map(|h| 0.5 * h);
         [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| Self {
             middle: [self.middle[0] + i * half[0], self.middle[1] + j * half[1]],
@@ -151,14 +151,14 @@ impl Cell {
         })
     }
 
-    pub(super) fn at(&self, i: f64, j: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, i: f64, j: f64) -> [f64; 2] {
         [self.middle[0] + i * self.half[0], self.middle[1] + j * self.half[1]]
     }
 }
 
 /// How a cell lies to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Lies {
+pub(crate) enum Lies {
     Inside,
     Across,
     Outside,
@@ -166,7 +166,7 @@ pub(super) enum Lies {
 
 impl Lies {
     /// By how many of the corners and the middle are on the part.
-    pub(super) fn by(on: usize) -> Self {
+    pub(crate) fn by(on: usize) -> Self {
         match on {
             0 => Self::Outside,
             5 => Self::Inside,

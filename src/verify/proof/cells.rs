@@ -1,12 +1,32 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
 
-use super::bounds::{Hull, Tangent};
-use super::ceiling::Ceiling;
+use super::cutoff::Cutoff;
 use super::grid::{Block, Cell, Grid, Lies, Surface, mix};
-use super::roof::Roof;
-use super::surface::{FAR, LEAST_SLACK, PatchCorners, SLACK};
-use super::sweep::{At, Sweep};
+use super::hull::Hull;
+use super::lower_bound::Tangent;
+use super::piece::At;
+use super::sweep::Sweep;
+use super::upper_bound::UpperBound;
+use crate::part::chart::Patch;
 use nalgebra::{Point3, Vector3};
+
+/// Distance beyond which a place counts as out of reach of all cutters, mm; no search goes on beyond it.
+pub const FAR: f64 = 20.0;
+
+/// How far a proved bound may lie beyond the worst value found, mm.
+pub const SLACK: f64 = 5e-4;
+
+/// The same at least, where a limit lies close by, mm.
+pub const LEAST_SLACK: f64 = 2e-5;
+
+/// g at the corners of the cells of a patch.
+#[derive(Clone, Debug)]
+pub struct PatchCorners {
+    /// The patch.
+    pub patch: Patch,
+    /// g, mm, column by column; at most [`CORNER_SLACK`] over the true one. NaN off the part.
+    pub values: Vec<f32>,
+}
 
 /// Times a cell is halved at most: from 0.25 mm to 1 um.
 const DEEPEST: i32 = 8;
@@ -22,7 +42,7 @@ const NEAR: f64 = 0.06;
 
 /// A piece of a sweep that may come near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     sweep: u32,
     piece: u32,
 }
@@ -46,7 +66,7 @@ struct Corner {
 }
 
 /// What the first look at a patch found.
-pub(super) struct Looked {
+pub(crate) struct Looked {
     /// Blocks of cells, each with what may come nearest in it.
     blocks: Vec<(Block, Vec<Near>)>,
     corners: Vec<Corner>,
@@ -55,39 +75,39 @@ pub(super) struct Looked {
     /// How the cells lie to the part.
     lies: Vec<Lies>,
     /// Least and most g at corners on the part.
-    pub(super) range: [f64; 2],
+    pub(crate) range: [f64; 2],
 }
 
 /// Bounds that a surface is to be proved within.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Goals {
+pub(crate) struct Goals {
     /// g is to stay above.
-    pub(super) low: f64,
+    pub(crate) low: f64,
     /// g is to stay below.
-    pub(super) high: f64,
+    pub(crate) high: f64,
 }
 
 /// An extreme of g with its place in the chart.
-pub(super) type Found = Option<(f64, [f64; 2])>;
+pub(crate) type Found = Option<(f64, [f64; 2])>;
 
 /// What was proved of a patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Proved {
+pub(crate) struct Proved {
     /// Least g found.
-    pub(super) least: Found,
+    pub(crate) least: Found,
     /// Most g found.
-    pub(super) most: Found,
+    pub(crate) most: Found,
     /// g is nowhere less.
-    pub(super) low: f64,
+    pub(crate) low: f64,
     /// g is nowhere more.
-    pub(super) high: f64,
+    pub(crate) high: f64,
     /// Points at which g was computed, and cells looked at.
-    pub(super) points: usize,
+    pub(crate) points: usize,
 }
 
 impl Proved {
     /// Nothing looked at.
-    pub(super) const NOTHING: Self =
+    pub(crate) const NOTHING: Self =
         Self { least: None, most: None, low: f64::INFINITY, high: f64::NEG_INFINITY, points: 0 };
 
     fn take_least(&mut self, value: f64, at: [f64; 2]) {
@@ -104,7 +124,7 @@ impl Proved {
     }
 
     /// Both.
-    pub(super) fn join(mut self, other: &Self) -> Self {
+    pub(crate) fn join(mut self, other: &Self) -> Self {
         for (value, at) in other.least.iter().chain(&other.most) {
             self.take(*value, *at);
         }
@@ -158,13 +178,13 @@ impl<'h> Narrowing<'h> {
 }
 
 /// One patch with the program.
-pub(super) struct Task<'a> {
+pub(crate) struct Task<'a> {
     /// Surface.
-    pub(super) surface: &'a Surface<'a>,
+    pub(crate) surface: &'a Surface<'a>,
     /// Grid of its patch.
-    pub(super) grid: &'a Grid,
+    pub(crate) grid: &'a Grid,
     /// Program.
-    pub(super) sweeps: &'a [Sweep<'a>],
+    pub(crate) sweeps: &'a [Sweep<'a>],
 }
 
 impl Task<'_> {
@@ -196,13 +216,13 @@ impl Task<'_> {
     }
 
     /// g at the corners of all cells.
-    pub(super) fn look(&self) -> Looked {
+    pub(crate) fn look(&self) -> Looked {
         self.look_below(None)
     }
 
-    /// g at the corners of all cells, as far as it lies below a ceiling: what comes nowhere nearer is not looked at, and
-    /// corners that nothing comes near to are [`FAR`]. Without a ceiling all of it.
-    pub(super) fn look_below(&self, ceiling: Option<f64>) -> Looked {
+    /// g at the corners of all cells, as far as it lies below a cutoff: what comes nowhere nearer is not looked at, and
+    /// corners that nothing comes near to are [`FAR`]. Without a cutoff all of it.
+    pub(crate) fn look_below(&self, cutoff: Option<f64>) -> Looked {
         let patch = &self.grid.patch;
         let count = (patch.columns + 1) * (patch.rows + 1);
         let mut looked = Looked {
@@ -226,7 +246,7 @@ impl Task<'_> {
                 looked.lies.push(Lies::by(on));
             }
         }
-        self.look_at(&mut looked, ceiling);
+        self.look_at(&mut looked, cutoff);
         for (corner, _) in looked.corners.iter().zip(&looked.inside).filter(|(_, on)| **on) {
             looked.range = [looked.range[0].min(corner.value), looked.range[1].max(corner.value)];
         }
@@ -234,7 +254,7 @@ impl Task<'_> {
     }
 
     /// Divides the patch into blocks, and finds g at the corners of those on the part.
-    fn look_at(&self, looked: &mut Looked, ceiling: Option<f64>) {
+    fn look_at(&self, looked: &mut Looked, cutoff: Option<f64>) {
         let (columns, rows) = (Block::runs([0, self.grid.patch.columns]), Block::runs([0, self.grid.patch.rows]));
         let on_part = |b: &Block| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
         let places = (0..columns.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
@@ -243,7 +263,7 @@ impl Task<'_> {
         if blocks.is_empty() {
             return;
         }
-        let mosts = ceiling.map_or_else(|| self.mosts(&blocks), |most| vec![most; blocks.len()]);
+        let mosts = cutoff.map_or_else(|| self.mosts(&blocks), |most| vec![most; blocks.len()]);
         let whole = self.hull(&self.whole());
         // Corner n of block (i, j) is corner (i + n / 2, j + n % 2) of all.
         let mut corners = vec![(Vector3::zeros(), f64::NEG_INFINITY); (columns.len() + 1) * (rows.len() + 1)];
@@ -257,7 +277,7 @@ impl Task<'_> {
             }
         }
         // Corners of none of them keep no room at all.
-        let far = self.gather(&Ceiling::new(&whole, &corners, bulge));
+        let far = self.gather(&Cutoff::new(&whole, &corners, bulge));
         let stride = self.grid.patch.rows + 1;
         for ((block, hull), most) in blocks.iter().zip(mosts) {
             let near = self.narrow(&far, hull, most);
@@ -325,13 +345,13 @@ impl Task<'_> {
         best
     }
 
-    /// Everything that may come nearest anywhere under a ceiling.
-    fn gather(&self, ceiling: &Ceiling<'_>) -> Vec<Far> {
+    /// Everything that may come nearest anywhere under a cutoff.
+    fn gather(&self, cutoff: &Cutoff<'_>) -> Vec<Far> {
         let mut found = Vec::new();
         for (k, sweep) in self.sweeps.iter().enumerate() {
             let own = u32::try_from(k).unwrap_or(u32::MAX);
-            sweep.gather(ceiling, &mut |piece| {
-                if let Some(tangent) = sweep.glance(piece, ceiling) {
+            sweep.gather(cutoff, &mut |piece| {
+                if let Some(tangent) = sweep.glance(piece, cutoff) {
                     found.push(Far { candidate: Candidate { sweep: own, piece }, tangent });
                 }
             });
@@ -352,7 +372,7 @@ impl Task<'_> {
     }
 
     /// Proves bounds of g over the patch.
-    pub(super) fn prove(&self, looked: &Looked, goals: Goals) -> Proved {
+    pub(crate) fn prove(&self, looked: &Looked, goals: Goals) -> Proved {
         let mut proved = Proved::NOTHING;
         let patch = &self.grid.patch;
         for i in 0..=patch.columns {
@@ -513,7 +533,7 @@ impl Task<'_> {
     /// Upper bound of g over a cell, no better than `enough`.
     fn over(&self, hull: &Hull, corners: &[Corner; 4], enough: f64) -> f64 {
         let high = corners.iter().map(|c| c.value).fold(f64::INFINITY, f64::min) + 2.0 * hull.radius;
-        let mut roofs: Vec<Roof> = Vec::with_capacity(8);
+        let mut bounds: Vec<UpperBound> = Vec::with_capacity(8);
         let mut tried: Vec<(u32, u32, u32)> = Vec::with_capacity(8);
         for c in corners.iter().filter_map(|c| c.by) {
             let sweep = &self.sweeps[c.sweep as usize];
@@ -526,14 +546,14 @@ impl Task<'_> {
                     continue;
                 }
                 tried.push(pair);
-                let roof = sweep.above(pair.1, pair.2, hull);
-                if roof.most() <= enough {
-                    return roof.most();
+                let bound = sweep.above(pair.1, pair.2, hull);
+                if bound.most() <= enough {
+                    return bound.most();
                 }
-                roofs.push(roof);
+                bounds.push(bound);
             }
         }
-        high.min(under(&roofs, enough, ROOF_DEPTH)).min(FAR)
+        high.min(under(&bounds, enough, BOUND_DEPTH)).min(FAR)
     }
 }
 
@@ -547,17 +567,17 @@ fn higher_goal(goal: f64, most: Found) -> f64 {
     most.map_or(goal, |m| if m.0 + LEAST_SLACK > goal { m.0 + SLACK } else { goal })
 }
 
-/// Times a cell is halved to choose between roofs.
-const ROOF_DEPTH: u32 = 3;
+/// Times a cell is halved to choose between bounds.
+const BOUND_DEPTH: u32 = 3;
 
-/// Most over a cell of the least of some roofs, no better than `enough`. On the ridge between two passes the mean of both
+/// Most over a cell of the least of some bounds, no better than `enough`. On the ridge between two passes the mean of both
 /// holds: the slope of one makes up for that of the other.
-fn under(roofs: &[Roof], enough: f64, depth: u32) -> f64 {
+fn under(bounds: &[UpperBound], enough: f64, depth: u32) -> f64 {
     let mut high = f64::INFINITY;
-    for (k, roof) in roofs.iter().enumerate() {
-        high = high.min(roof.most());
-        for other in &roofs[..k] {
-            high = high.min(roof.most_of_mean(other));
+    for (k, bound) in bounds.iter().enumerate() {
+        high = high.min(bound.most());
+        for other in &bounds[..k] {
+            high = high.min(bound.most_of_mean(other));
         }
         if high <= enough {
             return high;
@@ -566,10 +586,10 @@ fn under(roofs: &[Roof], enough: f64, depth: u32) -> f64 {
     if depth == 0 {
         return high;
     }
-    let quarters: Vec<[Roof; 4]> = roofs.iter().map(Roof::quarters).collect();
+    let quarters: Vec<[UpperBound; 4]> = bounds.iter().map(UpperBound::quarters).collect();
     let mut most = f64::NEG_INFINITY;
     for k in 0..4 {
-        let of_quarter: Vec<Roof> = quarters.iter().map(|q| q[k]).collect();
+        let of_quarter: Vec<UpperBound> = quarters.iter().map(|q| q[k]).collect();
         most = most.max(under(&of_quarter, enough, depth - 1));
         if most >= high {
             return high;
@@ -579,7 +599,7 @@ fn under(roofs: &[Roof], enough: f64, depth: u32) -> f64 {
 }
 
 /// g of a point, if less than `cutoff`, with the move that makes it.
-pub(super) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (f64, Option<At>) {
+pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (f64, Option<At>) {
     let mut best = (cutoff, None);
     // The last operations come nearest: with them first the others are soon out of the question.
     for sweep in sweeps.iter().rev() {
@@ -597,13 +617,13 @@ impl Looked {
     }
 
     /// g at the corners on the part.
-    pub(super) fn values(&self, task: &Task<'_>) -> PatchCorners {
+    pub(crate) fn values(&self, task: &Task<'_>) -> PatchCorners {
         let values = self.corners.iter().zip(&self.inside).map(|(c, on)| if *on { c.value as f32 } else { f32::NAN });
         PatchCorners { patch: task.grid.patch, values: values.collect() }
     }
 
     /// Mean g, area and the nearest move of every cell on the part.
-    pub(super) fn cells(&self, task: &Task<'_>) -> Vec<(f64, f64, Option<At>)> {
+    pub(crate) fn cells(&self, task: &Task<'_>) -> Vec<(f64, f64, Option<At>)> {
         let patch = &task.grid.patch;
         let rows = patch.rows + 1;
         let mut cells = Vec::with_capacity(patch.columns * patch.rows);

@@ -1,0 +1,86 @@
+//! Deviations of all targets, and how shifts of the control points change them.
+
+use super::band::dot;
+use super::deviation::{Deviation, Mounted, deviations};
+use super::program::ENTRIES;
+use super::target::Target;
+use crate::geom::DualCurve;
+
+/// Deviations of all targets for one curve.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// One for each target.
+    pub at: Vec<Deviation>,
+}
+
+impl Measured {
+    /// Measures a curve.
+    pub fn new(curve: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> Self {
+        Self { at: deviations(curve, tool, targets, None) }
+    }
+
+    /// Measures a curve that runs near the one measured here.
+    #[must_use]
+    pub fn again(&self, curve: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> Self {
+        Self { at: deviations(curve, tool, targets, Some(&self.at)) }
+    }
+
+    /// Most that any target lacks below and above, each at least zero.
+    pub fn lack(&self, targets: &[Target]) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for (d, t) in self.at.iter().zip(targets) {
+            most[0] = most[0].max(t.low - d.value);
+            most[1] = most[1].max(d.value - t.high);
+        }
+        most
+    }
+
+    /// Most that any target lacks on either side, mm, at least zero.
+    pub fn worst(&self, targets: &[Target]) -> f64 {
+        let [below, above] = self.lack(targets);
+        below.max(above)
+    }
+
+    /// Least widening of all bounds, each in its share, that makes them hold; infinite when one that does not give way
+    /// is broken.
+    pub fn widening(&self, targets: &[Target]) -> f64 {
+        let share = |lack: f64, give: f64| if lack <= ROUNDING { 0.0 } else { lack / give };
+        self.at.iter().zip(targets).fold(0.0, |most, (d, t)| {
+            most.max(share(t.low - d.value, t.give[0])).max(share(d.value - t.high, t.give[1]))
+        })
+    }
+}
+
+/// A bound that does not give way holds to this much, mm: what programs and their linear models leave.
+pub(super) const ROUNDING: f64 = 2e-6;
+
+/// The change of one deviation with the shifts of the control points: those of four points of each curve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// First unknown that counts.
+    pub(super) first: usize,
+    /// Change with it and the next ones: for each control point with the lower and with the upper one, x y z each.
+    pub(super) change: [f64; ENTRIES],
+}
+
+impl Row {
+    pub(super) fn new(curve: &DualCurve, at: &Deviation) -> Self {
+        let (first, weights) = curve.weights(at.t);
+        let parts = [at.lower, at.upper];
+        Self { first: 6 * first, change: std::array::from_fn(|i| weights[i / 6] * parts[i % 6 / 3][i % 3]) }
+    }
+
+    pub(super) fn all(curve: &DualCurve, measured: &Measured) -> Vec<Self> {
+        measured.at.iter().map(|d| Self::new(curve, d)).collect()
+    }
+
+    /// Change by a shift of all unknowns.
+    pub(super) fn times(&self, shift: &[f64]) -> f64 {
+        dot(&self.change, &shift[self.first..self.first + ENTRIES])
+    }
+
+    /// Largest change by shifts of at most one.
+    pub(super) fn reach(&self) -> f64 {
+        self.change.iter().map(|x| x.abs()).sum()
+    }
+}

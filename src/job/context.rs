@@ -1,0 +1,29 @@
+//! What resolving an item needs.
+
+use super::eval::Scope;
+use super::files::Files;
+use crate::diag::Sink;
+use crate::source::{SourceMap, Span};
+use crate::syntax::ast::{Item, ItemKind};
+
+/// Everything that resolving an item may need.
+pub(super) struct Context<'a> {
+    pub(super) scope: Scope,
+    pub(super) files: &'a mut dyn Files,
+    pub(super) sources: &'a mut SourceMap,
+    pub(super) sink: &'a mut Sink,
+    /// Text that curves were looked up in, bytes.
+    pub(super) looked_up: usize,
+}
+
+/// The part of an item that a message points to: up to its block.
+pub(super) fn head(item: &Item) -> Span {
+    let end = match &item.kind {
+        ItemKind::Part { name, .. } | ItemKind::Post { name, .. } => name.span.end,
+        ItemKind::Stock { kind, .. } => kind.span.end,
+        ItemKind::Operation { kind, name, .. } => name.as_ref().unwrap_or(kind).span.end,
+        ItemKind::Tool { name, .. } => name.span.end,
+        _ => item.span.end,
+    };
+    Span { end, ..item.span }
+}
