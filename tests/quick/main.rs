@@ -12,6 +12,7 @@ mod bad_input;
 mod bad_nc;
 mod carried;
 mod channel_floor;
+mod circles;
 mod contracts;
 mod cost;
 mod envelope;
