@@ -4,8 +4,32 @@
 //! text -> ast -> Job -> ir::Program -> CcPlan -> ClPlan -> Motion -> Verified<Motion> -> NcProgram -> text
 //! ```
 //!
-//! Each arrow reads the value on its left and makes the one on its right; nothing flows back. Files are read only at
-//! the edge. See `ARCHITECTURE.md`.
+//! Each arrow reads the value on its left and makes the one on its right; nothing flows back. See `ARCHITECTURE.md`.
+//!
+//! Without the feature `cli` the library has no disk, clock, terminal or threads of its own. Text and files come through
+//! [`job::Files`]; [`progress::Progress`] tells how far a run is, and cancels it:
+//!
+//! ```
+//! use impellerc::{diag::Sink, job, lower, passes::pipeline, post, progress::Progress, source::SourceMap, syntax, verify};
+//!
+//! let text = include_str!("../jobs/small/small.imp");
+//! let curves = include_str!("../jobs/small/vane_curves.csv");
+//! let mut files = job::InMemory::default();
+//! files.curves.insert("vane_curves.csv".to_owned(), curves.to_owned());
+//!
+//! let (mut sources, mut sink, progress) = (SourceMap::default(), Sink::default(), Progress::default());
+//! let source = sources.add("small.imp", text);
+//! let ast = syntax::parse(text, source, &mut sink);
+//! // With faults in the text this holds what can be understood; the faults are in the sink.
+//! let partial = job::understand(&ast, &mut files, &mut sources, &mut sink);
+//! let job = partial.job().expect("a text without faults");
+//! let program = lower::lower(&job, &mut sink).expect("surfaces");
+//! let plan = pipeline::run_with(&program, &progress, &mut sink).expect("paths");
+//! let (motion, certificate) = verify::verify(&program, plan.motion, &mut sink).expect("a motion that holds");
+//! assert!(certificate.contracts.iter().all(|c| c.holds));
+//! let nc = post::find("siemens-840d").expect("a post").emit(&program, &motion, &[]);
+//! assert!(nc.text().contains("TRAORI"));
+//! ```
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -15,6 +39,7 @@ pub mod analysis;
 pub mod collide;
 pub mod contract;
 pub mod diag;
+#[cfg(feature = "cli")]
 pub mod driver;
 pub mod entity;
 pub mod envelope;
@@ -27,6 +52,7 @@ pub mod lower;
 pub mod method;
 pub mod operation;
 pub mod orient;
+#[cfg(feature = "cli")]
 pub mod output;
 pub mod part;
 pub mod passes;

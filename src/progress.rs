@@ -1,7 +1,9 @@
-//! Shares done of long work, for whoever wants to show them.
+//! Shares done of long work, for whoever wants to show them, and the wish to cancel it.
 //!
 //! Work counts its steps here; it knows neither terminals nor clocks, and nothing that it makes depends on the counts.
 //! Each work counts by itself, so that a share is one of steps that were counted and not of guessed weights.
+//!
+//! Planning asks between its steps whether it was cancelled. A cancelled run ends with an error and makes no value.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,6 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub struct Progress {
     works: Mutex<Vec<Arc<Counter>>>,
+    cancelled: AtomicBool,
 }
 
 /// How far a work is.
@@ -54,6 +57,16 @@ impl Counter {
 }
 
 impl Progress {
+    /// Cancels the run; any thread may do so.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// True once the run was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
     /// Begins work of so many steps. It goes on until the value is dropped.
     pub fn begin(&self, name: impl Into<Cow<'static, str>>, total: usize) -> Work {
         let counter = Arc::new(Counter {

@@ -1,6 +1,7 @@
 //! What the job needs from outside: the driver reads files, the job only asks for them.
 
-use crate::source::SourceFile;
+use crate::source::{Origin, SourceFile};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Answers requests for files. The driver reads the disk; tests answer from memory.
 pub trait Files {
@@ -44,6 +45,57 @@ pub struct Missing {
     pub reason: String,
     /// Names that exist.
     pub known: Vec<String>,
+}
+
+/// Files that are texts in memory, with the library that ships with the compiler behind them: what editors, tests and other
+/// programs give the front end.
+#[derive(Clone, Debug, Default)]
+pub struct InMemory {
+    /// Machine files by name.
+    pub machines: BTreeMap<String, String>,
+    /// Tool libraries by name.
+    pub tools: BTreeMap<String, String>,
+    /// Curve files by the path that the job names.
+    pub curves: BTreeMap<String, String>,
+}
+
+/// A text of a map, or of the shipped library.
+fn find(
+    kind: &str,
+    name: &str,
+    given: &BTreeMap<String, String>,
+    shipped: &[(&str, &str)],
+) -> Result<SourceFile, Missing> {
+    let shown = format!("{kind}/{name}.toml");
+    if let Some(text) = given.get(name) {
+        return Ok(SourceFile { origin: Origin::Library, ..SourceFile::text(shown, text) });
+    }
+    if let Some((_, text)) = shipped.iter().find(|s| s.0 == name) {
+        return Ok(SourceFile { origin: Origin::Shipped, ..SourceFile::text(shown, *text) });
+    }
+    let known = given.keys().cloned().chain(shipped.iter().map(|s| s.0.to_owned()));
+    let known: BTreeSet<String> = known.collect();
+    let reason = "searched the files that were given and the shipped library".to_owned();
+    Err(Missing { reason, known: known.into_iter().collect(), ..Missing::default() })
+}
+
+impl Files for InMemory {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+        find("machines", name, &self.machines, shipped::MACHINES)
+    }
+
+    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+        find("tools", name, &self.tools, shipped::TOOLS)
+    }
+
+    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        let text = self.curves.get(path).ok_or_else(|| Missing {
+            reason: "there is no such file".to_owned(),
+            known: self.curves.keys().cloned().collect(),
+            ..Missing::default()
+        })?;
+        Ok(SourceFile { origin: Origin::BesideJob, ..SourceFile::text(path, text) })
+    }
 }
 
 /// The library that ships with the compiler.

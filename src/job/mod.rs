@@ -16,6 +16,6 @@ pub mod quantity;
 mod resolve;
 mod tools;
 
-pub use files::{Fault, Files, Missing};
-pub use model::Job;
-pub use resolve::resolve;
+pub use files::{Fault, Files, InMemory, Missing};
+pub use model::{Job, PartialJob};
+pub use resolve::{resolve, understand};

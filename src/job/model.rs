@@ -1,7 +1,7 @@
 //! The typed job: units as types, names resolved, every default explicit.
 
 pub use crate::contract::ContractKind;
-use crate::contract::{Bound, OfOperations, Region, Scope};
+use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
 use crate::method::Planning;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
@@ -34,6 +34,63 @@ pub struct Job {
     pub clearance: Mm,
     /// Dialect and where it is named.
     pub post: (String, Span),
+}
+
+/// What can be understood of a text, with or without faults: an editor answers from it while a job is being written.
+#[derive(Clone, Debug)]
+pub struct PartialJob {
+    /// Machine, where it is understood.
+    pub machine: Option<MachineSpec>,
+    /// Part, where it is understood.
+    pub part: Option<PartSpec>,
+    /// Blank, where it is understood.
+    pub stock: Option<StockSpec>,
+    /// The tools that are understood, with the places that operations know them by.
+    pub tools: Vec<ToolSpec>,
+    /// The operations that are understood.
+    pub operations: Vec<OperationSpec>,
+    /// The contracts that are understood.
+    pub contracts: Vec<ContractSpec>,
+    /// What is taken out of them.
+    pub allowed: Vec<AllowedSpec>,
+    /// Path tolerance in finishing.
+    pub chord: Mm,
+    /// Path tolerance in roughing.
+    pub chord_rough: Mm,
+    /// Dialect, where it is named.
+    pub post: Option<(String, Span)>,
+    /// True when the text has no fault: only then indices of one list into another are sound.
+    pub whole: bool,
+}
+
+impl PartialJob {
+    /// The job, where the text has no fault.
+    pub fn job(self) -> Option<Job> {
+        let Self { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole } =
+            self;
+        if !whole {
+            return None;
+        }
+        // What any contract requires of shank or holder anywhere, planning keeps everywhere; the default where that is
+        // allowed away.
+        let body = ContractKind::Clearance(Guarded::Body);
+        let bounds = contracts.iter().filter(|c| c.kind == body || body.covers(c.kind)).map(|c| c.bound.value());
+        let usual = body.default_bound().map_or(0.0, |b| b.value());
+        let clearance = Mm(bounds.reduce(f64::max).unwrap_or(usual));
+        Some(Job {
+            machine: machine?,
+            part: part?,
+            stock: stock?,
+            tools,
+            operations,
+            contracts,
+            allowed,
+            chord,
+            chord_rough,
+            clearance,
+            post: post?,
+        })
+    }
 }
 
 /// Which rotary axes of a machine carry the tool, and which the part.

@@ -361,7 +361,10 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> 
                 }
                 _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
             };
-            let diag = Diag::error(code, format!("the curve file `{}` cannot be read", file.text));
+            let mut diag = Diag::error(code, format!("the curve file `{}` cannot be read", file.text));
+            if !missing.known.is_empty() {
+                diag = diag.note(format!("the curve files are {}", missing.known.join(", ")));
+            }
             cx.sink.push(diag.label(file.span, missing.reason).help(help));
             return None;
         }

@@ -5,12 +5,11 @@ use super::eval::{Scope, suggest};
 use super::files::{Fault, Files, Missing};
 use super::library::{self, ToolLibrary};
 use super::model::{
-    ClampingSpec, ContractKind, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, StockSpec,
+    ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
 };
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::{contracts, operations, part, tools};
-use crate::contract::Guarded;
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::source::{SourceMap, Span};
@@ -25,6 +24,11 @@ pub(super) const EDITION: &str = "2026";
 /// # Errors
 /// [`Aborted`] when the sink has errors.
 pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> Result<Job, Aborted> {
+    understand(file, files, sources, sink).job().ok_or(Aborted)
+}
+
+/// What can be understood of a job. Every fault goes to the sink.
+pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> PartialJob {
     let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink, looked_up: 0 };
     edition(file, &mut cx);
     lets(file, &mut cx);
@@ -42,17 +46,9 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
         cx.scope.warn_unused(cx.sink);
         tools::warn_unused(&tools, &operations, cx.sink);
     }
-    let unfinished = cx.sink.has_errors() || file.damaged;
-    let (Some(machine), Some(part), Some(stock), Some(post), false) = (machine, part, stock, post, unfinished) else {
-        return Err(Aborted);
-    };
-    // What any contract asks of shank or holder anywhere, planning keeps everywhere; the default where that is allowed away.
-    let body = ContractKind::Clearance(Guarded::Body);
-    let bounds = contracts.iter().filter(|c| c.kind == body || body.covers(c.kind)).map(|c| c.bound.value());
-    let usual = body.default_bound().map_or(0.0, |b| b.value());
-    let clearance = Mm(bounds.reduce(f64::max).unwrap_or(usual));
+    let whole = !cx.sink.has_errors() && !file.damaged;
     let tools = tools.into_iter().filter_map(|t| t.spec).collect();
-    Ok(Job { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, clearance, post })
+    PartialJob { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole }
 }
 
 /// The only item of a kind; reports a second one, and a missing one with an example.

@@ -77,6 +77,7 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
     let mut cc = CcPlan::default();
     let mut failed = false;
     for (id, operation) in cx.program.operations.iter() {
+        cx.go_on()?;
         let planned = match operation.kind {
             OperationKind::Groove { .. } => groove::plan(cx, id, operation, groove_level).map(|(plan, level)| {
                 groove_level = level;

@@ -25,6 +25,8 @@ pub struct Text {
 pub struct File {
     /// Items in the order of the text.
     pub items: Vec<Item>,
+    /// Comments in the order of the text, from `//` to the end of the line without blanks there.
+    pub comments: Vec<Span>,
     /// True when an item could not be read: then what seems to be missing may stand there.
     pub damaged: bool,
 }

@@ -21,7 +21,7 @@ const MAX_BYTES: usize = 16 << 20;
 
 /// Reads a job. Every fault of the text goes to the sink; what could be read is returned.
 pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
-    let broken = File { items: Vec::new(), damaged: true };
+    let broken = File { damaged: true, ..File::default() };
     if text.len() > MAX_BYTES {
         sink.push(
             Diag::error(
@@ -40,7 +40,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         );
         return broken;
     }
-    let Some(pieces) = scan::scan(text, source, sink) else { return broken };
+    let Some((pieces, comments)) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(
             Diag::error(codes::EMPTY, "the job is empty").label(Span::new(source, 0..0), "no item from here on").help(
@@ -49,7 +49,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         );
         return broken;
     }
-    let mut file = File::default();
+    let mut file = File { comments, ..File::default() };
     let before = sink.count();
     for piece in &pieces {
         if sink.count() - before >= MAX_FAULTS {

@@ -45,26 +45,29 @@ struct Scanner<'a> {
     sink: &'a mut Sink,
     open: Vec<(u8, usize)>,
     pieces: Vec<Piece>,
+    comments: Vec<Span>,
     start: Option<usize>,
     damaged: bool,
     unreadable: bool,
     words: usize,
 }
 
-/// Cuts the text into items. `None` when it is nested too deeply, too long, or has too many faults, to go on.
-pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<Vec<Piece>> {
+/// Cuts the text into items and finds its comments. `None` when it is nested too deeply, too long, or has too many faults,
+/// to go on.
+pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<(Vec<Piece>, Vec<Span>)> {
     let mut scanner = Scanner {
         text,
         source,
         sink,
         open: Vec::new(),
         pieces: Vec::new(),
+        comments: Vec::new(),
         start: None,
         damaged: false,
         unreadable: false,
         words: 0,
     };
-    scanner.run().then_some(scanner.pieces)
+    scanner.run().then_some((scanner.pieces, scanner.comments))
 }
 
 impl Scanner<'_> {
@@ -104,7 +107,11 @@ impl Scanner<'_> {
             match byte {
                 b'\n' => line_start = true,
                 b'/' if bytes.get(i + 1) == Some(&b'/') => {
-                    i = line_end(bytes, i);
+                    let end = line_end(bytes, i);
+                    // A line may end with a carriage return.
+                    let comment = self.text[i..end].trim_end();
+                    self.comments.push(self.span(i..i + comment.len()));
+                    i = end;
                     continue;
                 }
                 b'"' => {

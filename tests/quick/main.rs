@@ -22,6 +22,7 @@ mod facts;
 mod faults;
 mod feeds;
 mod finite;
+mod front;
 mod geom_oracles;
 mod golden;
 mod kept;

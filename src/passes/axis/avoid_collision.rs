@@ -31,6 +31,7 @@ type Miss = (usize, f64);
 pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
     let mut failed = false;
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        cx.go_on()?;
         let operation = &cx.program.operations[planned.operation];
         let (program, obstacles) = (cx.program, cx.obstacles);
         if let Some(method @ (AxisMethod::Corridor | AxisMethod::Xu)) = operation.kind.axis_method() {

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut plan = ClPlan::default();
     for operation in &cc.operations {
+        cx.go_on()?;
         plan.operations.push(orient_operation(cx, operation)?);
     }
     Ok(plan)

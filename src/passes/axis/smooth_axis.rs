@@ -54,6 +54,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     let program = cx.program;
     let mut failed = false;
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
+        cx.go_on()?;
         let operation = &program.operations[planned.operation];
         if operation.kind.axis_method() != Some(AxisMethod::Corridor) {
             continue;

@@ -31,12 +31,19 @@ pub(crate) struct PassContext<'a> {
 }
 
 impl PassContext<'_> {
-    /// Refuses to go on from a malformed value: asked after every pass in debug builds, and so in tests.
+    /// Ends a run that was cancelled. Nobody waits for a reason: nothing goes to the sink.
+    pub(crate) fn go_on(&self) -> Result<(), Aborted> {
+        if self.progress.is_cancelled() { Err(Aborted) } else { Ok(()) }
+    }
+
+    /// Refuses to go on from a malformed value: asked after every pass in debug builds, and so in tests. Ends a run that was
+    /// cancelled.
     pub(crate) fn holds(
         &mut self,
         pass: &str,
         validate: impl FnOnce(&Program) -> Result<(), Malformed>,
     ) -> Result<(), Aborted> {
+        self.go_on()?;
         if !cfg!(debug_assertions) {
             return Ok(());
         }

@@ -15,6 +15,7 @@ use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, Ope
 use crate::method::{Flank, FlankMethod};
 use crate::part::{FaceId, Part, Surface, SurfaceKind};
 use crate::passes::context::{Obstacles, PassContext, STATIONS, limits::check_fillet};
+use crate::progress::Progress;
 use crate::units::length;
 use rayon::prelude::*;
 
@@ -100,7 +101,8 @@ pub fn axis_paths(
 ) -> Option<Vec<DualCurve>> {
     let operation = &program.operations[id];
     let OperationKind::Flank { flank, .. } = operation.kind else { return None };
-    let task = Task { program, operation: id, choices: flank, obstacles };
+    let progress = &Progress::default();
+    let task = Task { progress, program, operation: id, choices: flank, obstacles };
     match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
         Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
         Bands::Never { .. } => None,
@@ -193,11 +195,12 @@ fn optimised(
     let program = cx.program;
     let tool = &program.tools[operation.tool];
     let around = Surroundings::new(&program.part);
-    let task = Task { program, operation: id, choices, obstacles: cx.obstacles };
+    let task = Task { progress: cx.progress, program, operation: id, choices, obstacles: cx.obstacles };
     let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
     let found: Vec<Option<Bands>> =
         faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();
     drop(work);
+    cx.go_on()?;
     let mut bands = Vec::new();
     let mut notes = Vec::new();
     let mut failed = false;

@@ -11,6 +11,7 @@ use crate::ir::{OperationId, Program};
 use crate::method::{Conflict, ErrorSide, Flank};
 use crate::part::{FaceId, SurfaceKind};
 use crate::passes::context::Obstacles;
+use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -62,6 +63,8 @@ pub(crate) struct Sweep {
 
 /// What a band is optimised for.
 pub(crate) struct Task<'a> {
+    /// Knows whether the run was cancelled.
+    pub(crate) progress: &'a Progress,
     pub(crate) program: &'a Program,
     pub(crate) operation: OperationId,
     pub(crate) choices: Flank,
@@ -93,12 +96,15 @@ impl Task<'_> {
         room(self.program, self.operation, self.choices.side, kind, side)
     }
 
-    /// Optimises a band. `None` where the cutter finds no place to start from.
+    /// Optimises a band. `None` where the cutter finds no place to start from, or the run was cancelled.
     ///
     /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
     /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
     /// Twisted faces give little room to lean along them: of the height of a band with its square.
     pub(crate) fn sweep(&self, band: &Band<'_>) -> Option<Sweep> {
+        if self.progress.is_cancelled() {
+            return None;
+        }
         let start = band.start()?;
         let coarse = band.near(&start, band.targets(1.0), |p| p.target);
         let fine = band.targets(2.0);

@@ -215,6 +215,7 @@ fn lay(
     planned: f64,
     directions: &[Direction; 2],
 ) -> Result<Vec<Line>, Aborted> {
+    cx.go_on()?;
     let grid = &directions[0].grid;
     let metric = ground.metric(planned);
     let width = |x: f64| {

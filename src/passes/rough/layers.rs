@@ -112,6 +112,9 @@ impl<'a> Roughing<'a> {
         let work = progress.begin(format!("{name}, layers"), count as usize);
         let mut layers = Vec::new();
         for number in 1..=count as usize {
+            if progress.is_cancelled() {
+                break;
+            }
             let level = top * (1.0 - number as f64 / count);
             match self.layer(number, level) {
                 Ok(layer) => layers.push(work.step(layer)),

@@ -1,0 +1,153 @@
+//! The front end as an editor uses it: without a disk, with faults in the text, cancelled at any time.
+
+use impellerc::diag::Sink;
+use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::ir::print;
+use impellerc::job::{self, InMemory, PartialJob};
+use impellerc::lower;
+use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
+use impellerc::source::SourceMap;
+use impellerc::syntax::{self, ast::File};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
+const CURVES: &str = include_str!("../../jobs/reduced/vane_curves.csv");
+
+fn files() -> InMemory {
+    InMemory { curves: [("vane_curves.csv".to_owned(), CURVES.to_owned())].into(), ..InMemory::default() }
+}
+
+struct Understood {
+    ast: File,
+    job: PartialJob,
+    sink: Sink,
+}
+
+fn understand(text: &str) -> Understood {
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let source = sources.add("job.imp", text);
+    let ast = syntax::parse(text, source, &mut sink);
+    let job = job::understand(&ast, &mut files(), &mut sources, &mut sink);
+    Understood { ast, job, sink }
+}
+
+#[test]
+fn texts_in_memory_give_what_files_give() {
+    let mut sink = Sink::default();
+    let job = understand(REDUCED).job.job().expect("a whole job");
+    let program = lower::lower(&job, &mut sink).expect("a program");
+    let mut outcome = Outcome::default();
+    let options = Options { job: "jobs/reduced/reduced.imp".into(), ..Options::default() };
+    let from_disk = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
+    assert_eq!(print::program(&program), print::program(&from_disk));
+}
+
+#[test]
+fn a_file_that_is_not_there_is_a_fault_with_what_is_there() {
+    let found = understand(&REDUCED.replace("vane_curves.csv", "vane_curve.csv"));
+    let told = found.sink.diags().iter().find(|d| d.message.contains("vane_curve.csv")).expect("a fault");
+    let text = format!("{told:?}");
+    assert!(text.contains("vane_curves.csv"), "{text}");
+}
+
+#[test]
+fn a_text_with_faults_leaves_the_rest_of_the_job() {
+    let whole = understand(REDUCED);
+    assert!(whole.sink.diags().is_empty() && whole.job.whole);
+    // A word, a unit, a name, and a bracket that is not closed.
+    let text = REDUCED
+        .replace("tolerance chord", "tolerance cord")
+        .replace("operation flank {", "operation flank { spin 3  ")
+        .replace("use tools   \"carbide\"", "use tools \"carbide\"\nlet wall = 3 km");
+    assert_ne!(text, REDUCED);
+    let found = understand(&text);
+    assert!(found.sink.diags().len() >= 3, "{:?}", found.sink.diags());
+    let (part, all) = (&found.job, &whole.job);
+    assert!(!part.whole && part.machine.is_some() && part.stock.is_some() && part.post.is_some());
+    let vanes = |job: &PartialJob| job.part.as_ref().map(|p| p.vanes.0);
+    assert_eq!(vanes(part), vanes(all));
+    let names = |job: &PartialJob| job.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
+    assert!(names(part).contains(&"channel".to_owned()), "{:?}", names(part));
+    assert_eq!(part.contracts.len(), all.contracts.len());
+    assert!(found.job.job().is_none());
+    // An item that is cut off in the middle.
+    let cut = &REDUCED[..REDUCED.find("operation expand").unwrap() + 25];
+    let found = understand(cut);
+    assert!(found.ast.damaged || found.sink.has_errors());
+    assert!(found.job.part.is_some() && names(&found.job).contains(&"groove".to_owned()));
+}
+
+#[test]
+fn comments_stay_in_the_tree() {
+    for name in ["jobs/wei2021/wei2021.imp", "jobs/small/small.imp", "jobs/small/point.imp", "jobs/reduced/reduced.imp"]
+    {
+        let text = std::fs::read_to_string(name).unwrap();
+        let found = understand(&text).ast.comments;
+        // In these jobs no quoted text holds `//`.
+        let lines = text.lines().filter_map(|l| l.find("//").map(|at| l[at..].trim_end()));
+        assert!(lines.clone().count() > 0, "{name} has no comments");
+        assert!(found.iter().map(|span| &text[span.range()]).eq(lines), "{name}");
+    }
+    let text = "let a = 1 mm // one\r\nuse tools \"no//comment\" // two  \n// three";
+    let found = understand(text).ast.comments;
+    assert_eq!(found.iter().map(|s| &text[s.range()]).collect::<Vec<_>>(), ["// one", "// two", "// three"]);
+}
+
+#[test]
+fn planning_ends_when_it_is_cancelled() {
+    let mut sink = Sink::default();
+    let job = understand(REDUCED).job.job().expect("a whole job");
+    let program = lower::lower(&job, &mut sink).expect("a program");
+    let cancelled = Progress::default();
+    cancelled.cancel();
+    assert!(pipeline::run_with(&program, &cancelled, &mut sink).is_err());
+    assert!(cancelled.all().is_empty() && !sink.has_errors());
+    // In the middle, as soon as some work is seen.
+    let whole = Progress::default();
+    assert!(pipeline::run_with(&program, &whole, &mut sink).is_ok());
+    let works = whole.all().len();
+    for after in [1, works / 3, 2 * works / 3] {
+        let progress = Progress::default();
+        let ended = std::thread::scope(|scope| {
+            let run = scope.spawn(|| pipeline::run_with(&program, &progress, &mut Sink::default()).is_err());
+            while progress.all().len() < after && !run.is_finished() {
+                std::thread::sleep(Duration::from_micros(200));
+            }
+            progress.cancel();
+            run.join().unwrap()
+        });
+        // A run that was at its last steps may have ended before it was cancelled.
+        assert!(ended || progress.all().len() == works, "after {after} of {works}");
+        assert!(progress.all().len() < works || !ended, "all {works} works were begun");
+    }
+}
+
+/// What only the command line may use. Other programs give the library texts, files and the wish to cancel.
+const OUTSIDE: [&str; 8] =
+    ["std::fs", "std::io", "std::env", "std::process", "std::thread", "std::time", "Instant::now", "SystemTime"];
+
+#[test]
+fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
+    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() { walk(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut all = Vec::new();
+    walk(Path::new("src"), &mut all);
+    // `lib.rs` leaves these out without the feature `cli`.
+    let command_line = ["src/main.rs", "src/driver", "src/output"];
+    let own = all.iter().filter(|p| !command_line.iter().any(|c| p.starts_with(c) || p.starts_with(format!("{c}.rs"))));
+    let mut files = 0;
+    for path in own {
+        files += 1;
+        let text = std::fs::read_to_string(path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let found = OUTSIDE.iter().find(|name| code.contains(**name));
+        assert_eq!(found, None, "{}", path.display());
+    }
+    assert!(files > 150, "{files}");
+}
