@@ -2,10 +2,12 @@
 
 pub mod cloud;
 pub mod cutter;
+mod revolved;
 pub mod support;
 pub mod tool;
 
 pub use cloud::{Cloud, CloudPoint};
 pub use cutter::{Cutter, Slope};
+pub use revolved::revolved;
 pub use support::Body;
 pub use tool::{Section, ToolSolid};

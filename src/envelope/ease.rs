@@ -10,9 +10,9 @@ use super::measured::{Measured, Row};
 use super::program::ENTRIES;
 use super::step::{Aim, Model, best};
 use super::target::Target;
+use crate::geom::angle::nearest_turn;
 use crate::geom::{AxisAt, DualCurve};
 use nalgebra::Vector3;
-use std::f64::consts::TAU;
 
 /// Positions of both rotary axes for a tool axis, radians, each with its change with the tool axis.
 pub type Rotary<'a> = dyn Fn(&Vector3<f64>) -> [(f64, Vector3<f64>); 2] + Sync + 'a;
@@ -139,7 +139,7 @@ impl Motion {
             let before = at.last().copied();
             at.push(std::array::from_fn(|k| {
                 let (value, last) = (found[k].0, before.map_or(found[k].0, |b| b[k]));
-                value - TAU * ((value - last) / TAU).round()
+                nearest_turn(value, last)
             }));
             turns.push(found.map(|(_, g)| (g - axis.axis * g.dot(&axis.axis)) / axis.length));
         }

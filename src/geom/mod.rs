@@ -1,6 +1,7 @@
 //! NURBS curves and surfaces and what the compiler builds from them. Pure geometry in mm and radians: knows nothing
 //! of jobs, tools or diagnostics.
 
+pub mod angle;
 pub mod basis;
 pub mod curvature;
 pub mod curve;

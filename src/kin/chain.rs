@@ -14,6 +14,7 @@
 //! is the tool axis with both angles at zero, and one solution by subproblems (Paden and Kahan; Murray, Li and Sastry, A
 //! Mathematical Introduction to Robotic Manipulation, 1994, 3.3) fits any two directions that are not parallel.
 
+use crate::geom::angle::nearest_turn;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -223,7 +224,7 @@ impl Chain {
     /// The angles nearest to a tool axis on a branch, axis 2 on the winding that is nearest to where it was.
     pub fn unwound(&self, tool_axis: &Vector3<f64>, branch: usize, before: f64) -> Angles {
         let [first, second] = self.nearest(tool_axis, before)[branch];
-        [first, second - TAU * ((second - before) / TAU).round()]
+        [first, nearest_turn(second, before)]
     }
 
     /// Angles for a tool axis on both branches, and the square of the sine that gives axis 1: below zero there are none, and

@@ -1,7 +1,7 @@
 //! What a control does between two blocks, and how far two rules lie apart.
 
 use super::{Joints, Machine, Pose, between};
-use nalgebra::Vector3;
+use crate::geom::angle::great_arc;
 
 /// Rule by which a control fills in between the ends of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ impl Interpolation {
         let ends = [machine.forward(from), machine.forward(to)];
         let tip = ends[0].tip + (ends[1].tip - ends[0].tip) * t;
         let axis = if self == Self::GreatCircle {
-            great_circle(&ends[0].axis, &ends[1].axis, t)
+            great_arc(&ends[0].axis, &ends[1].axis, t)
         } else {
             machine.chain.tool_axis(rotary)
         };
@@ -47,34 +47,5 @@ impl Interpolation {
             tip.norm().max((tip + (p.axis - q.axis) * height).norm())
         };
         apart(0.25).max(apart(0.5)).max(apart(0.75))
-    }
-}
-
-/// Even turn from one unit vector to another; of opposite ones, which have no great circle of their own, the first.
-fn great_circle(from: &Vector3<f64>, to: &Vector3<f64>, t: f64) -> Vector3<f64> {
-    let angle = libm::atan2(from.cross(to).norm(), from.dot(to));
-    let sine = libm::sin(angle);
-    // So near to each other the chord is the arc; opposite ones end here too.
-    if sine < 1e-9 {
-        return if angle < 1.0 { (from + (to - from) * t).normalize() } else { *from };
-    }
-    (from * libm::sin((1.0 - t) * angle) + to * libm::sin(t * angle)) / sine
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_great_circle_turns_evenly_in_one_plane() {
-        let (p, q) = (Vector3::new(0.3, -0.4, 1.2).normalize(), Vector3::new(-0.6, -0.5, 0.4).normalize());
-        let angle = p.angle(&q);
-        for k in 0..=10 {
-            let t = f64::from(k) / 10.0;
-            let v = great_circle(&p, &q, t);
-            assert!((v.norm() - 1.0).abs() < 1e-14 && (v.angle(&p) - t * angle).abs() < 1e-7);
-            assert!(v.dot(&p.cross(&q)).abs() < 1e-14);
-        }
-        assert_eq!(great_circle(&p, &-p, 0.3), p);
     }
 }

@@ -6,7 +6,7 @@
 //! Rotary joints that turn endlessly are compared by their nearest winding, and both branches of a machine are
 //! candidates like any others.
 
-use std::f64::consts::TAU;
+use crate::geom::angle::nearest_turn;
 
 /// Joints of a candidate: X, Y, Z in mm, rotary axes 1 and 2 in radians.
 pub type Joints5 = [f64; 5];
@@ -37,7 +37,7 @@ impl Costs {
     /// Difference of two candidates, axis 2 by its nearest winding.
     fn difference(from: &Joints5, to: &Joints5) -> Joints5 {
         let mut d: Joints5 = std::array::from_fn(|k| to[k] - from[k]);
-        d[4] -= TAU * (d[4] / TAU).round();
+        d[4] = nearest_turn(d[4], 0.0);
         d
     }
 

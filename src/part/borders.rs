@@ -1,6 +1,7 @@
 //! Borders: where the surfaces of blades end on the hub, and how turned surfaces go from one blade face to the other.
 
 use super::{BladeId, FaceId, Part, Passage, Surface, hub_normal};
+use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Vector2};
 use std::f64::consts::TAU;
 
@@ -43,7 +44,7 @@ impl Opening {
     pub(super) fn at(&self, u: f64) -> Option<[f64; 2]> {
         let [from, to] = self.walls.each_ref().map(|wall| self.azimuth(wall, u));
         let (from, to) = (from?, to?);
-        Some([from, nearest_turn(to - from) + self.turn])
+        Some([from, nearest_turn(to - from, 0.0) + self.turn])
     }
 
     fn azimuth(&self, wall: &Wall, u: f64) -> Option<f64> {
@@ -66,15 +67,10 @@ impl Opening {
 fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64; 2]> {
     let share = |own: &[f64; 2], other: &[f64; 2]| {
         let [from, angle] = whole.at(own[0])?;
-        let middle = own[1] + 0.5 * nearest_turn(other[1] - own[1]);
+        let middle = own[1] + 0.5 * nearest_turn(other[1] - own[1], 0.0);
         Some((middle - from).rem_euclid(TAU) / angle)
     };
     Some([share(own.first()?, other.first()?)?, share(own.last()?, other.last()?)?])
-}
-
-/// The turn by an angle that is within half a turn.
-fn nearest_turn(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
@@ -107,7 +103,7 @@ fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
         let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(at.x, at.y), at.z));
         let mut azimuth = libm::atan2(at.y, at.x);
         if let Some(last) = border.last() {
-            azimuth -= TAU * ((azimuth - last[1]) / TAU).round();
+            azimuth = nearest_turn(azimuth, last[1]);
         }
         border.push([hub_u, azimuth]);
     }
@@ -143,7 +139,7 @@ fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
 /// The point a share of the way from one point to another about Z, as a lathe leaves them.
 pub(super) fn arc_between(from: &Point3<f64>, to: &Point3<f64>, share: f64) -> Point3<f64> {
     let [p, q] = [from, to].map(|p| [libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)]);
-    let ahead = nearest_turn(q[2] - p[2]);
+    let ahead = nearest_turn(q[2] - p[2], 0.0);
     let ([r, z], angle) = ([0, 1].map(|k| p[k] + (q[k] - p[k]) * share), p[2] + ahead * share);
     Point3::new(r * libm::cos(angle), r * libm::sin(angle), z)
 }

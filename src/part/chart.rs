@@ -9,6 +9,7 @@
 
 use super::borders::{Opening, arc_between};
 use super::{BladeId, Extent, FaceId, Part, Passage, Surface, SurfaceKind, hub_normal};
+use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -227,13 +228,8 @@ impl Shape for Chart<'_> {
             Form::Fillet { radius, u, balls } => {
                 let [centre, to_face, to_hub] = smooth(balls, x);
                 let (to_face, to_hub) = (to_face.normalize(), to_hub.normalize());
-                let angle = libm::acos(to_face.dot(&to_hub).clamp(-1.0, 1.0));
-                // Great arc from the face contact to the hub contact.
-                let direction = if angle > 1e-9 {
-                    (to_face * libm::sin((1.0 - y) * angle) + to_hub * libm::sin(y * angle)) / libm::sin(angle)
-                } else {
-                    to_face
-                };
+                // From the face contact to the hub contact.
+                let direction = great_arc(&to_face, &to_hub, y);
                 let position = Point3::from(centre + direction * *radius);
                 Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
             }

@@ -12,6 +12,7 @@
 use super::chart::{self, Chart, Patch, Place, Shape, charts};
 use super::solid::Sheet;
 use super::{BladeId, Part, Stock, Surface, SurfaceKind};
+use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -160,8 +161,7 @@ fn level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
 
 /// Azimuth a share of the way from one to another, the short way.
 fn between(from: f64, to: f64, share: f64) -> f64 {
-    let ahead = to - from;
-    from + (ahead - TAU * (ahead / TAU).round()) * share
+    from + nearest_turn(to - from, 0.0) * share
 }
 
 /// A row of a table whose last column is an azimuth: neighbours lie within half a turn.

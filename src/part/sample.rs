@@ -10,6 +10,7 @@
 use super::borders::{Opening, arc_between};
 use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind, hub_normal};
 use crate::collide::CloudPoint;
+use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -152,12 +153,8 @@ fn sample_fillet(part: &Part, id: FaceId, radius: f64, spacing: f64, out: &mut V
         let width = guide_length_at(part, id, nu);
         for j in 0..=n {
             let share = j as f64 / n as f64;
-            // Great arc from the face contact to the hub contact.
-            let direction = if angle > 1e-9 {
-                (to_face * libm::sin((1.0 - share) * angle) + to_hub * libm::sin(share * angle)) / libm::sin(angle)
-            } else {
-                to_face
-            };
+            // From the face contact to the hub contact.
+            let direction = great_arc(&to_face, &to_hub, share);
             let position = centre + direction * radius;
             if extent.holds(&position) {
                 out.push(Sample {

@@ -8,11 +8,11 @@
 use super::chart::{Chart, Shape, charts};
 use super::{FaceId, FaceSurface, Part, Stock, Surface, SurfaceKind};
 use crate::geom::Revolution;
+use crate::geom::angle::nearest_turn;
 use crate::geom::proximity::Patch;
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 /// Triangles that bound a solid, seen counter-clockwise from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -158,7 +158,7 @@ fn bridge(
     let (a, b) = (flat(from), flat(to));
     let start = libm::atan2(from.y, from.x);
     let turn = libm::atan2(to.y, to.x) - start;
-    let turn = turn - TAU * ((turn - about) / TAU).round();
+    let turn = nearest_turn(turn, about);
     let ends = on.map(|s| [s.closest(a).0, s.closest(b).0]);
     (0..=steps)
         .map(|k| {

@@ -8,12 +8,13 @@
 use super::nc::{Direction, NcMove, NcSection};
 use super::read_back::says_tool;
 use crate::diag::{Code, Diag, Sink, codes::post};
+use crate::geom::angle::nearest_turn;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
 use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 /// A motion with the lines that say it.
 #[derive(Clone, Debug, Default)]
@@ -334,9 +335,7 @@ impl Interpreter<'_> {
 /// The rotary position of a direction that the control takes: of both that fit, with any whole turns, the nearest.
 fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
     let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
-    let [one, other] = chain
-        .inverse(axis, before[1])?
-        .map(|[first, second]| [first, second + TAU * ((before[1] - second) / TAU).round()]);
+    let [one, other] = chain.inverse(axis, before[1])?.map(|[first, second]| [first, nearest_turn(second, before[1])]);
     Some(if way(&other) < way(&one) { other } else { one })
 }
 

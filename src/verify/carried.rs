@@ -5,15 +5,14 @@ use super::clearance::Clearance;
 use super::place::describe;
 use super::proof::piece;
 use super::{holder_distance, least_over, shank_distance};
-use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::collide::{Cloud, ToolSolid, revolved};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::Carried;
 use crate::progress::Progress;
 use crate::units::length;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use serde::Serialize;
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Distance within which tools are looked for, mm.
 pub const SEARCH: f64 = 20.0;
@@ -35,35 +34,14 @@ pub struct CarriedReport {
     pub clearance: Option<Clearance>,
 }
 
-/// Samples of the outside of a solid about the axis of the table, and the distance within which every point of it has one.
-fn samples(solid: &Carried, [x, y]: [f64; 2]) -> (Vec<CloudPoint>, f64) {
-    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
-    let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
-    let spacing = SPACING.max((area / MOST_POINTS).sqrt());
-    let mut points = Vec::new();
-    for (a, b, length) in edges() {
-        let n = (length / spacing).ceil().max(1.0) as usize;
-        for i in 0..=n {
-            let t = i as f64 / n as f64;
-            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
-            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
-            points.extend((0..around).map(|k| {
-                let angle = TAU * k as f64 / around as f64;
-                let position = Point3::new(x + r * libm::cos(angle), y + r * libm::sin(angle), z);
-                CloudPoint { position, normal: Vector3::z(), tag: 0 }
-            }));
-        }
-    }
-    (points, spacing * FRAC_1_SQRT_2)
-}
-
 /// The nearest approach of all tools to each solid of the machine file.
 pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<CarriedReport> {
     type Distance = fn(&ToolSolid, f64, f64) -> f64;
     let parts: [(&'static str, Distance); 3] =
         [("cutter", ToolSolid::cutter_distance), ("shank", shank_distance), ("holder", holder_distance)];
     let solids = program.machine.carried.iter().map(|solid| {
-        let (points, half_spacing) = samples(solid, program.machine.table_axis());
+        let (points, spacing) = revolved(&solid.profile, program.machine.table_axis(), SPACING, MOST_POINTS);
+        let half_spacing = spacing * FRAC_1_SQRT_2;
         let cloud = Cloud::new(points);
         let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
         for (o, operation) in motion.operations.iter().enumerate() {

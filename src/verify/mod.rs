@@ -41,7 +41,7 @@ pub mod surface;
 
 pub use certificate::Certificate;
 
-use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::collide::{Cloud, ToolSolid, revolved};
 use crate::contract::Guarded;
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
@@ -49,7 +49,7 @@ use crate::part::{Sample, SurfaceClass, sample, solid};
 use crate::progress::{Progress, Work};
 use crate::units::length;
 use certificate::OperationReport;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use place::describe;
 use proof::piece;
 use proof::sweep::Sweep;
@@ -133,8 +133,10 @@ pub fn certify_with(
         surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
     let kept = kept::check(program, &sweeps, progress);
     let allowance = allowance::check(program, motion, progress);
-    let (design_cloud, blank) =
-        rayon::join(|| Cloud::new(sample::cloud_points(&samples)), || Cloud::new(stock_points(program)));
+    let (design_cloud, blank) = rayon::join(
+        || Cloud::new(sample::cloud_points(&samples)),
+        || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
+    );
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
         .map(|o| operation_report(program, motion, o, [&design_cloud, &blank], search, progress))
@@ -262,31 +264,6 @@ fn shank_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
 
 fn holder_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
     s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
-}
-
-/// Points of the turned outside of the stock.
-fn stock_points(program: &Program) -> Vec<CloudPoint> {
-    let profile = &program.stock.profile;
-    let mut points = Vec::new();
-    for pair in profile.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        let length = libm::hypot(b[0] - a[0], b[1] - a[1]);
-        let n = (length / STOCK_SPACING).ceil().max(1.0) as usize;
-        for i in 0..=n {
-            let t = i as f64 / n as f64;
-            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
-            let around = (std::f64::consts::TAU * r / STOCK_SPACING).ceil().max(8.0) as usize;
-            for k in 0..around {
-                let angle = std::f64::consts::TAU * k as f64 / around as f64;
-                points.push(CloudPoint {
-                    position: Point3::new(r * libm::cos(angle), r * libm::sin(angle), z),
-                    normal: Vector3::z(),
-                    tag: 0,
-                });
-            }
-        }
-    }
-    points
 }
 
 /// Least distance over pieces, in parallel over runs of pieces; ties go to the earlier run.

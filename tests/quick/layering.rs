@@ -13,7 +13,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("source", &[]),
     ("diag", &[]),
     ("geom", &[]),
-    ("kin", &[]),
+    ("kin", &["geom"]),
     ("collide", &[]),
     ("stock", &["collide"]),
     ("part", &["geom", "collide"]),

@@ -3,6 +3,7 @@
 
 use super::room::AxisRoom;
 use super::run::{lengths, rotary, stretch};
+use crate::geom::angle::nearest_turn;
 use crate::geom::moving_least_squares::{Patch, curvature};
 use crate::geom::{EllipticCone, Triangulation};
 use crate::ir::{CcPass, ClPass, ClPoint};
@@ -12,7 +13,6 @@ use crate::orient::{Candidate, Costs, Energy, greedy};
 use crate::progress::Work;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Distance of the stations of the shortest path, mm.
 const STEP: f64 = 4.0;
@@ -273,8 +273,7 @@ fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) 
         for (k, length) in way.stops.iter().enumerate() {
             let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
             let (r, azimuth) = (libm::hypot(p.position.x, p.position.y), libm::atan2(p.position.y, p.position.x));
-            let ahead = azimuth - first;
-            let place = [*length, r * (ahead - TAU * (ahead / TAU).round())];
+            let place = [*length, r * nearest_turn(azimuth - first, 0.0)];
             if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > 1e-6) {
                 points.push(p.position);
                 chart.push(place);

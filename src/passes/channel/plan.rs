@@ -8,6 +8,7 @@
 
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
+use crate::geom::angle::nearest_turn;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Spacing;
 use crate::part::{FaceId, Part, Surface};
@@ -17,7 +18,6 @@ use crate::passes::context::{
 };
 use crate::passes::lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop, scallop};
 use nalgebra::Vector2;
-use std::f64::consts::TAU;
 
 /// Where the ball that rolls in the fillet touches the hub: (u of the hub, azimuth), ascending in u.
 type Contact = Vec<[f64; 2]>;
@@ -35,7 +35,7 @@ impl Floor<'_> {
     fn walls(&self, u: f64) -> (f64, f64) {
         let a = azimuth(&self.walls[0], u);
         let ahead = azimuth(&self.walls[1], u) - a;
-        (a, ahead - TAU * (ahead / TAU).round() + self.part.pitch())
+        (a, nearest_turn(ahead, 0.0) + self.part.pitch())
     }
 
     fn point(&self, u: f64, w: f64, azimuth: f64) -> CcPoint {
@@ -304,7 +304,7 @@ fn contact(part: &Part, side: FaceId, radius: f64) -> Option<Contact> {
         let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
         let mut azimuth = libm::atan2(centre.y, centre.x);
         if let Some(last) = line.last() {
-            azimuth -= TAU * ((azimuth - last[1]) / TAU).round();
+            azimuth = nearest_turn(azimuth, last[1]);
         }
         line.push([hub_u, azimuth]);
     }

@@ -1,5 +1,6 @@
 //! Coordinates of a channel: u from inlet to outlet, v from hub to shroud, w from its first wall to its second.
 
+use crate::geom::angle::nearest_turn;
 use crate::part::{Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
@@ -13,7 +14,6 @@ const AWAY_FROM_WALL: f64 = 0.12;
 
 /// Width over which the lean sets in, so that the axes stay smooth.
 const LEAN_SOFTNESS: f64 = 0.05;
-use std::f64::consts::TAU;
 
 /// Channel of sector 0 as a map from (u, v, w) to points. Walls are the facing faces of vane 0 and vane 1; between
 /// them points run on arcs about Z, so that the map keeps the walls and the symmetry of the part.
@@ -44,8 +44,8 @@ impl<'a> ChannelChart<'a> {
         let first = cylindrical(self.first.surface.point(u, v));
         let mut second = cylindrical(self.second.surface.point(u, v));
         // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
-        let ahead = second.azimuth - first.azimuth;
-        second.azimuth = first.azimuth + ahead - TAU * (ahead / TAU).round() + self.part.pitch();
+        let ahead = nearest_turn(second.azimuth - first.azimuth, 0.0);
+        second.azimuth = first.azimuth + ahead + self.part.pitch();
         (first, second)
     }
 

@@ -1,11 +1,12 @@
 //! What the planner keeps the tool away from: sampled surfaces of the design part, of table and fixtures.
 
+use crate::collide::revolved;
 use crate::collide::tool::tool_coordinates;
-use crate::collide::{Cloud, CloudPoint, ToolSolid};
-use crate::kin::{Carried, Chain, Machine, RotaryPose};
+use crate::collide::{Cloud, ToolSolid};
+use crate::kin::{Chain, Machine, RotaryPose};
 use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Spacing of the samples, mm.
 const SPACING: f64 = 0.4;
@@ -23,27 +24,6 @@ const HALVINGS: u32 = 9;
 
 /// A piece of motion: where it begins and ends.
 pub(crate) type Ends = [RotaryPose; 2];
-
-/// Samples of a solid about the axis of the table, and the distance within which every point of its outside has one.
-fn carried(solid: &Carried, [x, y]: [f64; 2]) -> (Cloud, f64) {
-    let edges = || solid.profile.windows(2).map(|e| (e[0], e[1], libm::hypot(e[1][0] - e[0][0], e[1][1] - e[0][1])));
-    let area: f64 = edges().map(|(a, b, length)| 0.5 * TAU * (a[0] + b[0]) * length).sum();
-    let spacing = CARRIED_SPACING.max((area / MOST_CARRIED).sqrt());
-    let mut points = Vec::new();
-    for (a, b, length) in edges() {
-        let rings = (length / spacing).ceil().max(1.0) as usize;
-        for i in 0..=rings {
-            let t = i as f64 / rings as f64;
-            let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
-            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
-            points.extend((0..around).map(|k| {
-                let (sin, cos) = libm::sincos(TAU * k as f64 / around as f64);
-                CloudPoint { position: Point3::new(x + r * cos, y + r * sin, z), normal: Vector3::z(), tag: 0 }
-            }));
-        }
-    }
-    (Cloud::new(points), spacing * FRAC_1_SQRT_2)
-}
 
 /// A cutter that is less than this inside of a sample touches it, mm.
 const TOUCHES: f64 = 2e-4;
@@ -86,7 +66,14 @@ impl Obstacles {
         let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
             samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
         let [hub, walls] = [hub, walls].map(sample::cloud_points);
-        let carried = machine.carried.iter().map(|solid| carried(solid, machine.table_axis())).collect();
+        let carried = machine
+            .carried
+            .iter()
+            .map(|solid| {
+                let (points, spacing) = revolved(&solid.profile, machine.table_axis(), CARRIED_SPACING, MOST_CARRIED);
+                (Cloud::new(points), spacing * FRAC_1_SQRT_2)
+            })
+            .collect();
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }
 

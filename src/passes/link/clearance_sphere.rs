@@ -1,6 +1,7 @@
 //! The sphere about the stock on which rapids run.
 
 use crate::collide::ToolSolid;
+use crate::geom::angle::great_arc;
 use crate::ir::Program;
 use crate::kin::{Chain, RotaryPose, between};
 use nalgebra::{Point3, Vector3};
@@ -71,11 +72,7 @@ impl ClearanceSphere {
         (1..count)
             .map(|i| {
                 let t = i as f64 / count as f64;
-                let direction = if angle > 1e-9 {
-                    (s * libm::sin((1.0 - t) * angle) + e * libm::sin(t * angle)) / libm::sin(angle)
-                } else {
-                    s
-                };
+                let direction = great_arc(&s, &e, t);
                 let rotary = between(from.rotary, to.rotary, t);
                 let tip = self.centre + chain.rotation(rotary) * direction * (rs + (re - rs) * t);
                 RotaryPose { tip, rotary }

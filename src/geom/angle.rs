@@ -1,0 +1,56 @@
+//! Angles and directions on a circle and on the sphere.
+
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+
+/// An angle with whole turns added, so that it is at most half a turn from another one. Radians.
+pub fn nearest_turn(angle: f64, about: f64) -> f64 {
+    angle - TAU * ((angle - about) / TAU).round()
+}
+
+/// Cosine from which the angle comes from the sine as well: of small angles the cosine knows half of the digits.
+const NARROW: f64 = 0.9;
+
+/// Sine of the angle between two directions below which the chord is the arc.
+const STRAIGHT: f64 = 1e-9;
+
+/// Direction at a share of the even turn from one unit vector to another, on their great circle. Opposite ones have no great
+/// circle of their own: of those the first.
+pub fn great_arc(from: &Vector3<f64>, to: &Vector3<f64>, share: f64) -> Vector3<f64> {
+    let cosine = from.dot(to);
+    let angle = if cosine < NARROW { libm::acos(cosine.max(-1.0)) } else { libm::atan2(from.cross(to).norm(), cosine) };
+    let sine = libm::sin(angle);
+    // Opposite directions end here too.
+    if sine < STRAIGHT {
+        return if angle < 1.0 { (from + (to - from) * share).normalize() } else { *from };
+    }
+    (from * libm::sin((1.0 - share) * angle) + to * libm::sin(share * angle)) / sine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_great_arc_turns_evenly_in_one_plane() {
+        let (p, q) = (Vector3::new(0.3, -0.4, 1.2).normalize(), Vector3::new(-0.6, -0.5, 0.4).normalize());
+        let angle = p.angle(&q);
+        for k in 0..=10 {
+            let t = f64::from(k) / 10.0;
+            let v = great_arc(&p, &q, t);
+            assert!((v.norm() - 1.0).abs() < 1e-14 && (v.angle(&p) - t * angle).abs() < 1e-7);
+            assert!(v.dot(&p.cross(&q)).abs() < 1e-14);
+        }
+        assert_eq!(great_arc(&p, &-p, 0.3), p);
+    }
+
+    #[test]
+    fn turns_are_whole_and_the_nearest() {
+        for k in -40..40 {
+            let (angle, about) = (0.37 * f64::from(k), 2.0);
+            let found = nearest_turn(angle, about);
+            let turns = (angle - found) / TAU;
+            assert!((turns - turns.round()).abs() < 1e-12 && (found - about).abs() <= 0.5 * TAU + 1e-12);
+        }
+    }
+}
