@@ -201,7 +201,7 @@ impl Sink {
     }
 
     /// Changes every diagnostic, in the order of their discovery.
-    pub fn map(&mut self, change: impl FnMut(Diag) -> Diag) {
+    pub fn change_all(&mut self, change: impl FnMut(Diag) -> Diag) {
         let before = std::mem::take(self);
         before.diags.into_iter().map(change).for_each(|d| self.push(d));
         for (count, before) in self.counts.iter_mut().zip(before.counts) {
@@ -252,7 +252,7 @@ mod tests {
         }
         assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
         assert_eq!([Severity::Error, Severity::Remark].map(|s| sink.further(s)), [10, 0]);
-        sink.map(|d| d.note("x"));
+        sink.change_all(|d| d.note("x"));
         assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
     }
 }

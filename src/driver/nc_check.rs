@@ -122,7 +122,7 @@ fn measure(
         })
     });
     let mut index = 0;
-    sink.map(|diag| {
+    sink.change_all(|diag| {
         index += 1;
         if index > known { with_line(diag, program, &motion, sources, source, &shown) } else { diag }
     });
