@@ -1,9 +1,9 @@
-//! `copy-sectors`: what was planned in sector 0, in all sectors of each operation.
+//! `copy-sectors`: copies the plan of sector 0 to all sectors of each operation.
 //!
-//! Before: passes of sector 0. After: the same passes in each sector that the job asks for, sector by sector, with the
-//! sector in their labels. The part looks the same from every sector, and the rotary axis next to the part turns about
-//! its axis, so that what is clear and within tolerance in one sector is so in all. What is not the same there comes
-//! after it: stock that earlier operations left, links, travel.
+//! Before: passes of sector 0. After: the same passes in each sector of the job, sector by sector, with the sector in
+//! their labels. All sectors of the part are equal, and the rotary axis next to the part turns about the axis of the
+//! part. Clearance and tolerance are therefore the same in all sectors. Stock of earlier operations, links and travel
+//! differ from sector to sector; later passes handle them.
 
 use crate::ir::{ClPass, ClPlan, Program};
 

@@ -1,16 +1,16 @@
-//! From the program to the motion. The order of the passes, with a reason a line, stands in [`pipeline`].
+//! From the program to the motion. [`pipeline`] holds the order of the passes and the reasons for it.
 //!
-//! A pass never reads what a later one makes. Steps between types (`plan`, `orient-tool`, `link-moves`) make a new
-//! value; the others improve the one that they are given.
+//! A pass never reads what a later pass makes. Passes between types (`plan`, `orient-tool`, `link-moves`) make a new
+//! value; the others change the value that they receive.
 //!
-//! | room | holds | uses |
+//! | module | holds | uses |
 //! |---|---|---|
 //! | `context` | program, obstacles, coordinates of the channel, limits of size | |
 //! | `lines` | lines of constant scallop on any surface | `context` |
-//! | `rough`, `flank`, `point`, `channel` | one operation each: where passes run, how the tool stands on them | `lines`, `context` |
-//! | `axis` | tool axes clear of the part, and smooth | the rooms of the operations |
+//! | `rough`, `flank`, `point`, `channel` | one operation each: its lines and its tool axes | `lines`, `context` |
+//! | `axis` | collision-free and smooth tool axes | the modules of the operations |
 //! | `sample_to_tolerance`, `copy_sectors` | stations that the machine needs; one sector to all | `context` |
-//! | `link` | rest machining, the ways between passes, joints | `axis`, `context` |
+//! | `link` | rest machining, links between passes, joints | `axis`, `context` |
 //! | `feed` | feeds, times, exact stops | |
 
 mod axis;

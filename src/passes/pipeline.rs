@@ -1,4 +1,4 @@
-//! The order of the passes, with a reason a line.
+//! The order of the passes, with the reason for each place.
 
 use super::axis::{avoid_collision, orient_tool, smooth_axis};
 use super::context::limits::{check_memory, check_points, check_size};
@@ -27,12 +27,12 @@ pub struct Plan {
 /// Runs all passes.
 ///
 /// # Errors
-/// Any pass that cannot do its work; all operations are tried before giving up, and the reasons are in the sink.
+/// Any pass that fails. All operations are tried first; the sink holds the reasons.
 pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
     run_with(program, &Progress::default(), sink)
 }
 
-/// [`run`], telling how far it is.
+/// [`run`] with reports of progress.
 ///
 /// # Errors
 /// As [`run`].
@@ -41,12 +41,13 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let obstacles = Obstacles::new(&program.part, &program.machine);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
-    // Contacts on drive surfaces, operation by operation: roughing first, since each knows how far those before it came.
+    // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
+    // that the one before reached.
     let cc = plan(&mut cx)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    // Axes move while all stations are there: thinning and links need the last ones.
+    // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
     avoid_collision::run(&mut cx, &cc, &mut cl)?;
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     smooth_axis::run(&mut cx, &cc, &mut cl)?;
@@ -55,7 +56,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     copy_sectors::run(program, &mut cl);
     cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
-    // What cuts nothing goes before its ends are linked.
+    // Passes that cut nothing are removed before links are made.
     rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
     cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     let mut motion = link_moves::run(&mut cx, &cl)?;
@@ -64,14 +65,14 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     check_memory(&mut cx, None, needed)?;
     time_feeds::run(program, &mut motion);
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
-    // Where the control leaves the path depends on the speeds of all moves.
+    // How far the control leaves the path depends on the speeds of all moves.
     exact_stops::run(program, &mut motion);
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
     Ok(Plan { cc, cl, motion })
 }
 
-/// The `plan-*` passes, in the order of the operations. Roughing goes on from the level that earlier roughing of the
-/// same kind reached.
+/// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
+/// kind reached.
 fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
     let (mut groove_level, mut expand_level) = (1.0, 1.0);
     let mut cc = CcPlan::default();
@@ -96,7 +97,7 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
                 let points = plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
                 cx.stations = cx.stations.and(points, operation);
                 cc.operations.push(plan);
-                // Each operation alone may fit; together they may not, and no further one will.
+                // Each operation may fit alone, but not all together. No later operation will fit either.
                 if check_points(cx, operation, 0.0).is_err() {
                     return Err(Aborted);
                 }

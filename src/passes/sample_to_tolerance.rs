@@ -1,14 +1,15 @@
-//! `sample-to-tolerance`: stations that the machine's own interpolation makes needless go.
+//! `sample-to-tolerance`: removes stations that the interpolation of the machine makes superfluous.
 //!
-//! Before: dense stations. After: the fewest, greedily, between which the interpolated tool (tip straight, rotary
-//! axes linear) stays within the chord tolerance of every station that went, measured on the engaged part of the cutter.
+//! Before: dense stations. After: a greedy choice of few stations. Between two of them the interpolated tool (tip
+//! straight, rotary axes linear) stays within the chord tolerance of every removed station, measured on the engaged
+//! part of the cutter.
 
 use super::context::PassContext;
 use crate::ir::{ClPlan, ClPoint, OperationKind};
 use crate::kin::{Angles, Chain, between};
 use rayon::prelude::*;
 
-/// Longest run of stations that one block may replace: bounds the work of the greedy search.
+/// Largest number of stations that one block may replace; limits the work of the greedy search.
 const LONGEST_RUN: usize = 200;
 
 /// A station with its rotary angles.
@@ -25,12 +26,12 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
         let operation = &program.operations[planned.operation];
         let solid = &program.tools[operation.tool].solid;
         let (fine, coarse) = (program.tolerances.chord.get(), program.tolerances.chord_rough.get());
-        // Heights over the tip at which the tool is compared, with the tolerance there.
+        // Heights over the tip at which tool positions are compared, with the tolerance there.
         let heights: Vec<(f64, f64)> = match operation.kind {
             OperationKind::Flank { .. } => {
                 vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
             }
-            // The arc of a barrel and the corner of a bull nose cut off the axis: a turn moves them.
+            // Barrel and bull nose touch beside the axis, so that a turn of the axis moves the contact.
             OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
                 vec![(0.0, fine), (solid.flute_length, fine)]
             }
@@ -68,7 +69,7 @@ fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoin
     kept
 }
 
-/// True when the interpolation between the ends passes all stations in between within tolerance.
+/// True when the interpolation between both ends passes all stations between them within tolerance.
 fn replaces(chain: &Chain, run: &[Station], heights: &[(f64, f64)]) -> bool {
     let [from, middle @ .., to] = run else { return true };
     let chord = to.point.tip - from.point.tip;

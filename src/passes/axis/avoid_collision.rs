@@ -1,9 +1,10 @@
 //! `avoid-collision`: tool, shank and holder clear of the part.
 //!
-//! Before: cutter locations with the axes that the geometry suggests. After: the same contacts; axes of channel
-//! finishing lean away from the nearer wall just as far as needed (`method blend`), take the best way through the clear
-//! axes of all stations in the machine's axes (`corridor`), or the greedy one (`xu`); `ruling` stays as it is. Roughing
-//! lines were laid clear by their layers. An axis that nothing clears is an error with the place.
+//! Before: cutter locations with the axes that the geometry suggests. After: the same contacts with collision-free
+//! axes. With `method blend` the axes of channel finishing tilt away from the nearer wall as little as necessary.
+//! `corridor` takes the cheapest sequence of clear axes in the coordinates of the machine, `xu` the greedy sequence;
+//! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
+//! that names the place.
 
 use super::orient_tool::leaning_points;
 use super::room::AxisRoom;
@@ -18,16 +19,16 @@ use crate::part::SurfaceKind;
 use crate::passes::context::{Keep, Lean, Obstacles, PassContext};
 use rayon::prelude::*;
 
-/// Leans that are tried, degrees: one line keeps one, so that its axes stay as smooth as the rulings.
+/// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
 const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
 /// Station at which a pass is not clear, and the distance there.
 type Miss = (usize, f64);
 
-/// Repairs axes, or says where it cannot.
+/// Makes axes collision-free, or reports where this is impossible.
 ///
 /// # Errors
-/// A pass whose shank or holder comes nearer to the part than the clearance of the job.
+/// A pass whose shank or holder is nearer to the part than the clearance of the job.
 pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
     let mut failed = false;
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
@@ -85,7 +86,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
-/// True when a pass leans away from walls as far as it needs.
+/// True when a pass tilts away from walls as far as necessary.
 fn leans_away(operation: &Operation, cc: &CcPass) -> bool {
     let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
     matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
@@ -131,7 +132,8 @@ fn clear_axes(
     Ok(())
 }
 
-/// What tool clears a pass that this one does not. A pass along the rulings is given by its cutter, which then stays.
+/// Describes a tool that clears a pass that this tool does not clear. What a pass along the rulings cuts determines its
+/// cutter, which therefore stays.
 fn tool_that_clears(
     program: &Program,
     obstacles: &Obstacles,
@@ -152,7 +154,7 @@ fn tool_that_clears(
     })
 }
 
-/// The least lean, degrees, that clears a pass, or the worst place and distance.
+/// The least tilt angle, degrees, that clears a pass, or the worst place and the distance there.
 fn clearing_lean(
     program: &Program,
     obstacles: &Obstacles,
@@ -166,7 +168,7 @@ fn clearing_lean(
     let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
     let lack = |p: &ClPoint| {
         let ball = solid.cutter.ends_in_ball();
-        // Where the ball touches an edge nothing of the part comes near its side.
+        // A ball on an edge: nothing of the part is near the side of the cutter.
         let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
         let beside = on_vane && !(ball && edge);
         let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
@@ -186,7 +188,7 @@ fn clearing_lean(
         return worst(points).map_or(Ok(0.0), Err);
     }
     let mut last = (0, 0.0);
-    // On the arc of a barrel, and not on its tip.
+    // The contact is on the arc of a barrel and not on its tip.
     let end = if on_vane { solid.cutter.barrel_angle() } else { None };
     for lean in LEANS.into_iter().filter(|lean| end.is_none_or(|end| *lean > 0.0 && lean.to_radians() < end)) {
         match worst(&leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))) {

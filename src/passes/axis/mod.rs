@@ -1,4 +1,4 @@
-//! Tool axes: what the operations suggest, clear of the part, smooth.
+//! Tool axes: from the operations, then collision-free, then smooth.
 
 pub(crate) mod avoid_collision;
 pub(crate) mod orient_tool;

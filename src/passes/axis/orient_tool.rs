@@ -1,7 +1,7 @@
 //! `orient-tool`: tip and axis of every station.
 //!
-//! Before: contact or drive points of a sector. After: its cutter locations, stations where they were. How the tool stands is the matter of the
-//! operations: their rooms have the laws.
+//! Before: contact or drive points of a sector. After: its cutter locations at the same stations. The modules of the
+//! operations determine the axes.
 
 use crate::diag::Aborted;
 use crate::ir::{
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// Makes cutter locations.
 ///
 /// # Errors
-/// None of its own; it passes on those of the roughing set-up.
+/// None of its own; errors of the roughing set-up are passed on.
 pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut plan = ClPlan::default();
     for operation in &cc.operations {
@@ -55,7 +55,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
     Ok(ClOperation { operation: cc.operation, passes, notes: cc.notes.clone() })
 }
 
-/// How axes stand before anything is avoided.
+/// Tilt before collision avoidance.
 fn lean(operation: &Operation) -> Lean {
     match operation.kind {
         _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => Lean::Along,
@@ -64,10 +64,10 @@ fn lean(operation: &Operation) -> Lean {
     }
 }
 
-/// Tilt off a face before anything is avoided, radians: the twist of a vane has some room behind it.
+/// Tilt off a face before collision avoidance, radians. It leaves some free space for the twist of a vane.
 const FIRST_TILT: f64 = 0.25;
 
-/// Stations of a pass whose axes lean by a lean.
+/// Stations of a pass with a given tilt.
 pub(crate) fn leaning_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
     match pass.drive {
         Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, lean)),

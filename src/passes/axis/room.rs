@@ -1,10 +1,11 @@
-//! Which tool axes are clear at a contact of the floor, and proof of it between contacts.
+//! Which tool axes are clear at a contact of the floor, with a proof between contacts.
 //!
-//! The tool stands on the floor with its ball; it turns about the centre of the ball. Its distances: shank and holder
-//! what the contracts ask, the side of the cutter [`SIDE`] from one diameter over the tip on, where it has left the
-//! contact behind. Between two stations the tip runs straight and the rotary axes turn evenly: at the middle of a piece no point
-//! of the tool is farther from where it is over the whole piece than half of the way of the tip and half of the turn
-//! times its distance from the tip, and pieces are halved until the distance in the middle is larger than that.
+//! The ball of the tool stands on the floor, and the tool turns about the centre of the ball. Required distances: those
+//! of the contracts for shank and holder, and [`SIDE`] for the side of the cutter. The side counts from one diameter
+//! over the tip on, where the contact no longer has any influence. Between two stations the tip runs straight and the
+//! rotary axes turn evenly. At the middle of a piece, each tool point is at most this far from all of its positions on
+//! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
+//! the distance at the middle is larger than that.
 
 use super::way_out::way_out;
 use crate::collide::{Section, ToolSolid};
@@ -18,13 +19,13 @@ use crate::passes::context::{Ends, Obstacles};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Distance of the side of the cutter to the part from one diameter over its tip on, mm.
+/// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm.
 pub(crate) const SIDE: f64 = 0.5;
 
-/// Angles from the middle at which axes are looked for, degrees.
+/// Angles from the middle at which axes are tried, degrees.
 const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
 
-/// Axes looked at on a ring.
+/// Axes tried on each ring.
 const AROUND: usize = 16;
 
 /// Largest cone about an axis, as a tangent in the plane at height one.
@@ -33,7 +34,7 @@ const REACH: f64 = 0.6;
 /// Half axis of a cone that is wide enough: 1.7 deg.
 const WIDE: f64 = 0.03;
 
-/// Clear axes about which cones are laid until one is wide enough.
+/// Number of clear axes about which cones are tried until a cone is wide enough.
 const SEEDS: usize = 8;
 
 /// The tool of an operation among the obstacles.
@@ -41,9 +42,9 @@ const SEEDS: usize = 8;
 pub(crate) struct AxisRoom<'a> {
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
-    /// Distances of side of the cutter, shank and holder, mm.
+    /// Required distances of the side of the cutter, of shank and of holder, mm.
     asked: [f64; 3],
-    /// Largest angle between tool axis and axis of the table that the travel of rotary axis 1 has, radians.
+    /// Largest angle between tool axis and table axis within the travel of rotary axis 1, radians.
     most_lean: f64,
 }
 
@@ -63,7 +64,7 @@ impl<'a> AxisRoom<'a> {
         self.solid.cutter.tip_radius()
     }
 
-    /// How far a point is beyond the distances asked; negative where one is lacking.
+    /// Distance of a point less the required distance; negative for a violation.
     fn lack(&self, rho: f64, s: f64) -> f64 {
         let from = 2.0 * self.radius();
         let [side, shank, holder] = self.asked;
@@ -76,8 +77,8 @@ impl<'a> AxisRoom<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within an angle of this one is within travel and clear with the ball at a place, with `margin`
-    /// to spare.
+    /// True when every axis within the angle `cap` of this axis is within travel and clear by at least `margin`, with
+    /// the ball at `centre`.
     pub(crate) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
         libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
@@ -94,7 +95,7 @@ impl<'a> AxisRoom<'a> {
         around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
     }
 
-    /// A cone of clear axes about one of the nearest to a direction: the first that is wide enough, or the widest.
+    /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.
     pub(crate) fn cone(
         &self,
         centre: &Point3<f64>,
@@ -117,7 +118,7 @@ impl<'a> AxisRoom<'a> {
         best
     }
 
-    /// The error for a contact without a clear axis, looked for about a direction.
+    /// The error for a contact without a clear axis about a direction.
     pub(crate) fn no_axis(&self, operation: &str, tool: &str, at: &Point3<f64>, about: &Vector3<f64>) -> Diag {
         let [side, shank, holder] = self.asked;
         Diag::error(
@@ -130,19 +131,20 @@ impl<'a> AxisRoom<'a> {
         .help(self.way_out(at, about))
     }
 
-    /// What tool would do where no axis is clear: with which some axis about a direction is.
+    /// Describes tools with which some axis about a direction is clear, where no axis is clear with this tool.
     pub(crate) fn way_out(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
         way_out(self.solid, true, |solid| self.with_any(solid, centre, middle))
     }
 
     fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
-        // A smaller ball would stand lower over the same contact: this asks of the upper part of the tool only.
+        // A smaller ball would put the tip lower over the same contact: this query is about the upper part of the tool
+        // only.
         let room = AxisRoom { solid, ..*self };
         around(middle).any(|d| room.clear(centre, &d, 0.0, 0.0))
     }
 }
 
-/// Directions about one, it first, ring by ring.
+/// Directions about `middle`: first `middle` itself, then ring by ring.
 fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
     let [x, y, w] = frame_about(middle, &Vector3::z());
     let rings = RINGS.into_iter().flat_map(move |ring| {

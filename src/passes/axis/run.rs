@@ -1,9 +1,9 @@
-//! A run of the tool along a pass: rotary angles without jumps, and the length of its way.
+//! The tool along a pass: rotary angles without jumps, and the length of its path.
 
 use crate::kin::{Angles, Chain};
 use nalgebra::{Point3, Vector3};
 
-/// Angles of tool axes in a row, on one branch and winding.
+/// Angles of successive tool axes, on one branch and winding.
 pub(crate) fn rotary(chain: &Chain, axes: impl Iterator<Item = Vector3<f64>>) -> Vec<Angles> {
     let mut angles: Vec<Angles> = Vec::new();
     for axis in axes {
@@ -13,7 +13,7 @@ pub(crate) fn rotary(chain: &Chain, axes: impl Iterator<Item = Vector3<f64>>) ->
     angles
 }
 
-/// Lengths of the way of the ball at the stations of a pass.
+/// Length of the path of the ball centre up to each station of a pass.
 pub(crate) fn lengths(centres: &[Point3<f64>]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = centres.windows(2).map(|w| {
@@ -23,7 +23,7 @@ pub(crate) fn lengths(centres: &[Point3<f64>]) -> Vec<f64> {
     std::iter::once(0.0).chain(steps).collect()
 }
 
-/// The stretch of a table that holds a value, and the share in it.
+/// The interval of a table that contains a value, and the share of the value in the interval.
 pub(crate) fn stretch(table: &[f64], value: f64) -> (usize, f64) {
     let i = table.partition_point(|x| *x <= value).clamp(1, table.len() - 1) - 1;
     let length = table[i + 1] - table[i];

@@ -1,10 +1,11 @@
-//! `smooth-axis`: axes of `method corridor` as a smooth run of the rotary axes inside the corridor of clear axes.
+//! `smooth-axis`: smooth rotary angles inside the corridor of clear axes, for `method corridor`.
 //!
-//! Before: the best way through clear axes, station by station, with corners. After: at stations even apart along the
-//! way of the ball the largest oblique elliptic cone of clear axes (Xu 3) about the way; rotary angles that stay in the cones
-//! with the least turn a mm and the least second and third differences; every station of the pass on a cubic curve
-//! through these. The clearance over the continuous motion between stations is proved; where it is not, the cones keep
-//! more distance and it is tried again. At most three times; then it is an error with the last residuals.
+//! Before: the cheapest sequence of clear axes, station by station, with corners. After: smooth axes, in four steps. At
+//! equal distances along the path of the ball, the largest oblique elliptic cone of clear axes (Xu 3) about the
+//! sequence is found. Inside these cones, rotary angles with the least turn per mm and the least second and third
+//! differences are found. A cubic curve through these angles gives the axis of every station of the pass. Last, the
+//! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
+//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals.
 
 use super::room::AxisRoom;
 use super::run::{lengths, rotary, stretch};
@@ -24,32 +25,32 @@ const SPACING: f64 = 1.5;
 /// Fewest stations of a corridor.
 const FEWEST: usize = 8;
 
-/// Times that the corridor is laid about the last run; each widens what the run can reach.
+/// Times that the corridor is built about the last result; each widens the range that the result can reach.
 const LAYINGS: usize = 3;
 
-/// Times that it is tried with more distance.
+/// Times that all steps are repeated with a larger distance.
 const ROUNDS: usize = 3;
 
-/// Distance that cones keep more than asked for, mm, in each round: what happens between stations.
+/// Distance that cones add to the required distance, mm per round: allows for the motion between stations.
 const MARGIN: f64 = 0.06;
 
-/// What is minimised.
+/// Weights of the minimised terms.
 const WEIGHTS: Weights = Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: 0.1 };
 
 /// Why a pass was not smoothed.
 enum Fault {
-    /// No clear axis at a place, looked for about a direction.
+    /// No clear axis at a place, with the direction about which axes were tried.
     NoAxis(Point3<f64>, Vector3<f64>),
-    /// No run through the cones.
+    /// No sequence of angles inside the cones.
     NoRun(Point3<f64>, Residual),
-    /// The run is not proved clear after a station.
+    /// The clearance of the motion behind this station is not proved.
     NotProved(Point3<f64>),
 }
 
-/// Smooths the axes of all operations that ask for it.
+/// Smooths the axes of all operations with `method corridor`.
 ///
 /// # Errors
-/// A pass without a clear axis, without a smooth run, or whose clearance is not proved between stations.
+/// A pass without a clear axis, without smooth angles inside the cones, or without proved clearance between stations.
 pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
     let program = cx.program;
     let mut failed = false;
@@ -88,7 +89,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
-/// Largest turns of both rotary axes a mm of the tip's way.
+/// Largest turns of both rotary axes per mm of tip motion.
 fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
     let angles = rotary(chain, points.iter().map(|p| p.axis));
     let mut most = [0.0_f64; 2];
@@ -149,7 +150,7 @@ fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoi
     Err(fault)
 }
 
-/// The stations of a pass with axes on the cubic curve through the rotary angles at even lengths.
+/// The stations of a pass with axes on the cubic curve through the rotary angles at equal lengths.
 fn on_curve(
     chain: &Chain,
     points: &[ClPoint],
@@ -159,7 +160,7 @@ fn on_curve(
     spacing: f64,
     radius: f64,
 ) -> Vec<ClPoint> {
-    // Four point interpolation: over evenly spaced smooth values right to the fourth difference.
+    // Four point interpolation: for evenly spaced smooth values exact to the fourth difference.
     let cubic = |x: f64, value: &dyn Fn(usize) -> f64| {
         let i = (x.floor() as usize).clamp(1, run.len() - 3) - 1;
         let t = x - i as f64;

@@ -1,5 +1,5 @@
-//! The way of the tool axis along a pass of the floor: `method corridor` by the shortest path in the machine's axes,
-//! `method xu` by the greedy choice of Xu 2013. Both take clear axes only.
+//! Sequences of clear tool axes along a pass of the floor: `method corridor` by the shortest path in the axes of the
+//! machine, `method xu` by the greedy choice of Xu 2013.
 
 use super::room::AxisRoom;
 use super::run::{lengths, rotary, stretch};
@@ -17,13 +17,14 @@ use rayon::prelude::*;
 /// Distance of the stations of the shortest path, mm.
 const STEP: f64 = 4.0;
 
-/// Most candidates of a station, the nearest to the direction of the channel first: the path looks at pairs of pairs.
+/// Most candidates of a station, the nearest to the direction of the channel first. The search compares pairs of pairs.
 const MOST_CANDIDATES: usize = 40;
 
-/// Distance that candidates keep more than asked for, mm: room for the corridor about them.
+/// Distance that candidates add to the required distance, mm: free space for the corridor about them.
 const MARGIN: f64 = 0.1;
 
-/// Least tilt of a candidate, radians: nearer to the pole rotary axis 2 turns through, and a pass keeps one branch.
+/// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
+/// branch.
 const LEAST_TILT: f64 = 0.1;
 
 /// Weight of second differences in formula (4), 1/s.
@@ -32,11 +33,11 @@ const SMOOTHNESS: f64 = 40.0;
 /// Largest turn between stations, radians.
 const MOST_TURN: f64 = 0.6;
 
-/// Cost of a radian away from the direction of the channel, s: among equal ways that in the middle.
+/// Cost of a radian away from the direction of the channel, s: of equal sequences the one in the middle wins.
 const AWAY: f64 = 0.02;
 
-/// Cost of the square of the angle, in radians, to the axis of the nearest place of the lines before, s: far above what
-/// a shorter way of one line is worth for a jump, and little for a drift from line to line.
+/// Cost of the square of the angle, in radians, to the axis at the nearest place of earlier lines, s. It is far above
+/// the gain of one line from a jump, and small for a drift from line to line.
 const BESIDE: f64 = 2.0;
 
 /// Distance of the contacts of the greedy choice, mm.
@@ -45,10 +46,10 @@ const CONTACTS: f64 = 2.0;
 /// Weights of membrane and thin plate (22) of the greedy choice.
 const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
 
-/// A place where no axis is clear, and the direction about which they were looked for.
+/// A place without a clear axis, and the direction about which axes were tried.
 pub(crate) type Blocked = (Point3<f64>, Vector3<f64>);
 
-/// Ball centres of a pass, the length of the way to each, and the shares of the way at which axes are chosen.
+/// Ball centres of a pass, the length of the path to each, and the lengths at which axes are chosen.
 struct Way {
     centres: Vec<Point3<f64>>,
     table: Vec<f64>,
@@ -70,7 +71,7 @@ impl Way {
         self.centres[i] + (self.centres[i + 1] - self.centres[i]) * t
     }
 
-    /// True when another way runs against this one.
+    /// True when this pass starts nearer to the end of the other pass than to its start.
     fn starts_at_the_end_of(&self, other: &Self) -> bool {
         let far = |end: Option<&Point3<f64>>| {
             self.centres.first().zip(end).map_or(f64::INFINITY, |(p, q)| (p - q).norm_squared())
@@ -78,7 +79,7 @@ impl Way {
         far(other.centres.last()) < far(other.centres.first())
     }
 
-    /// All stations of the pass, the rotary axes linear between the stops.
+    /// All stations of the pass; between two stops the rotary axes are linear.
     fn between(&self, chain: &Chain, pass: &ClPass, angles: &[Angles], radius: f64) -> Vec<ClPoint> {
         let at = |length: f64| {
             let (i, t) = stretch(&self.stops, length);
@@ -97,14 +98,14 @@ impl Way {
 /// Stations of a pass with their candidates.
 struct Stations {
     way: Way,
-    /// Clear axes of each station; none where no axis is clear.
+    /// Clear axes of each station; empty where no axis is clear.
     candidates: Vec<Vec<Candidate>>,
-    /// The direction of the channel at each.
+    /// The direction of the channel at each station.
     middles: Vec<Vector3<f64>>,
 }
 
 impl Stations {
-    /// Looks for clear axes about the axes of a pass as the direction of the channel.
+    /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Self {
         let radius = room.radius();
         let way = Way::new(pass, radius, STEP);
@@ -135,7 +136,7 @@ impl Stations {
         Self { way, candidates, middles }
     }
 
-    /// Makes candidates dear that differ from the axis chosen at the nearest place of the lines before.
+    /// Adds the cost of the difference to the axis chosen at the nearest place of earlier lines.
     fn lean_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
         for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
             let here = self.way.centre(*length);
@@ -149,11 +150,12 @@ impl Stations {
     }
 }
 
-/// The best ways through clear axes, from the axes of passes as the direction of the channel. Line by line: each keeps
-/// near to those before it, so that the tool hardly turns between neighbours, on the part as in the air.
+/// The cheapest sequences of clear axes; the axes of the passes give the direction of the channel. Each line stays
+/// close to earlier lines, so that the tool hardly turns between neighbours, on the part and in links.
 ///
 /// # Errors
-/// For each pass without a way its number and the first place without a clear axis, or out of reach from the one before.
+/// For each pass without a sequence: its number and the first place without a clear axis, or out of reach from the
+/// place before.
 pub(crate) fn shortest(
     room: &AxisRoom<'_>,
     machine: &Machine,
@@ -181,7 +183,7 @@ pub(crate) fn shortest(
         let Stations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {
-                // The other branch is the same way of the tool: `link-moves` chooses it.
+                // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
                 let axis = |c: &Candidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
                 let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
@@ -194,11 +196,11 @@ pub(crate) fn shortest(
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// The greedy choice of Xu 2013 over the passes of a sector, line by line: normals and curvatures at the contacts from
-/// their triangulation, a cone of clear axes at each, and the axis of it that adds least energy.
+/// The greedy choice of Xu 2013 over the passes of a sector, line by line. Normals and curvatures at the contacts come
+/// from their triangulation. Each contact gets a cone of clear axes, and the axis in it that adds least energy.
 ///
 /// # Errors
-/// Places without a clear axis, with their pass.
+/// Places without a clear axis, with the pass.
 pub(crate) fn greedy_axes(
     room: &AxisRoom<'_>,
     chain: &Chain,
@@ -220,8 +222,8 @@ pub(crate) fn greedy_axes(
                     let station = stretch(&way.table, *length).0;
                     let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
                     let about = pass.points[station].axis;
-                    // About the clear axis that is nearest to the normal; in a deep channel none is near it, or only
-                    // near the pole: then along the channel.
+                    // About the clear axis nearest to the normal. In a deep channel there is none near the normal, or
+                    // only axes near the pole: then about the direction of the channel.
                     let laid = |to: &Vector3<f64>, proof: Proof| room.cone(&centre, to, proof, 0.0);
                     let steep = |cone: &EllipticCone| {
                         let axis = cone.axis();
@@ -264,10 +266,10 @@ pub(crate) fn greedy_axes(
     Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
 }
 
-/// Mean curvature at every stop of every way, and the mean of their sizes.
+/// Mean curvature at every stop of every pass, and the mean of the absolute values.
 fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) {
     let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
-    // Azimuths count from the first contact: a channel spans less than half a turn from it.
+    // Azimuths count from the first contact: a channel spans less than half a turn.
     let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| libm::atan2(p.position.y, p.position.x));
     for (i, (cc, way)) in planned.iter().zip(ways).enumerate() {
         for (k, length) in way.stops.iter().enumerate() {

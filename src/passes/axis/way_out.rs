@@ -1,9 +1,9 @@
-//! What tool would do where one does not clear the part.
+//! Changes of the tool that would clear the part.
 
 use crate::collide::{Section, ToolSolid};
 
-/// The shortest reach, or flutes and reach, the largest share of the holder, of the shank and, where the cutter is not given by what it cuts, of
-/// cutter and shank with which a pass `works`, each alone, in words.
+/// Lists, in words, the smallest changes with which a pass `works`, each sufficient by itself: a longer reach, or
+/// longer flutes and reach; a slimmer holder; a slimmer shank; and, for `cutter_free`, a smaller cutter with its shank.
 pub(crate) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
     let from = solid.holder.first().map_or(0.0, |h| h.from);
     let slimmed = |sections: &mut [Section], share: f64| {
@@ -37,7 +37,7 @@ pub(crate) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&Tool
     if let Some(more) = longer {
         ways.push(format!("a reach of {:.0} mm", from + more));
     }
-    // Where the shank is in the way as well as the holder.
+    // When a longer reach is not enough, the shank collides as well as the holder.
     let longer_flutes = lengths().filter(|_| longer.is_none()).find(|more| {
         works_with(&|s| {
             s.flute_length += more;

@@ -4,8 +4,8 @@ use crate::ir::{CcPass, ClPoint, Operation, Program};
 use crate::passes::context::{ChannelChart, Lean};
 use nalgebra::{Point3, Vector3};
 
-/// Channel finishing: the ball stands on the hub; the axis blends the rulings of both walls, and leans away from the
-/// nearer wall by `lean` at the wall, less towards the middle.
+/// Channel finishing: the ball stands on the hub. The axis blends the rulings of both walls, and tilts away from the
+/// nearer wall: by `lean` at the wall, less towards the middle.
 pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
     let part = &program.part;
     let radius = program.tools[operation.tool].solid.cutter.tip_radius();
@@ -13,7 +13,7 @@ pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass
     pass.points
         .iter()
         .map(|p| {
-            // On the leads the axis stays, so that the ball shifts straight along the tangent of the hub.
+            // On the leads the axis is constant, so that the ball moves straight along the tangent of the hub.
             let u = p.u.clamp(0.0, 1.0);
             let at = if u == p.u { p.position } else { edge(program, pass, u) };
             let axis = hub_axis(&chart, u, p.w, &at, lean);

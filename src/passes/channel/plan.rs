@@ -1,10 +1,10 @@
 //! Plan of the operation `channel`: streamlines on the hub between the vanes, from inlet to outlet (Wei 3.3).
 //!
-//! Before: an operation. After: lines between the two fillets; the outer ones roll in the fillets. By `constant-scallop`
-//! neighbours are as far from each other as the scallop height allows, everywhere, and lines begin where the channel
-//! widens. By `equal-division` all lines run through, at equal shares of the arc (formula 13); their number is the
-//! least that keeps the scallop height at the widest place by the exact law with the curvature of the hub across the
-//! line.
+//! Before: an operation. After: lines between the two fillets; the outer lines roll in the fillets. With
+//! `constant-scallop` neighbours are everywhere as far apart as the scallop height allows, and additional lines begin
+//! where the channel widens. With `equal-division` all lines run from inlet to outlet at equal shares of the arc
+//! (formula 13). Their number is the least that keeps the scallop height at the widest place. The step there follows
+//! the exact law with the curvature of the hub across the line.
 
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
@@ -19,10 +19,10 @@ use crate::passes::context::{
 use crate::passes::lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop, scallop};
 use nalgebra::Vector2;
 
-/// Where the ball that rolls in the fillet touches the hub: (u of the hub, azimuth), ascending in u.
+/// Contacts with the hub of the ball that rolls in the fillet: (u of the hub, azimuth), ascending in u.
 type Contact = Vec<[f64; 2]>;
 
-/// What is machined: the hub of channel 0 between the two lines where the ball leaves the fillets.
+/// The machined surface: the hub of channel 0 between the two lines where the ball leaves the fillets.
 struct Floor<'a> {
     part: &'a Part,
     /// Radius of the ball of the tool.
@@ -43,7 +43,7 @@ impl Floor<'_> {
         CcPoint { u, v: 0.0, w, position: hub.point(u, azimuth), normal: hub.normal(u, azimuth) }
     }
 
-    /// Steps along the meridian and across it that leave ridges of a height.
+    /// Steps along and across the meridian that leave ridges of a given height.
     fn steps(&self, u: f64, height: f64) -> [f64; 2] {
         let hub = &self.part.hub;
         [hub.meridian_curvature(u), hub.ring_curvature(u)].map(|k| scallop::curved_step(self.radius, height, k))
@@ -68,10 +68,10 @@ impl Ground for Floor<'_> {
         libm::hypot(m.first.norm(), m.point.x * slope)
     }
 
-    /// Along and across the meridian, the principal directions, it has the exact step.
+    /// Along and across the meridian, which are the principal directions, the metric has the exact step.
     fn metric(&self, height: f64) -> BandMetric {
         let hub = &self.part.hub;
-        // Until the ball has left the edges behind, but well before the axis.
+        // Until the ball has passed the edges, but well before the axis.
         let beyond = [0.0, 1.0].map(|u| {
             let m = hub.meridian(u);
             self.radius.min(0.5 * m.point.x) / m.first.norm()
@@ -98,7 +98,7 @@ impl Ground for Floor<'_> {
 /// Plans a channel operation.
 ///
 /// # Errors
-/// The ball does not reach the hub between the vanes, or does not fit its hollow; the diagnostic is in the sink.
+/// The ball does not reach the hub between the vanes, or is too big for its hollow; the sink holds the diagnostic.
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
     let OperationKind::Channel { scallop: height, spacing, lines: order, .. } = operation.kind else {
         return Err(Aborted);
@@ -133,7 +133,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
 }
 
-/// Refuses a ball that is bigger than the hollow of the hub, along or across the meridian.
+/// Refuses a ball with a larger radius than the hollow of the hub along or across the meridian.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) -> Result<(), Aborted> {
     let part = &cx.program.part;
     let tool = &cx.program.tools[operation.tool];
@@ -144,7 +144,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
     if hollow(worst) >= 0.0 || room > radius {
         return Ok(());
     }
-    // In the middle of the channel, nearly.
+    // Approximately the middle of the channel.
     let root = part.face(part.first_passage().walls[0]).surface.point(worst, 0.0);
     let at = part.hub.point(worst, libm::atan2(root.y, root.x) + 0.5 * part.pitch());
     cx.sink.push(
@@ -166,7 +166,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
     Err(Aborted)
 }
 
-/// Refuses a ball that the fillets, or the space between them, are too small for.
+/// Refuses a ball that is too big for the fillets or for the space between them.
 fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>) -> Result<(), Aborted> {
     let part = floor.part;
     let tool = &cx.program.tools[operation.tool];
@@ -197,11 +197,11 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>)
     Err(Aborted)
 }
 
-/// Steps in which the radius of a ball that fits is looked for, mm.
+/// Step of the search for the radius of a ball that fits, mm.
 const RADIUS_STEP: f64 = 0.005;
 
-/// The largest ball below a radius that rolls along both walls, leaves floor between them and fits the hollow of the hub,
-/// in words; with a fillet in the design the same of the fillet.
+/// Describes the largest ball below a radius that rolls along both walls, leaves floor between them and fits the hollow
+/// of the hub. For a design with a fillet it describes the fillet as well.
 fn what_would_do(part: &Part, below: f64) -> String {
     let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
@@ -214,7 +214,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
             -sharpest * radius < 1.0 && stations().all(|u| floor.walls(u).1 > 0.0)
         })
     };
-    // Smaller balls fit where bigger ones do: the largest of the steps is found by halving.
+    // A smaller ball fits wherever a bigger ball fits, so that bisection finds the largest step.
     let (mut low, mut high) = (0_u32, (below / RADIUS_STEP).ceil() as u32);
     while high - low > 1 {
         let middle = low + (high - low) / 2;
@@ -233,7 +233,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
     }
 }
 
-/// As many lines everywhere as the widest place needs.
+/// The number of lines that the widest place needs, everywhere.
 fn equal_division(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -250,7 +250,7 @@ fn equal_division(
         let (_, angle) = floor.walls(u);
         let m = part.hub.meridian(u);
         let delta = 1e-4;
-        // Slope of a wall against the meridian; that of the less steep one narrows the distance between lines.
+        // Slope of a wall against the meridian. The less steep wall narrows the distance between lines.
         let slope = |wall| {
             let turn = azimuth(wall, u + delta) - azimuth(wall, u - delta);
             (turn * m.point.x / (2.0 * delta * m.first.norm())).abs()
@@ -311,8 +311,8 @@ fn contact(part: &Part, side: FaceId, radius: f64) -> Option<Contact> {
     Some(line)
 }
 
-/// Azimuth of a contact line at a hub parameter; straight on beyond its ends. Four point interpolation: over 0.15 mm
-/// its error is far below a nanometre for a smooth line.
+/// Azimuth of a contact line at a hub parameter; linear beyond both ends. Four point interpolation: over 0.15 mm its
+/// error is far below a nanometre for a smooth line.
 fn azimuth(line: &Contact, u: f64) -> f64 {
     let n = line.len();
     let i = line.partition_point(|p| p[0] <= u).clamp(2, n - 2);

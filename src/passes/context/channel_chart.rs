@@ -4,19 +4,20 @@ use crate::geom::angle::nearest_turn;
 use crate::part::{Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
-/// Least outward lean of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
-/// the rulings stand upright the axis would come near the pole of a tilting table, and rotary axis 2 would have to turn through.
+/// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
+/// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
+/// have to turn through.
 const LEAST_LEAN: f64 = 0.2;
 
-/// Blend of the opposite wall's ruling that the axis keeps at a wall. Parallel to the ruling the side of the cutter
-/// would rest on the twisted wall far above the tip, and keep the tip away from the root.
+/// Share of the opposite wall's ruling in the axis at a wall. If the axis were parallel to the ruling, the side of the
+/// cutter would rest on the twisted wall far above the tip, and the tip could not reach the root.
 const AWAY_FROM_WALL: f64 = 0.12;
 
-/// Width over which the lean sets in, so that the axes stay smooth.
+/// Width over which the outward tilt sets in, so that the axes remain smooth.
 const LEAN_SOFTNESS: f64 = 0.05;
 
-/// Channel of sector 0 as a map from (u, v, w) to points. Walls are the facing faces of vane 0 and vane 1; between
-/// them points run on arcs about Z, so that the map keeps the walls and the symmetry of the part.
+/// Channel of sector 0 as a map from (u, v, w) to points. Its walls are the facing faces of vane 0 and vane 1. Between
+/// them points lie on arcs about Z, so that the map keeps the walls and the symmetry of the part.
 pub(crate) struct ChannelChart<'a> {
     part: &'a Part,
     first: &'a Face,
@@ -37,7 +38,7 @@ impl<'a> ChannelChart<'a> {
         Self { part, first, second }
     }
 
-    /// Points on both walls at the same (u, v), azimuths such that the second follows the first.
+    /// Points on both walls at the same (u, v). Their azimuths are such that the second wall follows the first.
     fn walls(&self, u: f64, v: f64) -> (Cylindrical, Cylindrical) {
         let cylindrical =
             |p: Point3<f64>| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z };
@@ -63,23 +64,23 @@ impl<'a> ChannelChart<'a> {
         0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
     }
 
-    /// Direction from hub to shroud: the two neighbouring vanes' rulings, blended by `blend` from the first (0) to the
-    /// second (1).
+    /// Direction from hub to shroud: the rulings of both neighbouring vanes, blended by `blend` from the first (0) to
+    /// the second (1).
     pub(crate) fn ruling(&self, u: f64, blend: f64) -> Vector3<f64> {
         let second = self.part.sector_rotation(1) * self.second.surface.ruling(u);
         (self.first.surface.ruling(u) * (1.0 - blend) + second * blend).normalize()
     }
 
-    /// Tool axis of a tool at (u, v, w) that stands `edge` away from a wall when it touches it: parallel to that wall
-    /// there but for [`AWAY_FROM_WALL`], blended in between.
+    /// Tool axis at (u, v, w) for a tool whose axis is `edge` away from a wall that it touches. At a wall the axis is
+    /// parallel to its ruling except for the share [`AWAY_FROM_WALL`]; between the walls it is blended.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64, edge: f64) -> Vector3<f64> {
-        // A channel narrower than the tool has no room to blend; the middle is the best that there is.
+        // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
         let e = (edge / self.width(u, v)).min(0.49);
         let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
         self.leaning(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
     }
 
-    /// Blended ruling that leans outward, along the channel, at least by [`LEAST_LEAN`].
+    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_LEAN`].
     pub(crate) fn leaning(&self, u: f64, w: f64, blend: f64) -> Vector3<f64> {
         let ruling = self.ruling(u, blend);
         let at = self.point(u, 0.5, w);
@@ -89,7 +90,7 @@ impl<'a> ChannelChart<'a> {
         let along = (along - ruling * along.dot(&ruling)).normalize();
         let lack = LEAST_LEAN - ruling.dot(&outward);
         let soft = 0.5 * (lack + libm::hypot(lack, LEAN_SOFTNESS));
-        // At the inlet the channel does not run outward, but there nothing is lacking either.
+        // At the inlet the channel does not run outward, but there the tilt is large enough.
         (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
     }
 
@@ -101,7 +102,7 @@ impl<'a> ChannelChart<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Change of u that moves the middle of the channel by a length at the inlet (u = 0) or the outlet (u = 1).
+    /// Change of u that moves the middle of the channel by a given length at the inlet (u = 0) or the outlet (u = 1).
     pub(crate) fn lead(&self, u: f64, v: f64, length: f64) -> f64 {
         let step = 1e-3;
         length * step / (self.point(u + step, v, 0.5) - self.point(u, v, 0.5)).norm()

@@ -1,11 +1,11 @@
-//! How a tool leans.
+//! Tilt of a tool against the rulings.
 
-/// How the axes of channel finishing and point milling stand to the rulings.
+/// Tilt of the axes of channel finishing and point milling against the rulings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Lean {
-    /// Outward as far as the pole of the rotary axes needs, and away from the nearer wall by an angle at the wall; at a
-    /// contact of a vane by that angle off its face.
+    /// Outward as far as the pole of the rotary axes requires. In the channel also away from the nearer wall, by this
+    /// angle at the wall; at a contact of a vane, off its face by this angle.
     Away(f64),
-    /// Not at all.
+    /// No tilt.
     Along,
 }

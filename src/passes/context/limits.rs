@@ -1,4 +1,4 @@
-//! What planning refuses for its size: samples, points, memory; and balls that are bigger than the fillet.
+//! Limits of planning: samples, points, memory, and the size of a ball against the fillet.
 
 use super::PassContext;
 use crate::analysis::cost;
@@ -30,14 +30,14 @@ pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Abort
 /// Spacing of the samples that verification will need, mm.
 const FINEST_SPACING: f64 = 0.25;
 
-/// Refuses an operation whose plan would have more points in a sector than memory may hold beside those before it. The estimate before
-/// planning knows sizes of the part only; this knows the lines.
+/// Refuses an operation whose points in a sector, together with those of earlier operations, exceed the memory. The
+/// estimate before planning knows only the sizes of the part; this check knows the lines.
 pub(crate) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
     let needed = cost::of_stations(cx.program, cx.stations.and(points, operation));
     check_memory(cx, Some(operation), needed)
 }
 
-/// Refuses a plan that needs more memory than it may take, bytes; `operation` is the one that is planned.
+/// Refuses a plan that needs more than the allowed memory; `needed` is in bytes, `operation` is the planned operation.
 pub(crate) fn check_memory(
     cx: &mut PassContext<'_>,
     operation: Option<&Operation>,
@@ -57,8 +57,8 @@ pub(crate) fn check_memory(
     Err(Aborted)
 }
 
-/// Refuses a ball that is bigger than the fillet in which it is to roll, or beside which it is to stand; says why on the
-/// operation and on its tool.
+/// Refuses a ball that is bigger than the fillet in which it rolls or beside which it stands. `why` gives the reasons
+/// at the operation and at its tool.
 pub(crate) fn check_fillet(
     cx: &mut PassContext<'_>,
     operation: &Operation,

@@ -1,4 +1,4 @@
-//! What every pass looks at: the program, the obstacles, the coordinates of the channel, and limits of size.
+//! What every pass reads: the program, the obstacles, the coordinates of the channel, and limits of size.
 
 mod channel_chart;
 mod lean;
@@ -16,17 +16,17 @@ use crate::ir::Program;
 use crate::ir::validate::Malformed;
 use crate::progress::Progress;
 
-/// Stations along a face: a dense set that `sample-to-tolerance` thins. At 400 a station lies about 0.15 mm from the
-/// next, so that the chord between two is below 0.1 um for the radii of a vane.
+/// Number of stations along a face: a dense set that `sample-to-tolerance` thins. With 400 stations, neighbours lie
+/// about 0.15 mm apart, so that the chord between them is below 0.1 um for the radii of a vane.
 pub(crate) const STATIONS: usize = 400;
 
-/// What a pass may look at, and where it reports.
+/// What a pass may read, and where it reports.
 pub(crate) struct PassContext<'a> {
     pub(crate) program: &'a Program,
     pub(crate) obstacles: &'a Obstacles,
     pub(crate) progress: &'a Progress,
     pub(crate) sink: &'a mut Sink,
-    /// Stations that are planned so far.
+    /// Stations planned so far.
     pub(crate) stations: Stations,
 }
 

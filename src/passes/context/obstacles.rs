@@ -1,4 +1,4 @@
-//! What the planner keeps the tool away from: sampled surfaces of the design part, of table and fixtures.
+//! Obstacles of the planner: sampled surfaces of the design part, of table and of fixtures.
 
 use crate::collide::revolved;
 use crate::collide::tool::tool_coordinates;
@@ -11,24 +11,25 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// Spacing of the samples, mm.
 const SPACING: f64 = 0.4;
 
-/// Samples of a surface see the true distance of a tool a little too large: a sample lies at most d = 0.71 spacings
-/// beside the closest point, so that a distance g is overestimated by at most sqrt(g^2 + d^2) - g at a sharp edge and
-/// by d^2 / 2R at a round one. The planner keeps this much more than it is asked for.
+/// Reserve for samples in place of a surface, mm. The nearest sample lies at most d = 0.71 spacings beside the closest
+/// point of the surface. A measured distance g is therefore too large by at most sqrt(g^2 + d^2) - g at a sharp edge,
+/// and by d^2 / 2R at a round one. The planner adds this reserve to the required distance.
 const EDGE_MARGIN: f64 = 0.08;
 
-/// The same for tools with a rounded tip of a millimetre and more.
+/// The same reserve for tools with a tip radius of at least 1 mm.
 const ROUND_MARGIN: f64 = 0.02;
 
-/// Halvings of a piece of motion after which its clearance counts as not proved: steps of some micrometres.
+/// Halvings of a piece of motion after which its clearance counts as not proved: the pieces are then some micrometres
+/// long.
 const HALVINGS: u32 = 9;
 
-/// A piece of motion: where it begins and ends.
+/// Both ends of a piece of motion.
 pub(crate) type Ends = [RotaryPose; 2];
 
 /// A cutter that is less than this inside of a sample touches it, mm.
 const TOUCHES: f64 = 2e-4;
 
-/// Margin of a cutter.
+/// Reserve of a cutter, mm.
 fn margin(solid: &ToolSolid) -> f64 {
     if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
 }
@@ -44,23 +45,23 @@ pub struct Keep {
     pub clearance: f64,
 }
 
-/// Spacing of the samples of table and fixtures, mm; large ones have at most [`MOST_CARRIED`].
+/// Spacing of the samples of table and fixtures, mm; wider for large solids, by [`MOST_CARRIED`].
 const CARRIED_SPACING: f64 = 1.0;
 
-/// Most samples of a solid that turns with the part.
+/// Most samples of a rotating obstacle.
 const MOST_CARRIED: f64 = 1e5;
 
 /// Sampled surfaces.
 pub struct Obstacles {
     walls: Cloud,
     hub: Cloud,
-    /// Table and fixtures with the distance within which every point of them has a sample.
+    /// Samples of table and fixtures, with the largest distance from a point of their surface to a sample.
     carried: Vec<(Cloud, f64)>,
     chain: Chain,
 }
 
 impl Obstacles {
-    /// Samples all surfaces of the part, and of what turns with it on a machine.
+    /// Samples all surfaces of the part, and of the rotating obstacles of a machine.
     pub fn new(part: &Part, machine: &Machine) -> Self {
         let samples = sample::sample(part, SPACING);
         let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
@@ -77,16 +78,17 @@ impl Obstacles {
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }
 
-    /// True when the tool keeps its distances over a motion: `lack` is how far a point at a distance from the tool axis
-    /// and a height over the tip is beyond what is asked, and changes no faster than the point moves; no tool point
-    /// moves by more than `shift` and, turning about the tip, by `turn` times its distance from `about`.
+    /// True when the tool keeps its distances over a motion. `lack` takes the distance of a point from the tool axis
+    /// and its height over the tip, and returns its distance less the required distance. It must change no faster than
+    /// the point moves. No tool point may move by more than `shift` plus `turn` times its distance from `about`.
     pub fn keeps(
         &self,
         (tip, axis): (&Point3<f64>, &Vector3<f64>),
         lack: impl Fn(f64, f64) -> f64,
         (about, turn, shift): (&Point3<f64>, f64, f64),
     ) -> bool {
-        // Distance to the middle of the turn changes as fast as the point: as a whole no faster than 1 + turn times.
+        // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
+        // fast.
         let value = |p: &Point3<f64>, margin: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
             (lack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
@@ -97,10 +99,10 @@ impl Obstacles {
             && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
     }
 
-    /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion: the tip runs straight
-    /// and both angles evenly. At the middle of a piece no point of the tool is farther from where it is over the whole
-    /// piece than half of the way of the tip and half of the turn times its distance from the tip; pieces are halved
-    /// until the distance in the middle is larger than that.
+    /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion in which the tip
+    /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
+    /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
+    /// Pieces are halved until the distance at the middle is larger than that.
     pub fn keeps_over(&self, ends: &Ends, lack: impl Fn(f64, f64) -> f64) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
@@ -135,7 +137,7 @@ impl Obstacles {
         self.walls.nearest(tip, axis, lack, 0.0).is_none()
     }
 
-    /// How far the cutter is inside of the part, negative, where it does more than touch it.
+    /// Negative depth of the cutter inside of the part; `None` where it at most touches the part.
     pub fn cutter_inside(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> Option<f64> {
         let lack = |rho: f64, s: f64| solid.cutter_distance(rho, s) + TOUCHES;
         let walls = self.walls.nearest(tip, axis, lack, 0.0).map(|x| x.0);
@@ -143,8 +145,8 @@ impl Obstacles {
         walls.into_iter().chain(hub).reduce(f64::min)
     }
 
-    /// Where a distance to the tool is least on each of the obstacles, and that distance less than what the samples see too
-    /// much of it, as far as it is below `cutoff`.
+    /// For each obstacle the place where a distance to the tool is least, and this distance less the error of the
+    /// samples, if it is below `cutoff`.
     pub fn nearest<'a>(
         &'a self,
         (tip, axis): (&'a Point3<f64>, &'a Vector3<f64>),
@@ -159,8 +161,9 @@ impl Obstacles {
         })
     }
 
-    /// How far shank and holder are from their clearance to part, table and fixtures, where that is lacking; with
-    /// `side_free` also the side of the cutter, from a radius above the middle of its ball, from its own.
+    /// Worst violation of the clearance of shank and holder to part, table and fixtures, negative; `None` where the
+    /// clearance is kept. With `side_free` the side of the cutter also keeps its own distance, from a radius above the
+    /// middle of its ball on.
     pub fn body_lack(
         &self,
         solid: &ToolSolid,
@@ -169,7 +172,7 @@ impl Obstacles {
         keep: &Keep,
         side_free: bool,
     ) -> Option<f64> {
-        // Above this height the side of the cutter has left the ball behind.
+        // Above this height the side of the cutter is clear of the contact of the ball.
         let from = 2.0 * solid.cutter.tip_radius();
         let lack = |rho: f64, s: f64| {
             let body = solid.body_distance(rho, s) - keep.clearance;

@@ -1,9 +1,8 @@
-//! `exact-stops`: places where the control comes to rest, for a control whose tolerance of smoothing does not bound what
-//! rotary axes do (LinuxCNC).
+//! `exact-stops`: exact stops for a control whose smoothing tolerance does not bound the rotary axes (LinuxCNC).
 //!
-//! Before: moves with times. After: a move has a stop at its end where a way at rapid meets one at feed, and where going
-//! over into the next move would take tip or flutes off the path by more than the tolerance of the operation, or an axis
-//! beyond its speed. What the control does is that of [`crate::kin::linuxcnc`].
+//! Before: moves with times. After: a move ends with an exact stop in three cases. A rapid meets a move at feed; corner
+//! rounding into the next move would take tip or flutes off the path by more than the tolerance of the operation; or
+//! the rounding would exceed the speed of an axis. [`crate::kin::linuxcnc`] models the control.
 
 use crate::contract::ContractKind;
 use crate::ir::{JointMove, Motion, MoveKind, OperationId, Program};
@@ -11,7 +10,7 @@ use crate::kin::linuxcnc;
 use crate::method::Planning;
 use rayon::prelude::*;
 
-/// Most times that the run is looked at again with the stops that it needed.
+/// Most rounds in which the run is simulated again with the new stops.
 const MOST_RUNS: usize = 64;
 
 /// Sets the stops.
@@ -38,7 +37,7 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
     });
 }
 
-/// How far the control may leave the path of an operation, mm: its tolerance, and what contracts on it ask for.
+/// How far the control may leave the path of an operation, mm: its tolerance, and the contracts on contour error.
 fn allowed(program: &Program, id: OperationId) -> f64 {
     let t = &program.tolerances;
     let finishes = program.operations[id].kind.finishes();
@@ -48,7 +47,7 @@ fn allowed(program: &Program, id: OperationId) -> f64 {
     here.map(|c| c.bound.value()).fold(tolerance, f64::min)
 }
 
-/// Stops where a way at rapid meets one at feed, and before the retract, which waits for the kinematics to be switched.
+/// Stops where a rapid meets a move at feed, and before the retract, which waits for the switch of the kinematics.
 fn at_joins(moves: &mut [JointMove]) {
     for i in 1..moves.len() {
         let joins = (moves[i - 1].kind == MoveKind::Rapid) != (moves[i].kind == MoveKind::Rapid);
@@ -56,8 +55,8 @@ fn at_joins(moves: &mut [JointMove]) {
     }
 }
 
-/// Stops at corners where the tool leaves the path by more than is allowed, or where an axis goes faster than it can,
-/// since the end of one move and the start of the next add up. Whether there was one.
+/// Stops at corners where the tool leaves the path by more than allowed, or where an axis exceeds its speed, since the
+/// end of one move and the start of the next add up. Returns true when a stop was added.
 fn at_corners(
     settings: &linuxcnc::Settings,
     allowed: f64,
@@ -66,7 +65,7 @@ fn at_corners(
 ) -> bool {
     let mut more = false;
     for (i, ran) in linuxcnc::run(lines, settings).iter().enumerate() {
-        // At rapid nothing is near that would mind a deviation.
+        // During rapids nothing is near, so that a deviation does no harm.
         let leaves = ran.deviation[0] > allowed && moves[i + 1].kind != MoveKind::Rapid;
         if leaves || ran.speed.iter().any(|share| *share > 1.0) {
             (moves[i + 1].stop, lines[i].stop) = (true, true);

@@ -1,11 +1,10 @@
 //! `time-feeds`: feeds that the axes can follow, and the time of every move.
 //!
-//! Before: joints with process feeds. After: each feed is the largest that the tip reaches in that block when the axes
-//! run through the operation as fast as their speeds, accelerations and jerks allow (see [`crate::kin::feedrate`] for what
-//! a feasible feed is), never above the process feed, and no axis would go faster than it can where the block is run
-//! through at its feed alone: that is proved over the whole block ([`Machine::planned_time`]), rapids
-//! included. The times of the moves are those of the feeds; what speeding up and slowing down adds is simulated by the
-//! verifier.
+//! Before: joints with process feeds. After: each feed is at most the process feed, and the largest feed that the tip
+//! reaches in this block when the axes run through the operation as fast as their speeds, accelerations and jerks allow
+//! ([`crate::kin::feedrate`] defines a feasible feed). In addition no axis exceeds its speed when the block is run at
+//! its feed alone; [`Machine::planned_time`] proves this over the whole block, rapids included. The times of the moves
+//! follow from the feeds; the verifier simulates the additional time for acceleration and braking.
 
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
@@ -13,13 +12,13 @@ use crate::kin::{Joints, Machine, between};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves the chord by 15 um there.
+/// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves its chord by 15 um over this turn.
 const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// Most stations of a move.
 const MOST_STATIONS: f64 = 1000.0;
 
-/// Feed unit of the text forms, mm/min: feeds are rounded down to it so that a post never has to round up.
+/// Feed unit of the texts, mm/min: feeds are rounded down to it so that a post never has to round up.
 const FEED_STEP: f64 = 1e-3;
 
 /// Sets feeds and times.
@@ -42,7 +41,7 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
     });
 }
 
-/// Largest feed of each move in the fastest run through all of them, mm/min; nothing where the tip stands.
+/// Largest feed of each move in the fastest run through all of them, mm/min; `None` where the tip stands still.
 fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
     let Some(first) = moves.first() else { return Vec::new() };
     let mut tip = machine.forward(&first.joints).tip;
@@ -59,7 +58,7 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
             let j = machine.joints(&at, between(from.rotary, to.rotary, t));
             let last = stations[stations.len() - 1];
             let here = Station { joints: j.all(), tip: at.coords.into(), time: 0.0 };
-            // The process feed, or the axes where the tip stands.
+            // The process feed, or the speed of the axes where the tip stands still.
             let feed = pair[1].feed.map_or(machine.rapid, |f| f / 60.0);
             let speeds = machine.planned_speeds();
             let turn = (0..AXES).map(|k| (here.joints[k] - last.joints[k]).abs() / speeds[k]).fold(0.0, f64::max);
@@ -86,7 +85,7 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
 }
 
 fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: &mut JointMove, reached: Option<f64>) {
-    // The first move positions from an unknown place: its time is the tool change's.
+    // The first move starts from an unknown place: its time belongs to the tool change.
     let Some(before) = before else { return };
     let tips = [before, m.joints].map(|j| machine.forward(&j).tip);
     let length = (tips[1] - tips[0]).norm();
@@ -107,5 +106,5 @@ fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: 
     };
 }
 
-/// Part of a feed that is rounding of numbers.
+/// Relative difference of feeds that is only rounding of numbers.
 const ROUNDING: f64 = 1e-9;

@@ -5,8 +5,8 @@ use crate::ir::{CcPass, ClPoint, Operation, OperationKind, Program};
 use crate::method::{Flank, FlankMethod};
 use crate::part::{FaceId, Surface};
 
-/// A pass that was found as a path of the axis: its stations at even parameters, with the leads, on which the tool
-/// shifts without turning.
+/// Stations of a pass whose axis path was optimised: at equal parameters of the path, and the ends of the leads, on
+/// which the tool moves without turning.
 pub(crate) fn path_points(path: &DualCurve, pass: &CcPass) -> Vec<ClPoint> {
     let count = pass.points.len().saturating_sub(3).max(1) as f64;
     let [enters, on_path @ .., leaves] = pass.points.as_slice() else { return Vec::new() };
@@ -23,9 +23,9 @@ pub(crate) fn path_points(path: &DualCurve, pass: &CcPass) -> Vec<ClPoint> {
     std::iter::once(ends[0]).chain(stations).chain(std::iter::once(ends[1])).collect()
 }
 
-/// Flank: offsets of both ends of the band by the tool radius, joined (Wei 10 to 12), or the offset of its middle with
-/// the axis along the ruling (Liu 1995). The first and the last station
-/// lie on the lead, where the tool shifts along its path without turning.
+/// Flank: offsets of both edges of the strip by the tool radius, joined (Wei 10 to 12), or the offset of its middle
+/// with the axis along the ruling (Liu 1995). The first and the last station lie on the leads, where the tool moves
+/// along its path without turning.
 pub(crate) fn flank_points(program: &Program, operation: &Operation, pass: &CcPass, side: FaceId) -> Vec<ClPoint> {
     let part = &program.part;
     let OperationKind::Flank { flank: Flank { method, .. }, .. } = operation.kind else { return Vec::new() };

@@ -1,4 +1,5 @@
-//! What a path of flank milling leaves free beside its cut: clearance of shank and holder, travel of rotary axis 1.
+//! Limits of a flank milling path apart from the surface itself: clearance of shank and holder, travel of rotary axis
+//! 1.
 
 use crate::collide::Section;
 use crate::collide::tool::tool_coordinates;
@@ -11,26 +12,27 @@ use crate::passes::context::{Obstacles, STATIONS};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Stations of a path that are looked at: as many as its pass has contacts.
+/// Stations of a path that are checked: as many as its pass has contacts.
 const LOOKS: usize = STATIONS;
 
-/// Stations of a lead that are looked at.
+/// Stations of a lead that are checked.
 const LOOKS_ON_LINE: usize = 30;
 
-/// What is kept beyond each clearance, for what lies between samples and between stations, mm.
+/// Reserve beyond each clearance, for places between samples and between stations, mm.
 const SPARE: f64 = 0.05;
 
-/// What is kept of the travel of rotary axis 1, radians.
+/// Reserve of the travel of rotary axis 1, radians.
 const LEAN_KEPT: f64 = 1e-3;
 
-/// What has no more to spare than this joins the bounds of the path, mm: about what a change of it moves.
+/// Points with less than this distance to their limit join the bounds of the path, mm: about as far as a change of the
+/// path moves a point.
 const NEAR: f64 = 1.0;
 
-/// How much further than the bounds on the face these give way on the way: they may be far off, and when the face holds
-/// they hold.
+/// How much further these bounds give way than those on the face while the path is searched. They may be violated by
+/// much at first; when the bounds on the face hold, these hold as well.
 const FREELY: f64 = 100.0;
 
-/// What an operation keeps.
+/// Clearances and travel of an operation.
 pub(crate) struct Clearances<'a> {
     obstacles: &'a Obstacles,
     /// Shank and holder with the clearance of each section, mm.
@@ -39,11 +41,11 @@ pub(crate) struct Clearances<'a> {
     most_lean: f64,
 }
 
-/// What a path has beside it.
+/// Result of a check of a path.
 pub(crate) struct Found {
-    /// True where everything is kept.
+    /// True where all clearances and the travel are kept.
     pub(crate) kept: bool,
-    /// What is near, as bounds.
+    /// Points near their limit, as bounds.
     pub(crate) near: Vec<Target>,
 }
 
@@ -62,12 +64,12 @@ impl<'a> Clearances<'a> {
         &self.body
     }
 
-    /// What shank and holder have to spare at a point in tool coordinates, mm.
+    /// Distance of shank and holder from a point in tool coordinates, less the clearance, mm.
     fn spare(&self, rho: f64, s: f64) -> f64 {
         self.body.iter().map(|(section, asked)| section.distance(rho, s) - asked).fold(f64::INFINITY, f64::min)
     }
 
-    /// True when shank and holder are clear while the tool shifts along a line.
+    /// True when shank and holder are clear while the tool moves along a line.
     pub(crate) fn kept_on(&self, [from, to]: &[Point3<f64>; 2], axis: &Vector3<f64>) -> bool {
         let stations = (0..=LOOKS_ON_LINE).map(|i| from + (to - from) * (i as f64 / LOOKS_ON_LINE as f64));
         let clear =
@@ -75,7 +77,8 @@ impl<'a> Clearances<'a> {
         stations.into_iter().all(clear)
     }
 
-    /// What comes near to shank and holder along a path, and where the axis leans nearly as far as A travels.
+    /// Points near shank and holder along a path, and stations where the tilt of the axis is near the travel of rotary
+    /// axis 1.
     pub(crate) fn found(&self, path: &DualCurve) -> Found {
         let station = |i: usize| {
             let t = i as f64 / LOOKS as f64;
@@ -83,7 +86,7 @@ impl<'a> Clearances<'a> {
             let bodies = self.obstacles.nearest((&at.lower, &at.axis), |rho, s| self.spare(rho, s), NEAR);
             let bodies = bodies.map(move |(spare, point): (f64, Point3<f64>)| {
                 let (rho, s) = tool_coordinates(&point, &at.lower, &at.axis);
-                // The samples of an obstacle see too much by this.
+                // The samples make the distance of an obstacle too large by this amount.
                 let unseen = self.spare(rho, s) - spare;
                 (spare, Target { of: Of::Body, give: [FREELY; 2], ..Target::clear(point, unseen + SPARE) })
             });

@@ -1,4 +1,4 @@
-//! Flank milling: bands of the faces for the side of the cutter.
+//! Flank milling: strips of the faces for the side of the cutter.
 
 mod axes;
 mod clearance;

@@ -1,9 +1,9 @@
-//! Plan of the operation `flank`: bands of the vane faces for the side of the cutter (Wei 3.2).
+//! Plan of the operation `flank`: strips of the vane faces for the side of the cutter (Wei 3.2).
 //!
-//! Before: an operation. After: per face and band a pass from inlet to outlet, from the top band to the root. The
-//! lowest band ends where the ball of the tool, rolling in the fillet, touches the face. `minimax` finds the path of
-//! the tool axis as well, since only both together say what is left on the face; `two-point` and `one-point` place every
-//! ruling by itself, and leave the axis to `orient-tool`.
+//! Before: an operation. After: per face and strip a pass from inlet to outlet, from the strip at the shroud to the
+//! strip at the root. The lowest strip ends where the ball of the tool, which rolls in the fillet, touches the face.
+//! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
+//! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
 use super::sweep::{self, NO_LACK, Sweep, Task};
 use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
@@ -19,22 +19,23 @@ use crate::progress::Progress;
 use crate::units::length;
 use rayon::prelude::*;
 
-/// Most bands that `strips auto` tries.
+/// Largest number of strips that `strips auto` tries.
 const MOST_STRIPS: u32 = 8;
 
-/// Rounds in which the heights of bands are evened out.
+/// Rounds that even out the errors of strips by their heights.
 const EVENINGS: usize = 3;
 
-/// Share of the room that a quick search may miss and the full one still finds.
+/// Ratio by which a quick search may miss the tolerance budget; the full search still succeeds.
 const NEARLY: f64 = 1.1;
 
-/// Share of the room from which evening out the heights further will not help, nor more bands do what the cube law says.
+/// Ratio of error to tolerance budget above which neither further evening of heights nor the number of strips by the
+/// cube law will succeed.
 const HOPEFUL: f64 = 1.5;
 
-/// Share of what is missing of clearance or travel that one more band has to take away for a further one to be tried.
+/// A further strip is tried when the last one has reduced the missing clearance or travel to at most this share.
 const WORTH: f64 = 0.8;
 
-/// A band of a face.
+/// A strip of a face.
 struct Planned {
     side: FaceId,
     strip: u32,
@@ -45,7 +46,8 @@ struct Planned {
 /// Plans a flank operation.
 ///
 /// # Errors
-/// The ball of the tool does not fit the fillet; no number of bands keeps the contracts. The diagnostic is in the sink.
+/// The ball of the tool does not fit the fillet; no number of strips keeps the contracts. The sink holds the
+/// diagnostic.
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
@@ -75,23 +77,23 @@ fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rollin
     Aborted
 }
 
-/// Bands of one face.
+/// Strips of one face.
 enum Bands {
-    /// Their paths, from the root; with a number of bands that the job gives, they may miss the bounds.
+    /// Their paths, from the root. With a number of strips from the job, paths may violate the bounds.
     Found(Vec<Sweep>),
-    /// Not even the most bands keep the bounds.
+    /// Even the largest number of strips violates the bounds.
     Never {
-        /// The largest error that the most bands leave.
+        /// The largest error with the largest number of strips.
         worst: Worst,
-        /// The error that the bounds leave to the plan on each side, mm.
+        /// The error that the bounds allow on each side, mm.
         needed: f64,
-        /// Largest sizes of the cutter that would do, as shares of its size, for numbers of bands.
+        /// For numbers of strips the largest cutter that keeps the bounds, as a share of its size.
         fitting: Vec<(u32, Option<f64>)>,
     },
 }
 
-/// The axis paths of the bands of a face, from the root, as a flank operation by `minimax` plans them. `None` where no
-/// ball rolls along the root, where no number of bands keeps the contracts, and for an operation of another kind.
+/// The axis paths of the strips of a face, from the root, as a flank operation by `minimax` plans them. `None` where no
+/// ball rolls along the root, where no number of strips keeps the contracts, and for an operation of another kind.
 pub fn axis_paths(
     program: &Program,
     id: OperationId,
@@ -109,29 +111,29 @@ pub fn axis_paths(
     }
 }
 
-/// The paths of the bands of a face. `None` where no ball rolls along the root.
+/// The paths of the strips of a face. `None` where no ball rolls along the root.
 fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
     let sweeps = |bands: &[(Band<'_>, Worst)]| {
         bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>()
     };
     let room = task.room(SurfaceKind::Face(side), side);
-    // One band where nothing is asked for.
+    // One strip where no contract requires anything.
     let given = task.choices.strips.or_else(|| room.is_none().then_some(1));
     match given {
-        // One band has no heights to be evened out.
+        // A single strip has no heights to even out.
         Some(1) => return Some(Bands::Found(vec![task.sweep(&Band::new(around, side, [0.0, 1.0], cutter))?])),
         Some(strips) => return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found),
         None => {}
     }
     let [below, above] = room?;
-    // The least error lies evenly on both sides: it needs as much room.
+    // The least error lies evenly on both sides and needs half of the sum of both bounds.
     let needed = 0.5 * (below + above);
-    // The cube law says from which number on bands may do.
+    // The cube law gives the least number of strips that can succeed.
     let may = |(fewer, error): (u32, f64), strips: u32| {
         error * (f64::from(fewer) / f64::from(strips)).powi(3) <= HOPEFUL * needed
     };
     let mut last: Option<(u32, f64)> = None;
-    // Bands that keep the bounds, but not clearances or travel, and by how much they miss these.
+    // Strips that keep the bounds but violate clearances or travel, and the violation.
     let mut crowded: Option<(Vec<Sweep>, f64)> = None;
     for strips in 1..=MOST_STRIPS {
         if last.is_some_and(|last| !may(last, strips)) {
@@ -155,7 +157,7 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutte
         if misses == 0.0 {
             return Some(Bands::Found(found));
         }
-        // Lower bands may lean further, if that is what is missing.
+        // More strips of less height may tilt further, which may reduce the violation.
         let before = crowded.as_ref().map_or(f64::INFINITY, |c| c.1);
         if misses < before {
             crowded = Some((found, misses));
@@ -171,7 +173,7 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutte
     Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
 }
 
-/// Largest sizes of the cutter that keep an error in numbers of bands, as shares of its size.
+/// For each number of strips the largest cutter that keeps an error, as a share of its size.
 fn fitting(
     around: &Surroundings<'_>,
     side: FaceId,
@@ -179,12 +181,12 @@ fn fitting(
     strips: &[u32],
     error: f64,
 ) -> Vec<(u32, Option<f64>)> {
-    // What easing and the full search need beside.
+    // The factor leaves a reserve for easing and for the full search.
     let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
     if error > SLACK { found.collect() } else { Vec::new() }
 }
 
-/// Bands of both faces with the paths that keep the contracts, or come nearest to it.
+/// Strips of both faces with paths that keep the contracts or violate them least.
 fn optimised(
     cx: &mut PassContext<'_>,
     id: OperationId,
@@ -254,10 +256,10 @@ fn optimised(
 /// The law behind the help of both diagnostics.
 const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
 
-/// What sizes of the cutter would do.
+/// Describes the sizes of the cutter that would keep the contracts.
 fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
     let size = |(strips, share): &(u32, Option<f64>)| {
-        // Down to tenths of a millimetre.
+        // Rounded down to tenths of a millimetre.
         let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
         Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
     };
@@ -266,7 +268,7 @@ fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
         .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
 }
 
-/// No number of bands keeps the contracts.
+/// Reports that no number of strips keeps the contracts.
 fn never(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -305,7 +307,7 @@ fn never(
     cx.sink.push(diag.help(help));
 }
 
-/// Says by how much the contracts are missed with the number of bands that the job gives.
+/// Reports by how much the contracts are violated with the number of strips from the job.
 fn lacking(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -339,18 +341,18 @@ fn lacking(
     );
 }
 
-/// Contact stations of an optimised band, with the ends of both leads.
+/// Contact stations of an optimised strip, with the ends of both leads.
 fn stations(part: &Part, side: FaceId, sweep: &Sweep) -> Vec<CcPoint> {
     let face = part.face(side);
     let at = |t: f64| {
         let tip = sweep.path.at(t).lower;
         let Some([u, v]) = sweep::contact(&sweep.contacts, t) else {
-            // Beyond inlet and outlet nothing is touched.
+            // Beyond inlet and outlet the tool touches nothing.
             let u = if t < 0.5 { -1.0 } else { 2.0 };
             return CcPoint { u, v: 0.0, w: 1.0, position: tip, normal: nalgebra::Vector3::zeros() };
         };
         let [low, high] = sweep.span;
-        // The ruling goes on from the lower edge of the band.
+        // The ruling continues from the lower edge of the strip.
         let upper = v + (1.0 - v) * (high - low) / (1.0 - low);
         CcPoint { u, v, w: upper, position: face.surface.point(u, v), normal: face.normal(u, v) }
     };
@@ -359,7 +361,7 @@ fn stations(part: &Part, side: FaceId, sweep: &Sweep) -> Vec<CcPoint> {
     std::iter::once(enters).chain(path).chain(std::iter::once(leaves)).collect()
 }
 
-/// Bands along the rulings, each ruling by itself.
+/// Strips along the rulings, each ruling by itself.
 fn by_ruling(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -373,7 +375,7 @@ fn by_ruling(
     let mut bands = Vec::new();
     for side in faces {
         let face = part.face(*side);
-        // On the face and, on its continuation, until the ball has left hub and edge behind.
+        // On the face, and on its continuation until the ball has passed hub and edge.
         let (from, to) =
             (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
         let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
@@ -381,7 +383,7 @@ fn by_ruling(
             .map(|u| part.fillet_tangent(*side, u, rolling).map(|v| (u, v)))
             .collect();
         let Some(lowest) = lowest else { return Err(no_ball(cx, operation, *side, rolling)) };
-        // What is left of the lead: there the tool only shifts.
+        // Remainder of the lead, on which the tool moves without turning.
         let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
         let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
         let after = part.root_step(*side, 1.0, rest(operation.lead_out.get()));

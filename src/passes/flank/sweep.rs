@@ -1,5 +1,5 @@
-//! The axis path of one band by `method minimax`: within the bounds of the contracts, of clearance and of travel, and of
-//! those paths the one with the least motion of the rotary axes.
+//! The axis path of one strip by `method minimax`: of all paths that keep contracts, clearance and travel, the path
+//! with the least motion of the rotary axes.
 
 use super::clearance::Clearances;
 use crate::analysis::flank::{Band, Placed};
@@ -15,53 +15,54 @@ use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Gain of a step of minimax, as a share, to stop at.
+/// Relative gain of a minimax step at which the iteration stops.
 const GAIN: f64 = 2e-3;
 
-/// Times at most that points which were broken between the others join them.
+/// Largest number of rounds in which violated points between the others join the search.
 const EXCHANGES: usize = 12;
 
-/// Steps of easing, first and after the first exchanges; after later ones the path only returns to its bounds.
+/// Steps of easing in the first rounds; in later rounds the path only returns to its bounds.
 const EASING: [usize; 3] = [20, 3, 3];
 
-/// Points of the last look, as a share of the spacing of the search, and how near to a bound they are looked at again, mm.
+/// Density of the points of the last check, relative to the spacing of the search; and the distance from a bound, mm,
+/// within which a point is checked again.
 const DENSE: f64 = 5.0;
 const NEAR: f64 = 1e-3;
 
-/// Points of the last look whose surroundings are looked at more closely.
+/// Number of points of the last check whose surroundings are checked more densely.
 const CRESTS: usize = 30;
 
-/// A lack that is none, mm.
+/// A violation below this counts as none, mm.
 pub(crate) const NO_LACK: f64 = 5e-5;
 
-/// Times at most that what is in the way of a path joins its bounds.
+/// Largest number of rounds in which obstacles of a path join its bounds.
 const CLEARINGS: usize = 6;
 
-/// Weight of accelerations against speeds in the motion of the rotary axes, as a length of way, mm.
+/// Weight of accelerations against speeds in the motion of the rotary axes, as a length of path, mm.
 const REACH: f64 = 3.0;
 
-/// The axis path of a band.
+/// The axis path of a strip.
 #[derive(Clone, Debug)]
 pub(crate) struct Sweep {
     /// Path of the tip, and of a point of the axis further up.
     pub(crate) path: DualCurve,
-    /// Contacts on the lower edge of the band: parameter of the path, (u, v) of the face; ascending.
+    /// Contacts on the lower edge of the strip: parameter of the path, (u, v) of the face; ascending.
     pub(crate) contacts: Vec<(f64, [f64; 2])>,
     /// Tip at the far ends of both leads.
     pub(crate) leads: [Point3<f64>; 2],
-    /// True where no lead clears the part, so that it goes straight on.
+    /// True where no direction of the lead clears the part; the lead then goes straight on.
     pub(crate) blocked: [bool; 2],
     /// Deepest gouge and largest excess of the planned path, mm, on points twice as dense as those of the search.
     pub(crate) error: [f64; 2],
-    /// Shares of the height of the face between which the band lies.
+    /// Lower and upper edge of the strip, as shares of the height of the face.
     pub(crate) span: [f64; 2],
-    /// By how much the bounds had to give way, mm; zero where they are kept.
+    /// Violation of the bounds, mm; zero where the bounds are kept.
     pub(crate) lacks: f64,
-    /// By how much the bounds would have to give way beside clearances and travel, mm; zero where these are kept.
+    /// Violation of the bounds if clearances and travel were kept as well, mm; zero where all are kept.
     pub(crate) crowded: f64,
 }
 
-/// What a band is optimised for.
+/// Input of the optimisation of a strip.
 pub(crate) struct Task<'a> {
     /// Knows whether the run was cancelled.
     pub(crate) progress: &'a Progress,
@@ -71,22 +72,22 @@ pub(crate) struct Task<'a> {
     pub(crate) obstacles: &'a Obstacles,
 }
 
-/// How closely a path is looked at in the end.
+/// Density of the last check of a path.
 #[derive(Clone, Copy, PartialEq)]
 enum Look {
     /// Between the points of the search.
     Between,
-    /// On crests as well, as they stand where the envelope folds: a path that is pushed along itself comes near to that.
+    /// On crests as well, which arise where the envelope folds. A path that is shifted along itself comes near to that.
     OnCrests,
 }
 
 /// Points that bound a path.
 struct Points {
-    /// Those that programs know of.
+    /// Points in the constraints of the programs.
     looked_at: Vec<Target>,
-    /// Those among which the broken ones are looked for.
+    /// Points among which violations are searched.
     all: Vec<Target>,
-    /// Those of the last look, with their places.
+    /// Points of the last check, with their places.
     dense: Vec<(Target, Placed)>,
 }
 
@@ -122,7 +123,7 @@ impl Task<'_> {
                 Some((_, room)) => *room,
                 None => self.room(placed.kind, band.side).or_else(|| self.room(face, band.side)).unwrap_or([0.0; 2]),
             };
-            // The neighbouring vane keeps its distance whatever the contracts say.
+            // The neighbouring vane keeps its distance independently of the contracts.
             let target = if placed.target.low > 0.0 { placed.target } else { placed.target.widened(below, above) };
             self.giving(target, placed, band)
         };
@@ -151,7 +152,7 @@ impl Task<'_> {
         let measured = Measured::new(&path, &tool, &exact);
         let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.at[1]);
         let edge = band.span[0];
-        // The row of targets nearest to the lower edge from above.
+        // The row of targets nearest to the lower edge, on its upper side.
         let row = lowest.filter(|h| *h >= edge - 1e-9).fold(1.0, f64::min);
         let mut contacts: Vec<(f64, [f64; 2])> = fine
             .iter()
@@ -168,8 +169,8 @@ impl Task<'_> {
         Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
     }
 
-    /// A path near one that shank, holder and travel may not allow, which they do; else by how much the bounds would have
-    /// to give way for it, mm. `within` finds a path from another, with more bounds.
+    /// A path near `path` that keeps shank, holder and travel within their limits; else the violation, mm. `within`
+    /// finds a path from another path and additional bounds.
     fn cleared(
         &self,
         path: &DualCurve,
@@ -192,8 +193,8 @@ impl Task<'_> {
         Err(lacks.max(NO_LACK))
     }
 
-    /// The path with the least motion that keeps the bounds of all points, by how much they had to give way, and by how
-    /// much more some are broken that never came to hold, mm.
+    /// The path with the least motion that keeps the bounds of all points; how far the bounds had to give way, mm; and
+    /// the increase of the worst violation among constraints that were never satisfied, mm.
     fn within_bounds(
         &self,
         mut path: DualCurve,
@@ -209,7 +210,7 @@ impl Task<'_> {
             let guarded = self.guarded(path, tool, &points.looked_at);
             let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
             if round == 0 && best.widening > NO_LACK {
-                // Finer knots may do what more bands would.
+                // Finer knots may achieve what more strips would.
                 (best, points.looked_at) = {
                     let found = finest(&guarded, tool, &points.looked_at, &points.all, GAIN);
                     (found.best, found.targets)
@@ -233,7 +234,7 @@ impl Task<'_> {
             };
             broken = broken_of(&points.all);
             if broken.is_empty() {
-                // What easing gains it takes from between the points, most of all at both ends.
+                // Easing violates bounds between the points, most of all at both ends.
                 let dense: Vec<Target> = points.dense.iter().map(|p| p.0).collect();
                 let measured = Measured::new(&path, tool, &dense);
                 let mut near: Vec<(f64, &(Target, Placed))> =
@@ -258,9 +259,9 @@ impl Task<'_> {
         (path, lacks, left.max(0.0))
     }
 
-    /// Shares in which the bounds of a target give way.
+    /// Sets the shares by which the bounds of a target may give way.
     fn giving(&self, target: Target, placed: &Placed, band: &Band<'_>) -> Target {
-        /// Share of a band's edge that the tool is to touch.
+        /// Share for points on the edges of a strip, which the tool is to touch.
         const HELD: f64 = 0.02;
         match self.choices.conflict {
             Conflict::Balance => target,
@@ -273,7 +274,8 @@ impl Task<'_> {
         }
     }
 
-    /// A path that keeps the bounds which do not give way, from one that may not: excess is free on the way there.
+    /// A path that keeps the bounds which may not give way, from a path that may violate them. Excess is unlimited
+    /// here.
     fn guarded(&self, path: DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
         if self.choices.conflict != Conflict::GougeFree {
             return path;
@@ -291,8 +293,8 @@ pub(crate) fn contact(contacts: &[(f64, [f64; 2])], t: f64) -> Option<[f64; 2]> 
     Some([0, 1].map(|k| a.1[k] + (b.1[k] - a.1[k]) * share))
 }
 
-/// Directions of the leads beyond both ends of a path: on along the path, or bent away from face and hub until the tool,
-/// which shifts without turning, cuts nothing there and is clear; and whether none of these does.
+/// Directions of the leads beyond both ends of a path: straight on, or inclined away from face and hub until the tool,
+/// which moves without turning, cuts nothing on the lead and is clear. The flag is true where no direction succeeds.
 fn leads(
     band: &Band<'_>,
     path: &DualCurve,
@@ -300,7 +302,7 @@ fn leads(
     targets: &[Target],
     clearances: &Clearances<'_>,
 ) -> ([Vector3<f64>; 2], [bool; 2]) {
-    /// Shares of normals of face and hub that are tried, from straight on to steeply away.
+    /// Shares of the normals of face and hub that are tried, from straight on to steeply away.
     const BENDS: [[f64; 2]; 8] =
         [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
     let tool = band.tool();
@@ -319,7 +321,7 @@ fn leads(
                     let height = d.dot(&at.axis);
                     tool.cutter.distance((d - at.axis * height).norm_squared().sqrt(), height)
                 };
-                // The end of the path is measured with it; a convex function beyond it.
+                // The path itself already bounds its end; the distance along the lead is convex.
                 least_convex(distance) >= (t.low - SLACK).min(distance(0.0))
             });
             cuts_nothing && clearances.kept_on(&line, &at.axis)

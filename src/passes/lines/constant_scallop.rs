@@ -1,11 +1,12 @@
 //! Lines of constant scallop between two walls of a floor.
 //!
-//! In a metric whose unit is the step of the scallop law, each line is the front one step ahead of the line before it
-//! ([`BandMetric::front`]). Such a family starts at each wall, so that both walls are lines, and ends where it meets the
-//! other one: on the seam, whose points are as far from one wall as from the other. Where the channel widens, the two
-//! lines number k part from a point of the seam at which it is k steps from both walls. Between half a step and a step
-//! beyond the lines k - 1 a single line along the seam is what is needed, which then goes on as the line k of the first
-//! family. So every point lies within half a step of a line, and nowhere is there a line more than that takes.
+//! The unit of the metric is the step of the scallop law. In this metric each line is the front one step ahead of its
+//! predecessor ([`BandMetric::front`]). Such a family of lines starts at each wall, so that both walls are lines. It
+//! ends at the seam, where it meets the other family; the points of the seam are equally far from both walls. Where the
+//! channel widens, the two lines number k separate at the point of the seam that is k steps from both walls. Where the
+//! seam is between half a step and one step beyond the lines k - 1, a single line along the seam is enough; it
+//! continues as line k of the first family. Every point therefore lies within half a step of a line, and no place has
+//! more lines than this requires.
 //!
 //! ```text
 //! first wall ---------------------------------- 0
@@ -20,35 +21,36 @@
 use crate::geom::BandMetric;
 use crate::geom::geodesic::cubic_weights;
 
-/// Share of a step over which a line turns from the seam into its family, on both sides of the place where they meet:
-/// less than half, so that it has turned where the next line begins.
+/// Share of a step over which a line turns from the seam into its family, on both sides of the place where they meet.
+/// It is less than half, so that the turn is complete where the next line begins.
 const TURN: f64 = 0.45;
 
-/// Where the line number k of the second family begins: its front lies this far behind the seam, in turns. Up to there
-/// the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has 0.2 to spare.
+/// How far the front of line k of the second family lies behind the seam where the line begins, in units of [`TURN`].
+/// Up to there the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has a
+/// reserve of 0.2.
 const BEGINS: f64 = 0.2;
 
-/// Share of half a step by which a point between two lines may be farther from them than that.
+/// Share by which the distance from a point to the nearest line may exceed half a step.
 const COVER: f64 = 1e-3;
 
 /// One line over the floor.
 pub(crate) struct Track {
-    /// y at the stations of the metric; it is also given where the line is not used.
+    /// y at the stations of the metric, also where the line is not used.
     pub(crate) azimuth: Vec<f64>,
-    /// Where it is used, as x from and to; infinite at an end that goes on over the end of the floor.
+    /// Range of x in which the line is used; infinite at an end that continues beyond the end of the floor.
     pub(crate) range: [f64; 2],
 }
 
-/// A family of fronts from one wall, half a step from each other.
+/// A family of fronts from one wall, with half a step between neighbours.
 struct Family {
     sign: f64,
     fronts: Vec<Vec<f64>>,
 }
 
-/// Lines over the floor between two walls (y at the stations of the metric, the second greater than the first inside of
-/// `span`), for x over `span`, in order from the first wall to the second. The unit of the metric is the step. A line
-/// that would end less than `short` (in x) from an end of the span, or from its own next piece, goes on instead. `None`
-/// when the families have not met after `most` lines.
+/// Lines over the floor between two walls, for x over `span`, from the first wall to the second. A wall is given as y
+/// at the stations of the metric; the second y is greater than the first inside of `span`. The unit of the metric is
+/// the step. A line that would end less than `short` (in x) from an end of the span, or from its own next piece, is not
+/// interrupted. `None` when the families have not met after `most` lines.
 pub(crate) fn tracks(
     metric: &BandMetric,
     walls: [&[f64]; 2],
@@ -60,13 +62,13 @@ pub(crate) fn tracks(
     let used: Vec<bool> = x.iter().map(|x| (span[0]..=span[1]).contains(x)).collect();
     let mut first = Family { sign: 1.0, fronts: vec![walls[0].to_vec()] };
     let mut second = Family { sign: -1.0, fronts: vec![walls[1].to_vec()] };
-    // Four fronts at least, for the cubic between them.
+    // At least four fronts, which the cubic between them needs.
     while first.fronts.len() < 4 || !met(&first, &second) {
         if first.fronts.len() > 2 * most + 4 {
             return None;
         }
         let halves = [first.half(metric), second.half(metric)];
-        // Stations at which the halves have not met yet: beyond the seam a family is of no use.
+        // Stations at which the halves have not met yet: behind the seam a family is not used.
         let open: Vec<bool> =
             used.iter().zip(halves[0].iter().zip(&halves[1])).map(|(u, (a, b))| *u && a < b).collect();
         for (family, half) in [&mut first, &mut second].into_iter().zip(halves) {
@@ -113,8 +115,8 @@ impl Family {
         self.fronts.last().map_or_else(Vec::new, |line| metric.front(line, 0.5 * self.sign))
     }
 
-    /// Adds a half front and the next line. From its hollow side a corner of the next line would not be within reach
-    /// of all of the half front; then the line comes nearer until it is.
+    /// Adds a half front and the next line. Where the half front is hollow, a corner of the next line would lie too far
+    /// from parts of it; the line then moves nearer until all of the half front is covered.
     fn advance(&mut self, metric: &BandMetric, half: Vec<f64>, open: &[bool]) {
         const TRIES: usize = 12;
         let mut ahead = 0.5;
@@ -136,7 +138,7 @@ impl Family {
         self.fronts.extend([half, next]);
     }
 
-    /// y of the family at a station, for a number of steps from its wall.
+    /// y of the family at station `i`, `steps` steps from its wall.
     fn at(&self, i: usize, steps: f64) -> f64 {
         let at = (2.0 * steps).max(0.0);
         let first = (at.floor().max(1.0) as usize - 1).min(self.fronts.len() - 4);
@@ -145,8 +147,8 @@ impl Family {
     }
 }
 
-/// Steps from the walls to the seam at a station, and y of the seam there. Where the walls have crossed, half way between
-/// them.
+/// Steps from the walls to the seam at a station, and y of the seam there. Where the walls have crossed, the seam is
+/// half way between them.
 fn seam_at(first: &Family, second: &Family, i: usize) -> [f64; 2] {
     let gap = |steps: f64| second.at(i, steps) - first.at(i, steps);
     let last = first.fronts.len() - 1;
@@ -163,15 +165,15 @@ fn seam_at(first: &Family, second: &Family, i: usize) -> [f64; 2] {
     [low, 0.5 * (first.at(i, low) + second.at(i, low))]
 }
 
-/// The distance to keep from the seam, from the distance at which the front lies before it (negative behind): zero behind
-/// the seam, the distance itself before it, and over a width on both sides a smooth turn (twice continuous) that is
-/// never less than either.
+/// Distance that a line keeps from the seam, from the distance of its front before the seam (negative behind). The
+/// result is zero behind the seam and the distance itself before it. Over `width` on both sides a smooth curve (twice
+/// continuously differentiable) joins both; it is never less than either.
 fn soft_rest(distance: f64, width: f64) -> f64 {
     let share = (1.0 - distance.abs() / width).max(0.0);
     distance.max(0.0) + width * share.powi(3) / 6.0
 }
 
-/// Ranges of x inside of the span where a need, given at the stations, is not negative.
+/// Ranges of x inside of the span where `need`, given at the stations, is not negative.
 fn ranges(x: &[f64], need: &[f64], span: [f64; 2], short: f64) -> Vec<[f64; 2]> {
     let mut found: Vec<[f64; 2]> = Vec::new();
     let mut take = |from: f64, to: f64| {
@@ -211,8 +213,8 @@ mod tests {
 
     const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-    /// Distance from a point to the nearest line that is used there, in a plane metric with the given step, by brute
-    /// force over pieces.
+    /// Distance from a point to the nearest used line, in a plane metric with the given step, by brute force over
+    /// pieces.
     fn nearest(metric: &BandMetric, tracks: &[Track], step: f64, x: f64, y: f64) -> f64 {
         let mut least = f64::INFINITY;
         for track in tracks {
@@ -229,8 +231,8 @@ mod tests {
 
     #[test]
     fn parallel_walls_have_parallel_lines() {
-        // Width in steps, and lines that are needed: one more than steps, rounded up. At 1.95 both of the middle ones
-        // begin already.
+        // Width in steps, and the number of lines: one more than the width in steps, rounded up. At 1.95 both middle
+        // lines have already begun.
         for (width, lines) in
             [(0.4, 2), (0.95, 2), (1.4, 3), (1.8, 3), (1.95, 4), (2.2, 4), (6.5, 8), (9.7, 11), (10.2, 12)]
         {
@@ -241,7 +243,7 @@ mod tests {
             assert!(found.iter().all(|t| t.range == OPEN));
             let y: Vec<f64> = found.iter().map(|t| t.azimuth[80]).collect();
             assert!(y[0] == 0.0 && y[lines - 1] == 0.5 * width);
-            // No two are more than a step apart.
+            // Neighbours are at most a step apart.
             assert!(y.windows(2).all(|p| p[0] <= p[1] && 2.0 * (p[1] - p[0]) <= 1.0 + 1e-6), "{width}: {y:?}");
         }
     }
@@ -260,18 +262,18 @@ mod tests {
         assert_eq!(found.len(), 2 * (most + 1) + half);
         let mut length = 0.0;
         for (k, track) in found.iter().take(most + 1).enumerate().skip(1) {
-            // Along the seam from half a step beyond the lines before.
+            // The line starts along the seam, half a step beyond the previous lines.
             let starts = (k as f64 - 0.5) * step / sin;
             let expected = if starts < from { f64::NEG_INFINITY } else { starts };
             assert!((track.range[0] - expected).abs() < 1e-3 || expected == track.range[0], "{k}: {:?}", track.range);
             assert!(track.range[1] == f64::INFINITY);
-            // Far from the seam it is the parallel.
+            // Far from the seam the line is parallel to the wall.
             let at = metric.at(&track.azimuth, to);
             assert!(((at + to * sin / cos) * cos / step - k as f64).abs() < 1e-6, "{k}: {at}");
             length += to - starts.max(from);
         }
         assert!(length > 0.0);
-        // Covered everywhere to half a step.
+        // Every point lies within half a step of a line.
         let mut worst = 0.0_f64;
         for i in 0..160 {
             let x = from + (to - from) * (f64::from(i) + 0.37) / 160.0;
@@ -304,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_corner_in_a_wall_is_covered_as_well() {
-        // The waves of a wall with a hollow corner meet in a corner of each line: lines there come nearer.
+        // The fronts of a wall with a hollow corner have a corner themselves: lines move nearer there.
         let metric = BandMetric::new(-21.0, 21.0, 841, |_| [1.0, 1.0]);
         let low: Vec<f64> = metric.stations().map(|x| 0.5 * x.abs()).collect();
         let high = vec![16.0; 841];

@@ -1,8 +1,8 @@
-//! Lines of constant scallop on a surface between two walls: as far from each other as the scallop allows, everywhere.
+//! Lines of constant scallop on a surface between two walls: everywhere as far apart as the scallop allows.
 //!
-//! Ridges are measured in the metric (I / R + II) / 8h of the surface, whose unit is the step in any direction: in it a
-//! ball of radius R that follows a line leaves 4h d^2 at the distance d from it. For other cutters I / R is the second
-//! fundamental form of the cutter at the contact.
+//! Ridges are measured in the metric (I / R + II) / 8h of the surface. The unit of this metric is the step in any
+//! direction: a ball of radius R that follows a line leaves 4h d^2 at the distance d from it. For other cutters the
+//! second fundamental form of the cutter at the contact replaces I / R.
 
 mod constant_scallop;
 pub mod scallop;
@@ -15,26 +15,26 @@ use crate::passes::context::{PassContext, STATIONS, limits::check_points};
 use constant_scallop::{Track, tracks};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Stations of the metric, less one.
+/// Stations of the metric, minus one.
 pub(crate) const METRIC_STATIONS: usize = 600;
 
-/// Stations of an arc on which a line begins or ends inside of the surface.
+/// Stations of an arc at the end of a line that begins or ends inside of the surface.
 const ARC_STATIONS: usize = 24;
 
-/// Width of a surface, in steps, below which one line covers it: a ball that rolls along both walls at once.
+/// Width of a surface, in steps, below which one line covers the surface: a ball that rolls along both walls at once.
 const NO_WIDTH: f64 = 1e-3;
 
-/// Times that lines are laid again where ridges are not as high as the metric says: it is right to second order, and knows
-/// only the rounding of the cutter that it touches with.
+/// Times that lines are laid again where the ridges do not have the height that the metric predicts. The metric is
+/// correct to second order, and knows only the rounding at the contact of the cutter.
 const ROUNDS: usize = 4;
 
-/// Share of the height asked for that lines are laid for: ridges are looked for in some columns only.
+/// Share of the required height for which lines are laid: ridges are measured in some columns only.
 const BETWEEN: f64 = 0.99;
 
-/// Share over the highest ridge up to which the height is used well.
+/// Ratio of the target to the highest ridge up to which the height counts as well used.
 const NEARLY: f64 = 1.04;
 
-/// Largest growth of the height in a round.
+/// Largest growth of the height per round.
 const MOST_GROWTH: f64 = 3.0;
 
 /// A surface with x along its lines, from 0 to 1, and y across them.
@@ -42,14 +42,14 @@ pub(crate) trait Ground: Sync {
     /// What a set of lines covers, in words.
     fn name(&self) -> String;
 
-    /// y of the first wall at x, and from it to the second.
+    /// y of the first wall at x, and the difference from it to the second wall.
     fn walls(&self, x: f64) -> (f64, f64);
 
-    /// Contact at (x, y), a share of the way from wall to wall; x also beyond both ends.
+    /// Contact at (x, y); `share` is the share of the path from wall to wall. x may lie beyond both ends.
     fn contact(&self, x: f64, y: f64, share: f64) -> CcPoint;
 
-    /// True at the ends x = 0 and x = 1 where lines may go on beyond the surface on their leads; at others they rise on an
-    /// arc.
+    /// True at an end (x = 0, x = 1) where the leads of a line may run on beyond the surface; at other ends lines rise
+    /// on an arc.
     fn open(&self) -> [bool; 2] {
         [true; 2]
     }
@@ -57,30 +57,30 @@ pub(crate) trait Ground: Sync {
     /// Length along a line of a slope dy/dx at (x, y), mm per unit of x.
     fn speed(&self, x: f64, y: f64, slope: f64) -> f64;
 
-    /// Metric whose unit is the step that leaves ridges of a height.
+    /// Metric whose unit is the step for ridges of the given height.
     fn metric(&self, height: f64) -> BandMetric;
 
-    /// Highest ridge between lines, found by looking; `None` where the metric is exact enough.
+    /// Highest measured ridge between lines; `None` where the metric is exact enough.
     fn highest_ridge(&self, _lines: &[Line]) -> Option<f64> {
         None
     }
 
-    /// Length that no lines could be shorter than: each point takes the largest step that it has in any direction.
+    /// Lower bound of the length of all lines: each point takes the largest step of any direction.
     fn least_length(&self, height: f64) -> f64;
 }
 
 /// A line on a surface.
 pub(crate) struct Line {
-    /// Contacts, with those of its leads or arcs.
+    /// Contacts on the surface, on the leads and on the arcs.
     points: Vec<CcPoint>,
-    /// Those on the surface and their x, ascending.
+    /// Contacts on the surface with their x, ascending.
     pub(crate) on_surface: Vec<(f64, CcPoint)>,
-    /// True when it begins or ends inside of the surface.
+    /// True when the line begins or ends inside of the surface.
     partial: bool,
 }
 
 impl Line {
-    /// A line with its contacts on the surface, by ascending x, alone.
+    /// A line of contacts on the surface only, by ascending x.
     pub(crate) fn whole(on_surface: Vec<(f64, CcPoint)>) -> Self {
         Self { points: Vec::new(), on_surface, partial: false }
     }
@@ -91,24 +91,24 @@ impl Line {
     }
 }
 
-/// Lines over a surface in sector 0, with what is worth telling about them.
+/// Lines over a surface in sector 0, with notes for the report.
 pub(crate) struct Lines {
     pub(crate) lines: Vec<Vec<CcPoint>>,
     pub(crate) notes: Vec<String>,
 }
 
-/// x of stations, and the lengths of the leads at the ends x = 0 and x = 1, mm, of lines that are cut in one direction.
+/// For lines that are cut in one direction: x of the stations, and the lengths of the leads at x = 0 and x = 1, mm.
 pub(crate) struct Direction {
     pub(crate) grid: Vec<f64>,
     leads: [f64; 2],
 }
 
-/// The directions of even and of odd lines, for speeds along x at both ends, mm per unit. Backwards the lead into the cut
-/// is at x = 1.
+/// The directions of even and of odd lines, for speeds along x at both ends, mm per unit. A backward line has its
+/// lead-in at x = 1.
 pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> [Direction; 2] {
     let beyond = speed.map(|s| radius / s);
     let whole = 1.0 + beyond[0] + beyond[1];
-    // Dense until the ball has left the ends behind, then the leads.
+    // Dense until the ball has passed the ends, then the leads.
     let direction = |leads: [f64; 2]| {
         let (from, to) = (-leads[0] / speed[0], 1.0 + leads[1] / speed[1]);
         let mut grid: Vec<f64> =
@@ -127,19 +127,19 @@ pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], or
     [direction(leads), direction(back)]
 }
 
-/// Turns every other line back, where that is the order.
+/// Reverses every other line for the order `zigzag`.
 pub(crate) fn turn_back(lines: &mut [Vec<CcPoint>], order: Order) {
     if order == Order::Zigzag {
         lines.iter_mut().skip(1).step_by(2).for_each(|line| line.reverse());
     }
 }
 
-/// What a scallop height leaves to the ridges: the interpolation may lift the tool by the chord.
+/// Scallop height less the chord tolerance: the interpolation may lift the tool by the chord.
 pub(crate) fn left_to_ridges(cx: &PassContext<'_>, height: f64) -> f64 {
     height - cx.program.tolerances.chord.get().min(0.5 * height)
 }
 
-/// Lines over a surface for a ball, or a corner, of a radius.
+/// Lines over a surface for a ball, or a corner, of a given radius.
 ///
 /// # Errors
 /// Lines too dense to be planned; the diagnostic is in the sink.
@@ -180,8 +180,8 @@ pub(crate) fn constant_scallop(
     Ok(Lines { lines: lines.into_iter().map(|l| l.points).collect(), notes })
 }
 
-/// What is laid for ridges of at most a height, with the highest ridge that was found on it: laid again for another height
-/// until that is what was asked for. Without a ridge the first is taken. With the ridge of what is taken.
+/// Lays lines for ridges of a height, measures the highest ridge, and repeats with another height until the ridge has
+/// the height `target`. Without a measured ridge the first result is taken. Returns the result with its ridge.
 pub(crate) fn refined<T>(
     target: f64,
     mut lay: impl FnMut(f64) -> Result<(T, Option<f64>), Aborted>,
@@ -194,7 +194,7 @@ pub(crate) fn refined<T>(
         if (1.0..NEARLY).contains(&ratio) {
             break;
         }
-        // Not all ridges follow: from above a little farther.
+        // Not all ridges follow the height: approach from above in slightly larger steps.
         planned *= if ratio < 1.0 { ratio * ratio.min(0.998) } else { ratio.min(MOST_GROWTH) };
         let next = lay(planned)?;
         if ratio < 1.0 || next.1.is_some_and(|r| r <= BETWEEN * target) {
@@ -206,7 +206,7 @@ pub(crate) fn refined<T>(
     Ok((laid, ridge))
 }
 
-/// Lines for ridges of a height by the metric.
+/// Lines for ridges of a given height by the metric.
 fn lay(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -227,8 +227,8 @@ fn lay(
     let steps = grid.iter().map(|x| width(*x)).fold(0.0, f64::max);
     let widest = steps.max(1.0).ceil();
     check_points(cx, operation, widest * grid.len() as f64)?;
-    // A line that begins inside of the surface comes down on a quarter of a circle, which lifts the ball over what
-    // roughing left.
+    // A line that begins inside of the surface comes down on a quarter of a circle. The circle lifts the ball over
+    // stock that roughing left.
     let quarter = |lead: f64| lead.min(FRAC_PI_4 * radius) / FRAC_PI_2;
     let arcs = [0, 1].map(|back: usize| directions[back].leads.map(quarter));
     let tracks = if steps < NO_WIDTH {
@@ -276,7 +276,7 @@ fn line(
     grid: &[f64],
 ) -> Line {
     let last = tracks.len() - 1;
-    // A station next to an end would give its piece any direction.
+    // A station very close to an end would give its piece an arbitrary direction.
     let apart = 0.5 / STATIONS as f64;
     let at = |x: f64| {
         let (a, across) = ground.walls(x);
@@ -287,7 +287,7 @@ fn line(
         }
     };
     let point = |x: f64| {
-        // The share stays on the leads.
+        // On the leads the share is constant.
         let inside = x.clamp(0.0, 1.0);
         let (a, across) = ground.walls(inside);
         ground.contact(x, at(x), ((at(inside) - a) / across).clamp(0.0, 1.0))
@@ -302,7 +302,7 @@ fn line(
     places.dedup();
     let all: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
     let on_surface = places.iter().zip(&all).filter(|(x, _)| (0.0..=1.0).contains(*x)).map(|(x, p)| (*x, *p)).collect();
-    // From the end of a line, `back` along it and lifted.
+    // Arc from the end of a line, backwards along the line and lifted.
     let arc = |end: f64, radius: f64, direction: f64| {
         let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
         let speed = ground.speed(end, at(end), turn);

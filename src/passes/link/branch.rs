@@ -1,10 +1,10 @@
-//! Branch and winding of the rotary axes over a run of moves.
+//! Branch and winding of the rotary axes over a sequence of moves.
 
 use crate::ir::ClPoint;
 use crate::kin::{Angles, Machine};
 use std::f64::consts::TAU;
 
-/// Why no joints were found.
+/// Why a sequence has no joints within travel.
 pub(crate) struct OutOfTravel {
     pub(crate) index: usize,
     pub(crate) axis: String,
@@ -13,11 +13,11 @@ pub(crate) struct OutOfTravel {
     pub(crate) unit: &'static str,
 }
 
-/// Rotary angles of a run of places that keeps one branch and does not unwind, within the travel of all axes with a tool of a
-/// length (mm); of several the one that is nearest to where the axes stand.
+/// Rotary angles of a sequence of places, on one branch and without unwinding, within the travel of all axes for a tool
+/// of the given length (mm). Of several solutions the one nearest to the present position `at` is taken.
 ///
 /// # Errors
-/// The place that the farthest of all tries does not reach.
+/// The first place out of travel, of the attempt that gets farthest.
 pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles) -> Result<Vec<Angles>, OutOfTravel> {
     let mut best: Option<(f64, Vec<Angles>)> = None;
     let [_, last] = &machine.rotary;
@@ -29,7 +29,7 @@ pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles)
             angles.push(machine.chain.unwound(&p.axis, branch, before));
         }
         let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[1]), h.max(x[1])));
-        // Whole turns that bring the run into the travel, those near the middle of the travel included.
+        // Whole turns that bring the sequence into the travel, among them the turns near the middle of the travel.
         let middle = 0.5 * (last.min.max(-1e3) + last.max.min(1e3));
         let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
@@ -54,7 +54,7 @@ pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles)
     }
 }
 
-/// The first place where an axis leaves its travel: the rotary axes are asked first.
+/// The first place where an axis leaves its travel; rotary axes are checked first.
 fn out_of_travel(machine: &Machine, run: &[ClPoint], length: f64, angles: &[Angles]) -> Option<OutOfTravel> {
     let travel = machine.travel();
     run.iter().zip(angles).enumerate().find_map(|(index, (p, rotary))| {

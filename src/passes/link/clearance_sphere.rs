@@ -6,18 +6,19 @@ use crate::ir::Program;
 use crate::kin::{Chain, RotaryPose, between};
 use nalgebra::{Point3, Vector3};
 
-/// Distance of the tip on the clearance sphere from the farthest corner of the stock, mm.
+/// Distance of the tool tip on the clearance sphere from the sphere through the farthest corner of the stock, mm.
 const SPHERE_GAP: f64 = 10.0;
 
-/// Distance of shank and holder from the sphere of that corner, mm.
+/// Distance of shank and holder from the sphere through that corner, mm.
 const BODY_GAP: f64 = 5.0;
 
-/// Longest step on the sphere, radians: its chord goes 1.5 % of the radius inside. Shorter ones would make more corners, at
-/// each of which the control slows down.
+/// Longest step on the sphere, radians: its chord lies 1.5 % of the radius inside. Shorter steps would make more
+/// corners, and the control slows down at each corner.
 const SPHERE_STEP: f64 = 0.35;
 
-/// Sphere around the stock on which rapids run, about a point of the axis of the table. A tool with its tip on it and its axis
-/// not inward has all of its points outside of the sphere of the stock's farthest corner.
+/// Sphere about the stock on which rapids run. Its centre lies on the axis of the table. When the tool tip is on this
+/// sphere and the tool axis does not point inward, all tool points lie outside of the sphere through the farthest
+/// corner of the stock.
 pub(crate) struct ClearanceSphere {
     centre: Point3<f64>,
     radius: f64,
@@ -30,17 +31,18 @@ impl ClearanceSphere {
             profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[1]), h.max(p[1])));
         let centre = Point3::new(0.0, 0.0, 0.5 * (low + high));
         let far = profile.iter().map(|p| libm::hypot(p[0], p[1] - centre.z)).fold(0.0, f64::max);
-        // A point s over the tip and r beside the axis, which is at worst at right angles to the radius of the tip.
+        // A point s over the tip and r beside the axis; the worst case is an axis at right angles to the radius of the
+        // tip.
         let sections = tool.shank.iter().chain(&tool.holder);
         let corners = sections.flat_map(|x| [(x.radius_from, x.from), (x.radius_to, x.to)]);
         let cutter = [(tool.cutter.widest_below(tool.flute_length), 0.0)];
         let wide = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
-        // Chords between steps lie inside.
+        // Chords between steps lie inside of the sphere.
         let wide = wide.fold(0.0, f64::max) / libm::cos(0.5 * SPHERE_STEP);
         Self { centre, radius: wide.max(far + SPHERE_GAP) }
     }
 
-    /// Distance to go from a point along a direction until outside, and on until the direction is not inward.
+    /// Distance from a point along a direction until it is outside and the direction no longer points inward.
     pub(crate) fn exit(&self, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
         let d = from - self.centre;
         let b = d.dot(direction);
@@ -48,21 +50,21 @@ impl ClearanceSphere {
         if c >= 0.0 && b >= 0.0 { 0.0 } else { -b + (b * b - c).max(0.0).sqrt() }
     }
 
-    /// Length of the way from one outside point to another.
+    /// Length of the path from one outside point to another.
     pub(crate) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
         let (a, b) = (from - self.centre, to - self.centre);
         let (ra, rb) = (a.norm(), b.norm());
         libm::hypot(ra - rb, a.angle(&b) * 0.5 * (ra + rb))
     }
 
-    /// Tips and rotary angles on the way from one place outside to another, both excluded. The rotary axes turn evenly;
-    /// the tip, as the machine sees it, goes straight round the sphere: where the tool axis is not inward at both ends,
-    /// it is nowhere on the way, and the table turns below a tool that hardly moves.
+    /// Tips and rotary angles on the path between two outside places, without both ends. The rotary axes turn evenly.
+    /// In the frame of the machine the tip goes straight round the sphere. When the tool axis does not point inward at
+    /// both ends, it does so nowhere on the path; the table turns below a tool that hardly moves.
     pub(crate) fn around(&self, chain: &Chain, from: &RotaryPose, to: &RotaryPose) -> Vec<RotaryPose> {
         let [start, end] = [from, to].map(|p| chain.rotation(p.rotary).inverse() * (p.tip - self.centre));
         let (rs, re) = (start.norm(), end.norm());
         let (s, mut e) = (start / rs, end / re);
-        // Opposite directions leave the way open: go over the top.
+        // Opposite directions do not determine the path: go over the top.
         if s.dot(&e) < -0.999 {
             e = (e + Vector3::z() * 0.1).normalize();
         }

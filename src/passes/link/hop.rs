@@ -1,14 +1,15 @@
-//! The short way from the end of a finishing pass to the start of the next, where it lies near.
+//! Direct links from the end of a finishing pass to the start of the next pass nearby.
 //!
-//! The tool lifts along its axis, which sweeps nothing but the room that it stands in, goes straight over the start of the
-//! next pass, and comes down along the axis that it has there. While it goes over, it keeps its distances to the part by
-//! proof over continuous time, and it meets no stock, in one of two ways:
+//! The tool lifts along its axis and sweeps only space that it already occupied. It goes straight to a place over the
+//! start of the next pass, and comes down along the axis at that start. A proof over continuous time shows that the
+//! tool keeps its distances to the part between both places. In addition the tool must not meet stock. One of two
+//! conditions ensures this:
 //!
-//! - What finishing finds is bounded where the job has a contract on it (`require rest`): all of the tool stays farther
-//!   from the part than that.
-//! - Where nothing is known about the stock, it stands in free room at both ends, since passes begin and end outside of
-//!   the stock. Between two places of a cylinder of radius R, d apart, stands a ridge of at most d^2 / 8R: as far as the
-//!   tool reaches into the blank, it goes no farther than leaves a ridge that is thinner than a chip.
+//! - A contract (`require rest`) bounds the stock that finishing finds. All of the tool then stays farther from the
+//!   part than that bound.
+//! - Nothing is known about the stock. Passes begin and end outside of the stock, so that the tool stands in free space
+//!   at both ends. Between two places of a cylinder of radius R, d apart, a ridge of at most d^2 / 8R is left. For the
+//!   part of the tool inside of the blank, the link is so short that this ridge is thinner than a chip.
 
 use crate::collide::{Section, ToolSolid};
 use crate::contract::{ContractKind, Guarded};
@@ -20,31 +21,31 @@ use crate::passes::context::{Ends, Obstacles};
 /// Heights that the tool lifts by, mm.
 const LIFTS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// Distance of the cutter to the part on the way, mm.
+/// Distance of the cutter to the part on the link, mm.
 const CUTTER: f64 = 0.1;
 
-/// Distance to keep from stock that the contract on rest allows, mm.
+/// Distance beyond the rest that the contract allows, mm.
 const OVER_REST: f64 = 0.2;
 
 /// Thickest ridge that the tool may go through, mm.
 const RIDGE: f64 = 0.1;
 
-/// Steps along the tool in which it is asked whether it is still in the blank, mm.
+/// Steps along the tool at which the part inside of the blank is determined, mm.
 const HEIGHT_STEP: f64 = 1.0;
 
-/// Largest turn of a rotary axis on the way, radians.
+/// Largest turn of a rotary axis on the link, radians.
 const MOST_TURN: f64 = 0.35;
 
-/// Ways between passes of an operation.
+/// Direct links between passes of an operation.
 pub(crate) struct Hops<'a> {
     machine: &'a Machine,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
-    /// Outside of the blank as (r, z), closed from its last point to its first.
+    /// Meridian of the blank as (r, z), closed from its last point to its first.
     blank: &'a [[f64; 2]],
-    /// Distances of cutter, shank and holder to the part, mm.
+    /// Required distances of cutter, shank and holder to the part, mm.
     asked: [f64; 3],
-    /// Distance at which nothing but the part is met, where it is known, mm.
+    /// Distance from the part beyond which there is no stock, mm; `None` where no contract bounds it.
     free: Option<f64>,
 }
 
@@ -63,8 +64,8 @@ impl<'a> Hops<'a> {
         }
     }
 
-    /// Places over the end of a pass and over the start of the next, between which the tool goes straight; `None` where
-    /// no such way is proved.
+    /// Places over the end of a pass and over the start of the next, with a straight motion between them; `None` where
+    /// no direct link is proved.
     pub(crate) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<[ClPoint; 2]> {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let [start, end] = [angles[0], angles[1]];
@@ -76,7 +77,7 @@ impl<'a> Hops<'a> {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
             let way = (over[1].tip - over[0].tip).norm();
-            // A block at feed has to move its tip.
+            // A block at feed must move its tip.
             let moves = way > 1e-2;
             let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
             let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.lack(rho, s, least));
@@ -86,7 +87,7 @@ impl<'a> Hops<'a> {
         })
     }
 
-    /// How far a point is beyond the distances asked, each at least `least`; negative where one is lacking.
+    /// Distance of a point less the required distance, each at least `least`; negative for a violation.
     fn lack(&self, rho: f64, s: f64, least: f64) -> f64 {
         let [cutter, shank, holder] = self.asked.map(|asked| asked.max(least));
         let of = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
@@ -95,8 +96,8 @@ impl<'a> Hops<'a> {
             .min(of(&self.solid.holder) - holder)
     }
 
-    /// Thickest ridge between two places of the tool whose tips are `way` apart and whose axes turn by at most `turn`, up
-    /// to a height over the tip.
+    /// Thickest ridge, up to a height over the tip, between two places of the tool whose tips are `way` apart and whose
+    /// axes turn by at most `turn`.
     fn ridge(&self, way: f64, turn: f64, height: f64) -> f64 {
         let sections = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from < height);
         let body = sections.map(|x| (x.radius_from.min(x.radius_to), x.to));
@@ -119,7 +120,7 @@ impl<'a> Hops<'a> {
     }
 }
 
-/// True when a point of the meridian plane lies inside of a closed profile, or within a distance of it.
+/// True when a point of the meridian plane lies inside of a closed profile, or less than a distance beside it.
 fn near_profile(profile: &[[f64; 2]], [r, z]: [f64; 2], within: f64) -> bool {
     let mut inside = false;
     for (i, a) in profile.iter().enumerate() {

@@ -1,13 +1,14 @@
-//! `link-moves`: the ways between passes, with the joints of all moves.
+//! `link-moves`: links between passes, and the joints of all moves.
 //!
-//! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves for each
-//! operation: down along the tool axis to the start of a pass, the pass, up along the tool axis to the clearance sphere,
-//! over it to the next; or, between finishing passes of which one begins where the other ends, the short way over (see
-//! [`super::hop`]). Passes that short ways join keep one branch and run without unwinding; where no travel holds them
-//! together, the tool goes over the sphere half way. Branch and winding change only there.
+//! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves per
+//! operation. The tool comes down along its axis to the start of a pass, runs the pass, leaves along its axis to the
+//! clearance sphere, and goes over the sphere to the next pass. Where a finishing pass begins near the end of its
+//! predecessor, a direct link replaces this (see [`super::hop`]). Passes with direct links between them keep one branch
+//! and do not unwind. Where the travel does not allow this, the tool goes over the sphere in the middle of them. Branch
+//! and winding change only there.
 //!
-//! A tool that leaves along its own axis sweeps nothing but the room that it stands in. After rest machining passes
-//! begin and end in room that is free of stock already, with a tool that nothing above its cutter makes thinner.
+//! A tool that leaves along its own axis sweeps only space that it already occupied. After rest machining, passes begin
+//! and end in space without stock, and nothing above the cutter is thinner than the cutter.
 
 use super::branch::{self, OutOfTravel};
 use super::clearance_sphere::ClearanceSphere;
@@ -25,14 +26,14 @@ use std::ops::Range;
 struct LinkMove {
     kind: MoveKind,
     to: ClPoint,
-    /// Index of the pass that it belongs to or leads to.
+    /// Index of the pass that the move belongs to or leads to.
     pass: u32,
 }
 
-/// Passes with the short ways between neighbours, and the way out to the clearance sphere.
+/// Passes with the direct links between neighbours, and the sphere for all other links.
 struct Links<'a> {
     passes: &'a [ClPass],
-    /// Between each pass and the next: the places on the short way, where there is one.
+    /// For each pass and its successor the places of the direct link, if there is one.
     short: Vec<Option<[ClPoint; 2]>>,
     sphere: ClearanceSphere,
 }
@@ -51,7 +52,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         let length = cx.program.tools[operation.tool].length();
         let links = Links::new(cx, operation, &planned.passes);
         let mut moves = Vec::new();
-        // The last run on top.
+        // The last sequence is at the top of the stack.
         let mut open = links.runs();
         open.reverse();
         while let Some(run) = open.pop() {
@@ -92,7 +93,7 @@ impl<'a> Links<'a> {
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
                 let hop = hops.between(from, to).filter(|_| operation.kind.finishes())?;
-                // Not where the way over the sphere takes less time.
+                // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;
                 let [out, back] = [from, to].map(|p| lifted(&sphere, p));
@@ -104,7 +105,7 @@ impl<'a> Links<'a> {
         Self { passes, short, sphere }
     }
 
-    /// Passes in a row that short ways join; passes without points are left out.
+    /// Sequences of passes with direct links between them; passes without points are left out.
     fn runs(&self) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         for index in (0..self.passes.len()).filter(|i| !self.passes[*i].points.is_empty()) {
@@ -116,7 +117,7 @@ impl<'a> Links<'a> {
         runs
     }
 
-    /// The moves of passes that short ways join, from the clearance sphere and back to it.
+    /// The moves of passes with direct links between them, from the clearance sphere and back to it.
     fn linked(&self, run: Range<usize>) -> Vec<LinkMove> {
         let mut moves: Vec<LinkMove> = Vec::new();
         for index in run.clone() {
@@ -151,12 +152,12 @@ impl<'a> Links<'a> {
     }
 }
 
-/// Out along the tool axis to the clearance sphere.
+/// The place on the clearance sphere, out along the tool axis.
 fn lifted(sphere: &ClearanceSphere, p: &ClPoint) -> ClPoint {
     ClPoint { tip: p.tip + p.axis * sphere.exit(&p.tip, &p.axis), axis: p.axis, contact: None }
 }
 
-/// Puts the stations at retract height before the first and behind the last move.
+/// Adds the stations at retract height in front of the first and behind the last move.
 fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
     let over = |m: JointMove| {
@@ -168,7 +169,7 @@ fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     moves.push(over(last));
 }
 
-/// Appends the moves of a run, and in front of them the way over the sphere.
+/// Appends the moves of a sequence, preceded by the link over the sphere.
 fn append(
     machine: &Machine,
     sphere: &ClearanceSphere,

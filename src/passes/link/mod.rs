@@ -1,4 +1,4 @@
-//! What is left to cut, the ways between passes, and the joints of all moves.
+//! Rest machining, links between passes, and the joints of all moves.
 
 mod branch;
 mod clearance_sphere;

@@ -1,14 +1,16 @@
-//! `rest-machining`: cuts that would take nothing off what earlier operations left go.
+//! `rest-machining`: removes cuts that would take nothing off the stock of earlier operations.
 //!
-//! Before: the ways that the machine will interpolate, pass by pass. After: of an operation that asks for it, only the
-//! stretches on which the cutter meets the rest stock deeper than the thickness of the job, each with its leads;
-//! `link-moves` leads to them. The stock of this pass comes from the planned cuts of the operations before, links left
-//! out: more may stand there than in truth, never less. It serves planning alone; the verifier makes its own.
+//! Before: the paths that the machine will interpolate, pass by pass. After: an operation with rest machining keeps
+//! only the parts of its passes on which the cutter meets stock deeper than the thickness of the job, each with its
+//! leads; `link-moves` connects them. The stock of this pass comes from the planned cuts of earlier operations without
+//! links. It may therefore be larger than the true stock, never smaller. It serves planning only; the verifier computes
+//! its own.
 //!
-//! Between the rays of the stock the surface is not known. Where a rounding of radius R dips by t into it, the chip is
-//! 2 sqrt(2 R t) wide, and half a diagonal of a cell h beside the deepest place lacks h^2 / 4R of the depth: cells are
-//! so small that this is half of the thickness, and the cutter is grown by it before it is asked. A needle or an edge of
-//! stock narrower than a cell may still stand between the rays; contracts on excess and rest judge what is left.
+//! Between the rays of the stock the surface is unknown. Where a rounding of radius R dips by t into the stock, the
+//! chip is 2 sqrt(2 R t) wide. Half a diagonal of a cell h beside the deepest place, the depth is less by h^2 / 4R.
+//! Cells are so small that this error is at most half of the thickness, and the cutter is enlarged by it before the
+//! query. A needle or an edge of stock narrower than a cell may still stand between the rays; contracts on excess and
+//! rest judge what is left.
 
 use super::clearance_sphere::ClearanceSphere;
 use crate::collide::{Cutter, ToolSolid};
@@ -20,22 +22,22 @@ use crate::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
 use crate::units::trim;
 use std::ops::Range;
 
-/// Cells where a thick rest would allow larger ones, mm: those of the usual verification.
+/// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
 const MOST_CELL: f64 = 1.0;
 
-/// Longest way of the tip in a step, mm: stretches are cut out to this.
+/// Longest tip motion in a step, mm; passes are cut to this accuracy.
 const STEP_LENGTH: f64 = 1.0;
 
-/// Largest turn of a step, radians: the same at the top of a cutter.
+/// Largest turn of a step, radians; limits the motion at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// Steps that go through the stock between two looks at the share done.
+/// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
 
-/// Thins out the passes of the operations that ask for rest machining.
+/// Thins the passes of all operations with rest machining.
 ///
 /// # Errors
-/// An operation with nothing left to cut; a thickness that would need too fine a stock. The reasons are in the sink.
+/// An operation with nothing left to cut; a thickness that would need too small cells. The sink holds the reasons.
 pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
     let asks = |o: &ClOperation| program.operations[o.operation].rest.is_some();
     let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
@@ -55,7 +57,7 @@ pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut S
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
-/// The blank, with cells for the most demanding of the operations.
+/// The blank, with cells for the operation that needs the smallest.
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
@@ -82,19 +84,19 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     })
 }
 
-/// Radius of the rounding that a cutter dips into a surface with; of a flat one that of its side.
+/// Radius of the rounding with which a cutter dips into a surface; for a flat cutter the radius of its side.
 fn rounding(solid: &ToolSolid) -> f64 {
     let tip = solid.cutter.tip_radius();
     if tip > 0.0 { tip } else { solid.radius() }
 }
 
-/// Takes the cuts of an operation off the stock.
+/// Removes the cuts of an operation from the stock.
 fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
     let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
     send(field, &solid, steps(&program.machine, &planned.passes, StepKind::Cut, 0.0), work);
 }
 
-/// Sends a tool through the stock; what it must not touch and does. `work` counts passes.
+/// Sends a tool through the stock; returns its collisions. `work` counts passes.
 fn send(
     field: &mut Field,
     solid: &ToolSolid,
@@ -111,7 +113,7 @@ fn send(
     met
 }
 
-/// The cutter without shank and holder, grown on all sides.
+/// The cutter without shank and holder, enlarged on all sides.
 fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
     let cutter = match solid.cutter {
         Cutter::Flat { radius } => Cutter::Flat { radius: radius + by },
@@ -131,12 +133,12 @@ fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
 struct Station {
     point: ClPoint,
     rotary: Angles,
-    /// False for those put in between.
+    /// False for stations inserted between the planned ones.
     planned: bool,
 }
 
-/// Stations of a pass so near to each other that two of them bound a step of the stock: the machine runs the tip
-/// straight between the planned ones and both rotary angles evenly with it.
+/// Stations of a pass, dense enough that two of them bound a step of the stock. Between planned stations the machine
+/// moves the tip straight and both rotary angles evenly.
 fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
     let mut found: Vec<Station> = Vec::with_capacity(pass.points.len());
     for point in &pass.points {
@@ -159,7 +161,7 @@ fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
     found
 }
 
-/// The steps of passes, numbered through, each with the index of its pass, of a cutter whose tip lies lower on its axis by
+/// The numbered steps of passes, each with the index of its pass, for a cutter whose tip is lower on its axis by
 /// `lowered`.
 fn steps<'a>(
     machine: &'a Machine,
@@ -183,7 +185,7 @@ fn steps<'a>(
         })
 }
 
-/// Leaves of an operation what cuts.
+/// Reduces an operation to the parts that cut.
 fn reduce(
     program: &Program,
     operation: &Operation,
@@ -195,7 +197,7 @@ fn reduce(
     let solid = &program.tools[operation.tool].solid;
     let grown_by = field.cell() * field.cell() / (4.0 * rounding(solid));
     let grown = cutter_alone(solid, grown_by);
-    // At rapid the engine tells what the cutter meets, and removes nothing.
+    // For a rapid, the engine reports what the cutter meets and removes nothing.
     let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
     let met = send(field, &grown, looks, work);
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
@@ -247,28 +249,29 @@ fn reduce(
     Ok(())
 }
 
-/// True when a tool that leaves along its axis sweeps no more than it stands in: nothing above the cutter is thinner.
+/// True when nothing above the cutter is thinner: a tool that leaves along its axis then sweeps only the space it
+/// occupies.
 fn leaves_along_axis(solid: &ToolSolid) -> bool {
     let widest = solid.cutter.widest_below(solid.flute_length);
     solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
 }
 
-/// Length of the way of the tip, mm.
+/// Length of the path of the tip, mm.
 fn way(stations: &[Station]) -> f64 {
     stations.windows(2).map(|w| (w[1].point.tip - w[0].point.tip).norm()).sum()
 }
 
-/// What decides where a pass is left and entered.
+/// Data for the decision where a pass is left and entered.
 struct Ways<'a> {
     program: &'a Program,
     operation: &'a Operation,
-    /// True when the tool may leave a pass at its ends only.
+    /// True when the tool may leave a pass only at its ends.
     whole: bool,
     sphere: ClearanceSphere,
 }
 
 impl Ways<'_> {
-    /// Stretches of a pass that stay, by their first and last station; `cuts` tells of each step whether it cuts.
+    /// Parts of a pass that remain, by their first and last station; `cuts` is true for each step that cuts.
     fn runs(&self, stations: &[Station], cuts: &[bool]) -> Vec<Range<usize>> {
         let last = cuts.len();
         if self.whole {
@@ -296,7 +299,7 @@ impl Ways<'_> {
         runs
     }
 
-    /// True when the way over the clearance sphere takes less time than the cut between two stations.
+    /// True when the link over the clearance sphere takes less time than the cut between two stations.
     fn pays(&self, stations: &[Station], gap: Range<usize>) -> bool {
         let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
         let [out, back] = [from, to].map(|p| self.sphere.exit(&p.tip, &p.axis));

@@ -1,4 +1,4 @@
-//! Tool axes at contacts of vane faces and fillets, and where the tool stands then.
+//! Tool axes at contacts of vane faces, fillets and edges, and the cutter locations for them.
 
 use crate::collide::Cutter;
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation, Program};
@@ -6,7 +6,7 @@ use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 use crate::passes::context::{ChannelChart, Lean};
 use nalgebra::{Point3, Vector3};
 
-/// Least tilt off an edge, radians: the room before it is free, so that the tool need not lie along it.
+/// Least tilt off an edge, radians: the space in front of an edge is free, so that the tool need not lie along it.
 const EDGE_TILT: f64 = 0.5;
 
 /// Directions along the vane of sector 0.
@@ -20,8 +20,9 @@ impl<'a> VaneAxis<'a> {
         Self { part, channel: ChannelChart::new(part) }
     }
 
-    /// Tool axis at the parameters of a contact: up the ruling of its face, and outward as far as the pole of the rotary
-    /// axes needs, tilted off the face by the lean. In a fillet that of the face above it. On leads it stays.
+    /// Tool axis at the parameters of a contact: along the ruling of its face, tilted outward as far as the pole of the
+    /// rotary axes requires, and tilted off the face by `lean`. A fillet takes the axis of the face above it. On leads
+    /// the axis is constant.
     pub(crate) fn axis(&self, surface: SurfaceKind, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
         let (side, v) = match surface {
             SurfaceKind::Face(side) => (side, v),
@@ -45,8 +46,8 @@ impl<'a> VaneAxis<'a> {
         along * libm::cos(tilt) + normal * libm::sin(tilt)
     }
 
-    /// Tool axis round a vane: of the first face (`round` 0), over the inlet edge (to 2) to the other face (2), over the
-    /// outlet edge (to 4) back.
+    /// Tool axis round a vane: on the first face (`round` 0), over the inlet edge (0 to 2), on the other face (2), over
+    /// the outlet edge (2 to 4) back.
     pub(crate) fn round(&self, round: f64, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
         let [first, second] = BladeId::MAIN.faces().map(SurfaceKind::Face);
         if round == 0.0 || round == 2.0 {
@@ -67,7 +68,7 @@ impl<'a> VaneAxis<'a> {
         self.part.looks_ahead(face)
     }
 
-    /// Between the ruling and away from the vane at inlet (u = 0) or outlet (1).
+    /// Axis at an edge, between the ruling and the direction away from the vane, at inlet (u = 0) or outlet (u = 1).
     fn off_edge(&self, u: f64, lean: Lean) -> Vector3<f64> {
         let faces = BladeId::MAIN.faces().map(|side| &self.part.face(side).surface);
         let ruling = (faces[0].ruling(u) + faces[1].ruling(u)).normalize();
@@ -80,7 +81,7 @@ impl<'a> VaneAxis<'a> {
     }
 }
 
-/// Tip of a cutter with an axis that touches a contact, given with the normal out of the material, from outside. `None`
+/// Tip of a cutter with a given axis that touches a contact from outside. `normal` points out of the material. `None`
 /// for a flat end.
 pub(crate) fn tip_at(
     cutter: &Cutter,

@@ -1,5 +1,5 @@
-//! Faces, fillets and edges of a vane as surfaces for lines, under any cutter: what a step leaves, by the forms of surface
-//! and cutter and by looking.
+//! Faces, fillets and edges of a vane as drive surfaces for any cutter. The height of ridges follows from the
+//! fundamental forms of surface and cutter, and is measured as well.
 
 use super::axes::{VaneAxis, tip_at};
 use crate::collide::Cutter;
@@ -21,35 +21,35 @@ const LAYERS: usize = 25;
 /// Step of differences in the chart.
 const STEP: f64 = 1e-4;
 
-/// Places along and across a surface at which its hollow is looked for.
+/// Places along and across a surface at which its curvature is compared with that of the cutter.
 const LOOKS: [usize; 2] = [120, 12];
 
-/// Steps across below which no metric goes, an inverse: a ball in a fillet of its own radius has endless steps.
+/// Lower bound of steps per unit across a surface: a ball in a fillet of its own radius has infinite steps.
 const LEAST_ACROSS: f64 = 1e-6;
 
-/// Lean at which the side of a barrel is laid, as a share of the angle that its arc spans.
+/// Tilt at which the side of a barrel touches, as a share of the angle of its arc.
 const BARREL_LEAN: f64 = 0.5;
 
-/// A face or fillet of sector 0 under a cutter.
+/// A face, fillet or edge of sector 0 under a cutter.
 pub(crate) struct VaneGround<'a> {
     pub(crate) chart: &'a Chart<'a>,
-    /// Its face, that of a fillet; of an edge either.
+    /// Its face; for a fillet the face above it, for an edge either face.
     pub(crate) side: FaceId,
-    /// Radius of the fillet, where this is one.
+    /// Radius of the fillet; `None` for other surfaces.
     pub(crate) hollow: Option<f64>,
     pub(crate) cutter: Cutter,
     pub(crate) axes: &'a VaneAxis<'a>,
-    /// Lower border, as y, at even x from 0 to 1.
+    /// Lower border, as y at equally spaced x from 0 to 1.
     pub(crate) low: Vec<f64>,
 }
 
-/// Tangents of a chart with its forms, over (x, y).
+/// Tangents and fundamental forms of a chart over (x, y).
 struct Local {
     px: Vector3<f64>,
     py: Vector3<f64>,
     /// First fundamental form.
     first: Matrix2<f64>,
-    /// Curvature, positive where the surface bulges out of the material.
+    /// Curvature form, positive where the surface bulges out of the material.
     bulge: Matrix2<f64>,
 }
 
@@ -62,7 +62,7 @@ impl VaneGround<'_> {
         let (px, py) = ((b.position - a.position) * half, (d.position - c.position) * half);
         let (nx, ny) = ((b.normal - a.normal) * half, (d.normal - c.normal) * half);
         let cross = 0.5 * (px.dot(&ny) + py.dot(&nx));
-        // Exactly, so that a ball of the same radius has no ridge at all.
+        // Exact, so that a ball of the radius of the fillet leaves no ridge at all.
         let across = self.hollow.map_or_else(|| py.dot(&ny), |r| -py.norm_squared() / r);
         Local {
             px,
@@ -91,12 +91,12 @@ impl VaneGround<'_> {
         form(&along, 1.0 / profile.bend) + form(&around, (1.0 - sin * sin).sqrt() / profile.rho)
     }
 
-    /// Radius of the profile at the contacts.
+    /// Radius of curvature of the profile at the contacts.
     fn bend(&self) -> f64 {
         self.cutter.profile_at(nominal_tilt(&self.cutter)).map_or(0.0, |p| p.bend)
     }
 
-    /// Ridges in steps: (I / R + II) / 8h, with the second term of the exact law for a flat.
+    /// Metric of ridges in steps: (I / R + II) / 8h, with the second term of the exact law for a flat surface.
     fn form(&self, x: f64, y: f64, height: f64) -> (Matrix2<f64>, Local) {
         let at = self.local(x, y);
         let scale = 1.0 / (8.0 * height - 4.0 * height * height / self.bend());
@@ -104,13 +104,14 @@ impl VaneGround<'_> {
         (form, at)
     }
 
-    /// Steps per unit of y, straight across lines of equal y, for ridges of a height.
+    /// Steps per unit of y, straight across lines of equal y, for ridges of a given height.
     pub(crate) fn density(&self, x: f64, y: f64, height: f64) -> f64 {
         let (form, _) = self.form(x, y, height);
         (form[(1, 1)] - form[(0, 1)] * form[(0, 1)] / form[(0, 0)].max(LEAST_ACROSS)).max(0.0).sqrt()
     }
 
-    /// Most hollow place: its least curvature against that of the cutter, with the curvature of the surface there.
+    /// Most hollow place: least sum of both curvatures (surface and cutter), the curvature of the surface there, and
+    /// (x, y).
     pub(crate) fn most_hollow(&self) -> (f64, f64, [f64; 2]) {
         let mut worst = (f64::INFINITY, 0.0, [0.5; 2]);
         for i in 0..=LOOKS[0] {
@@ -127,16 +128,16 @@ impl VaneGround<'_> {
     }
 }
 
-/// Columns over a surface in which ridges are looked for.
+/// Columns over a surface in which ridges are measured.
 const COLUMNS: usize = 40;
 
-/// Looks between two lines.
+/// Samples between two lines.
 const RIDGES: usize = 8;
 
-/// Share of x about a place within which the cutter comes nearest to it.
+/// Range of x about a place that contains the nearest positions of the cutter.
 const WINDOW: f64 = 0.06;
 
-/// A contact with x along its surface, and the tool there.
+/// A contact with its x on the surface, and the tool there.
 struct Pose {
     x: f64,
     contact: Point3<f64>,
@@ -144,9 +145,9 @@ struct Pose {
     axis: Vector3<f64>,
 }
 
-/// Greatest value of a function that rises to a top between two places and falls behind it.
+/// Greatest value of a function that has one maximum between two places.
 fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    /// Thirds taken away at one end or the other: what is left is a thousandth.
+    /// Number of times that a third of the interval is removed: a thousandth remains.
     const THIRDS: usize = 16;
     let mut best = 0.0_f64;
     for _ in 0..THIRDS {
@@ -158,7 +159,7 @@ fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     best
 }
 
-/// Poses of a line about a place.
+/// Poses of a line near a place.
 fn around(line: &[Pose], x: f64) -> Option<&[Pose]> {
     let from = line.partition_point(|p| p.x < x - WINDOW);
     let to = line.partition_point(|p| p.x <= x + WINDOW);
@@ -172,9 +173,9 @@ impl VaneGround<'_> {
         Some(Pose { x: *x, contact: p.position, tip, axis })
     }
 
-    /// What poses leave at a point: the least distance over each line, between its poses by a parabola.
+    /// Height that poses leave at a point: the least distance of each line, with a parabola between its poses.
     fn left_at(&self, lines: &[&[Pose]], p: &Point3<f64>) -> f64 {
-        // Of a ball the ball alone: how near its side comes to the surface depends on the axis that is chosen later.
+        // For a ball only the sphere: the distance of its side depends on the axis that is chosen later.
         let ball = self.cutter.ends_in_ball().then(|| self.cutter.tip_radius());
         let gap = |pose: &Pose| match ball {
             Some(radius) => (p - (pose.tip + pose.axis * radius)).norm() - radius,
@@ -183,7 +184,7 @@ impl VaneGround<'_> {
                 self.cutter.distance(rho, s)
             }
         };
-        // The nearest contacts leave least, but for the shape of the cutter: those of the three nearest lines.
+        // The nearest contacts leave least, apart from effects of the cutter's shape: use the three nearest lines.
         let mut nearest: Vec<(f64, usize, usize)> = lines
             .iter()
             .enumerate()
@@ -197,7 +198,7 @@ impl VaneGround<'_> {
         let mut least = f64::INFINITY;
         for (_, i, start) in nearest.into_iter().take(3) {
             let line = lines[i];
-            // Downhill from the nearest contact.
+            // Descend from the nearest contact.
             let (mut k, mut value) = (start, gap(&line[start]));
             loop {
                 let next = [k.checked_sub(1), Some(k + 1).filter(|n| *n < line.len())]
@@ -229,7 +230,7 @@ fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> f64 {
     SymmetricEigen::new(root * form * root.transpose()).eigenvalues.min()
 }
 
-/// Tilt off the surface for which lines are laid, radians: that of a barrel decides which radius cuts.
+/// Tilt off the surface for which lines are laid, radians. The tilt of a barrel determines which radius cuts.
 pub(crate) fn nominal_tilt(cutter: &Cutter) -> f64 {
     cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end)
 }
@@ -257,7 +258,7 @@ impl Ground for VaneGround<'_> {
         let [u, v] = place.parameters;
         let off = x - inside;
         let (u, w) = match self.chart.kind {
-            // Along an edge u stays at its end.
+            // Along an edge u is constant.
             SurfaceKind::InletEdge(_) => (0.0, y),
             SurfaceKind::OutletEdge(_) => (1.0, y),
             _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
@@ -266,7 +267,7 @@ impl Ground for VaneGround<'_> {
         CcPoint { u, v, w, position, normal: place.normal }
     }
 
-    /// Below an edge is the hub, beside it free room.
+    /// Below an edge is the hub, beside an edge free space.
     fn open(&self) -> [bool; 2] {
         [!matches!(self.chart.kind, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)), true]
     }
@@ -277,7 +278,7 @@ impl Ground for VaneGround<'_> {
     }
 
     fn metric(&self, height: f64) -> BandMetric {
-        // On the leads it stays.
+        // On the leads the metric is constant.
         BandMetric::over(([-0.02, 1.02], METRIC_STATIONS + 1), ([0.0, 1.0], LAYERS), |x, y| {
             let (form, _) = self.form(x, y, height);
             let across = form[(1, 1)].max(LEAST_ACROSS * LEAST_ACROSS);
@@ -294,11 +295,11 @@ impl Ground for VaneGround<'_> {
         let columns: Vec<f64> = (0..=COLUMNS).map(|i| i as f64 / COLUMNS as f64).collect();
         let highest = |x: &f64| {
             let (low, height) = self.walls(*x);
-            // Neighbours of a row are those that lie around it, and what is next to them where lines begin.
+            // Neighbours of a row: the lines around it, and the next lines where lines begin.
             let near: Vec<&[Pose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
             let left = |row: f64| self.left_at(&near, &self.chart.place(*x, low + height * row / rows as f64).position);
             let values: Vec<f64> = (0..=rows).map(|j| left(j as f64)).collect();
-            // A ridge is a sharp top between two rows.
+            // A ridge is a local maximum between two rows.
             let tops = values.windows(3).enumerate().filter(|(_, v)| v[1] > v[0] && v[1] >= v[2]);
             tops.map(|(j, _)| top(&left, j as f64, j as f64 + 2.0)).fold(0.0, f64::max)
         };

@@ -1,9 +1,9 @@
 //! Plan of the operation `point`: lines of constant scallop on faces, fillets and edges of vanes.
 //!
-//! Before: an operation. After: lines along each surface, from the shroud down to the fillet on faces, from the face to
-//! the hub on fillets, from face to face on edges; both borders are lines, and where a surface is higher, as vanes are at
-//! the inlet, further lines begin and end on it. A ball as big as the fillet rolls along it in a single line. A spiral runs
-//! round both faces and both edges of a vane without leaving it.
+//! Before: an operation. After: lines along each surface: on faces from the shroud down to the fillet, on fillets from
+//! the face to the hub, on edges from face to face. Both borders are lines. Where a surface is higher, as vanes are at
+//! the inlet, further lines begin and end on it. A ball with the radius of the fillet needs a single line in the
+//! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
 
 use super::axes::{VaneAxis, tip_at};
 use super::ground::{VaneGround, nominal_tilt};
@@ -26,13 +26,13 @@ use rayon::prelude::*;
 /// Plans a point milling operation.
 ///
 /// # Errors
-/// A cutter bigger than the fillet or than a hollow of a surface; no fillet where one is to be finished. The diagnostic
-/// is in the sink.
+/// A cutter bigger than the fillet or than a hollow of a surface; no fillet where a fillet is to be finished. The sink
+/// holds the diagnostic.
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
     let OperationKind::Point { ref surfaces, scallop, lines: order, .. } = operation.kind else { return Err(Aborted) };
     let part = &cx.program.part;
     let cutter = cx.program.tools[operation.tool].solid.cutter;
-    // An edge ends at the fillets, but before it is free room: there a ball of any size stands.
+    // An edge ends at the fillets, but the space in front of it is free: a ball of any size fits there.
     let beside = surfaces.iter().find_map(|kind| match kind {
         SurfaceKind::Face(_) => {
             Some(["this operation goes down to the fillets", "this ball would cut into the hub there"])
@@ -95,7 +95,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     Ok(CcOperation { operation: id, passes, notes })
 }
 
-/// A spiral round both faces, with what is worth telling about it.
+/// A spiral round both faces, with notes for the report.
 fn spiral(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -134,10 +134,10 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
     Aborted
 }
 
-/// Refuses a cutter that is rounder outside than a surface is inside.
+/// Refuses a cutter that is less curved than a hollow of a surface.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Result<(), Aborted> {
     let (rest, bulge, [x, y]) = ground.most_hollow();
-    // A ball in the fillet of its own radius leaves nothing.
+    // A ball in a fillet of its own radius leaves nothing.
     if rest > 0.0 || (ground.hollow.is_some() && rest > -1e-6) {
         return Ok(());
     }
@@ -165,13 +165,14 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, ground: &VaneGr
     Err(Aborted)
 }
 
-/// Stations of the lower border.
+/// Stations of the lower border, minus one.
 const BORDER: usize = 60;
 
-/// Halvings of the lower border: a thousandth of the ruling.
+/// Bisection steps for the lower border: down to a thousandth of the ruling.
 const HALVINGS: usize = 10;
 
-/// Lowest y at which the cutter stands on a face without cutting into fillet or hub: the edge of the fillet for a ball.
+/// Lowest y at which the cutter stands on a face without cutting into fillet or hub. For a ball it is the edge of the
+/// fillet.
 fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Vec<f64> {
     let part = &cx.program.part;
     let solid = &cx.program.tools[operation.tool].solid;
@@ -183,7 +184,7 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) 
             let v = part.fillet_tangent(ground.side, x, radius)?;
             Some(((v - low) / (high - low)).clamp(0.0, 1.0))
         };
-        // With a fillet the chart begins where any ball that fits it may stand.
+        // With a fillet the chart begins where any ball that fits the fillet may stand.
         return if part.main().fillet.is_some() {
             vec![0.0; 2]
         } else {

@@ -7,9 +7,9 @@
 //!   ---- suction face, u from 0 to 1 -----/
 //! ```
 //!
-//! The level falls evenly over a turn, each turn by the step that the place with the longest way down allows: so that no
-//! ridge is higher than asked anywhere, and turns lie closer where vanes are lower. The first turn keeps the level of the
-//! shroud and the last one that of the fillets.
+//! The level falls evenly over each turn. The step of a turn is the one allowed at the place with the longest path from
+//! shroud to fillet. No ridge is therefore higher than required, and turns lie closer where vanes are lower. The first
+//! turn keeps the level of the shroud, the last turn that of the fillets.
 
 use crate::ir::CcPoint;
 use crate::part::chart::{Chart, Shape};
@@ -17,17 +17,17 @@ use crate::passes::context::STATIONS;
 use crate::passes::lines::{Ground, Line};
 use nalgebra::Vector3;
 
-/// Levels at which the steps of a turn are found.
+/// Levels at which the steps of a turn are computed.
 const LEVELS: usize = 400;
 
-/// Places along a face at which they are.
+/// Places along a face at which the steps of a turn are computed.
 const PLACES: usize = 60;
 
-/// Stations of a roll about a corner of an edge, and of the way from corner to corner: 1.5 deg a step, over which a ball
-/// of some millimetres leaves its circle by a tenth of a micrometre.
+/// Stations of the roll about a corner of an edge, and of the path from corner to corner: 1.5 deg per step, over which
+/// a ball of some millimetres leaves its circle by 0.1 um.
 const ROLL: [usize; 2] = [64, 16];
 
-/// What a spiral runs round: pressure and suction face, edges at inlet and outlet.
+/// Surfaces that a spiral runs round: pressure and suction face, edges at inlet and outlet.
 pub(crate) struct Around<'a> {
     pub(crate) faces: [&'a dyn Ground; 2],
     pub(crate) edges: &'a [Chart<'a>; 2],
@@ -35,14 +35,14 @@ pub(crate) struct Around<'a> {
     pub(crate) low: f64,
 }
 
-/// A spiral: its stations, and its turns on each face for a look at the ridges.
+/// A spiral: its stations, and its turns on each face for the measurement of ridges.
 pub(crate) struct Spiral {
     pub(crate) points: Vec<CcPoint>,
     pub(crate) turns: [Vec<Line>; 2],
 }
 
 impl Around<'_> {
-    /// Numbers of turns and the level after each share of them; `density` gives the steps per unit of y on a face.
+    /// Number of turns, and the level after each share of them; `density` gives the steps per unit of y on a face.
     fn levels(&self, density: &(dyn Fn(usize, f64, f64) -> f64 + Sync)) -> (usize, Vec<f64>) {
         let y = |k: usize| 1.0 - (1.0 - self.low) * k as f64 / LEVELS as f64;
         let steepest = |y: f64| {
@@ -64,10 +64,10 @@ impl Around<'_> {
         (turns, (0..=LEVELS).map(|k| share(k as f64 / LEVELS as f64)).collect())
     }
 
-    /// Lays the spiral with leads of some lengths, mm.
+    /// Lays the spiral with leads of the given lengths, mm.
     pub(crate) fn lay(&self, density: &(dyn Fn(usize, f64, f64) -> f64 + Sync), leads: [f64; 2]) -> Spiral {
         let (turns, levels) = self.levels(density);
-        // Level after a number of turns, of which the first and the last keep theirs.
+        // Level after a number of turns; the first and the last turn have constant levels.
         let level = |turn: f64| {
             let at = ((turn - 1.0) / turns as f64).clamp(0.0, 1.0) * LEVELS as f64;
             let k = (at as usize).min(LEVELS - 1);
@@ -108,7 +108,7 @@ impl Around<'_> {
         spiral
     }
 
-    /// Shares of a turn by the lengths at the middle: pressure face, inlet edge, suction face, outlet edge.
+    /// Shares of a turn, by the lengths at the middle level: pressure face, inlet edge, suction face, outlet edge.
     fn shares(&self) -> [f64; 4] {
         let middle = 0.5 * (1.0 + self.low);
         let along = |side: usize| {
@@ -123,7 +123,7 @@ impl Around<'_> {
         lengths.map(|l| l / whole)
     }
 
-    /// Stations round an edge, from the pressure face at the inlet, from the suction face at the outlet.
+    /// Stations round an edge: from the pressure face at the inlet, from the suction face at the outlet.
     fn round_edge(&self, end: usize, y: &dyn Fn(f64) -> f64, points: &mut Vec<CcPoint>) {
         let [roll, way] = ROLL;
         let count = 2 * roll + way;
@@ -132,7 +132,7 @@ impl Around<'_> {
         for i in 1..count {
             let t = i as f64 / count as f64;
             let level = y(t);
-            // From the side where the tool comes from.
+            // From the side of the incoming tool.
             let across = ((i as f64 - roll as f64) / way as f64).clamp(0.0, 1.0);
             let place = self.edges[end].place(level, if end == 0 { across } else { 1.0 - across });
             let [from, to] = if end == 0 { [0, 1] } else { [1, 0] };
@@ -149,7 +149,7 @@ impl Around<'_> {
         }
     }
 
-    /// Straight leads on from the first and the last two stations.
+    /// Straight leads: extensions of the first and of the last two stations.
     fn lead(&self, points: &mut Vec<CcPoint>, leads: [f64; 2]) {
         let on = |a: &CcPoint, b: &CcPoint, length: f64| {
             let way = (b.position - a.position).normalize() * length;

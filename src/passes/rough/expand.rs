@@ -1,8 +1,8 @@
 //! Plan of the operation `expand`: inverted V lines on both sides of the groove (Wei 3.1.2).
 //!
 //! Before: an operation. After: per layer a set of V lines. Each leg runs at a constant distance from the boundary on
-//! its side; the legs of a V meet on the groove line where the channel has become as narrow as the V. So the lines lie
-//! a step apart everywhere and none crowd at the narrow inlet. Order: from the groove outward to the walls.
+//! its side; the legs of a V meet on the groove line where the channel is as narrow as the V. Lines are therefore one
+//! step apart everywhere, also at the narrow inlet. Order: from the groove outward to the walls.
 
 use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Roughing};
@@ -11,10 +11,10 @@ use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::passes::context::{PassContext, limits::check_points};
 use crate::passes::lines::scallop;
 
-/// Plans an expand operation from the level that earlier expanding reached; returns the level that it reaches.
+/// Plans an expand operation from the level of earlier expanding; returns the level that it reaches.
 ///
 /// # Errors
-/// The tool has no room in the first layer; the diagnostic is in the sink.
+/// The tool does not fit into the first layer; the sink holds the diagnostic.
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     id: OperationId,
@@ -51,12 +51,12 @@ pub(crate) fn plan(
 fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(String, Vec<CcPoint>)>) -> usize {
     let Some(outlet) = layer.stations.iter().rfind(|s| s.u <= 1.0) else { return 0 };
     let room = |s: &super::layers::Station| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
-    // Lines of both sides and the groove share the arc between the boundaries (S of formula 9).
+    // The lines of both sides and the groove divide the arc between the boundaries (S of formula 9).
     let pairs = (0.5 * room(outlet) / step).ceil().max(1.0);
     let spacing = 0.5 * room(outlet) / pairs;
     for i in (0..pairs as usize).rev() {
         let offset = i as f64 * spacing;
-        // From the outlet up to the apex: stations where the leg is still on its side of the groove.
+        // From the outlet to the apex: stations where the leg is still on its own side of the groove.
         let legs: Vec<(f64, [f64; 2])> = layer
             .stations
             .iter()
@@ -66,7 +66,7 @@ fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(S
             .map(|(s, share)| (s.u, [s.room[0] + share, s.room[1] - share]))
             .collect();
         let Some((apex, apex_legs)) = legs.last().copied() else { continue };
-        // The crossing at the apex: on the groove line inside the channel, in air in front of the inlet.
+        // The crossing at the apex: on the groove line inside the channel, in air before the inlet.
         let width = (apex_legs[1] - apex_legs[0]) * roughing.chart.width(apex, layer.level);
         let crossing = (width / step).ceil().max(1.0) as usize;
         let across = (1..crossing).map(|k| {

@@ -1,7 +1,7 @@
 //! Plan of the operation `groove`: one line in the middle of each channel, layer by layer (Wei 3.1.1).
 //!
-//! Before: an operation. After: passes from inlet to outlet, one a layer, from the shroud down to the hub allowance or
-//! to the lowest layer that the tool can complete.
+//! Before: an operation. After: passes from inlet to outlet, one per layer, from the shroud down to the hub allowance
+//! or to the lowest layer that the tool can complete.
 
 use super::layers::{End, Layer, Roughing};
 use super::step;
@@ -12,14 +12,14 @@ use crate::part::Surface;
 use crate::passes::context::PassContext;
 use nalgebra::Point3;
 
-/// Longest step of a roughing line, mm: the axis of the tool turns along the line too, and the law of the curvature
-/// does not see that.
+/// Longest step of a roughing line, mm. The tool axis turns along the line, which the law of the curvature does not
+/// consider.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Plans a groove operation from the level that earlier roughing reached (`top`); returns the level that it reaches.
+/// Plans a groove operation from the level of earlier roughing (`top`); returns the level that it reaches.
 ///
 /// # Errors
-/// The tool has no room in the first layer; the diagnostic is in the sink.
+/// The tool does not fit into the first layer; the sink holds the diagnostic.
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     id: OperationId,
@@ -44,7 +44,7 @@ pub(crate) fn plan(
     Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
 }
 
-/// The level that the layers reach; an error when there is none.
+/// The level that the layers reach; an error when there are no layers.
 pub(crate) fn check_room(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -77,7 +77,7 @@ pub(crate) fn check_room(
     Ok(last.level)
 }
 
-/// One line about the layers.
+/// Describes the layers in one line.
 pub(crate) fn describe(layers: &[Layer], end: &End, top: f64) -> String {
     let reached = layers.last().map_or(top, |l| l.level);
     let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", layers.len(), top, reached);
@@ -89,11 +89,11 @@ pub(crate) fn describe(layers: &[Layer], end: &End, top: f64) -> String {
     }
 }
 
-/// Puts stations of a line at steps from its curvature (Wei 4 to 7): a NURBS curve through the stations gives the
-/// curvature; the stations keep to the chart.
+/// Spaces the stations of a line by its curvature (Wei 4 to 7). A NURBS curve through the stations gives the curvature;
+/// the new stations lie on the chart.
 pub(crate) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], epsilon: f64) -> Vec<CcPoint> {
     let positions: Vec<Point3<f64>> = points.iter().map(|p| p.position).collect();
-    // Data points a few millimetres apart carry the shape; all stations would carry the noise of the lifts.
+    // Data points a few millimetres apart keep the shape; all stations would add the noise of the lifts.
     let stride = (positions.len() / 16).max(1);
     let mut data: Vec<Point3<f64>> = positions.iter().step_by(stride).copied().collect();
     if !(positions.len() - 1).is_multiple_of(stride) {
@@ -110,7 +110,7 @@ pub(crate) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], ep
     step::stations(&curve, epsilon, LONGEST_STEP)
         .into_iter()
         .map(|t| {
-            // Chord length parameter, so that it is the share of the length.
+            // The parameter is the share of the length.
             let at = t * total;
             let i = length.partition_point(|l| *l < at).clamp(1, length.len() - 1);
             let share = ((at - length[i - 1]) / (length[i] - length[i - 1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -121,7 +121,7 @@ pub(crate) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], ep
         .collect()
 }
 
-/// Lines in a channel, each with its name, as passes.
+/// Turns named lines in a channel into passes.
 pub(crate) fn passes(lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
     lines.into_iter().map(|(label, points)| CcPass { path: None, label, drive: Drive::Channel, points }).collect()
 }

@@ -1,4 +1,4 @@
-//! Layers of channel roughing: how deep a tool comes, and how far to both walls at each place.
+//! Layers of channel roughing: how deep a tool reaches, and how near to both walls at each place.
 
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, OperationKind, Program};
@@ -7,14 +7,14 @@ use crate::progress::Progress;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this they leave
-/// their chord by a few micrometres, well inside the roughing allowance.
+/// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this distance they leave their
+/// chord by a few micrometres, well within the roughing allowance.
 const STATION_SPACING: f64 = 0.7;
 
-/// Bisection steps for wall distances and lifts: half a channel over 2^10 is about 0.02 mm.
+/// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
 const BISECTIONS: u32 = 10;
 
-/// What a roughing operation may do.
+/// Data and limits of a roughing operation.
 pub(crate) struct Roughing<'a> {
     pub(crate) chart: ChannelChart<'a>,
     obstacles: &'a Obstacles,
@@ -25,7 +25,7 @@ pub(crate) struct Roughing<'a> {
     lead_out: f64,
 }
 
-/// A layer with the room that the tool has at each station.
+/// A layer with the free space for the tool at each station.
 pub(crate) struct Layer {
     /// Number, from 1 at the shroud.
     pub(crate) number: usize,
@@ -35,7 +35,7 @@ pub(crate) struct Layer {
     pub(crate) stations: Vec<Station>,
 }
 
-/// Room of the tool at one u of a layer.
+/// Free space for the tool at one u of a layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Station {
     pub(crate) u: f64,
@@ -72,7 +72,7 @@ impl<'a> Roughing<'a> {
             chart: ChannelChart::new(&program.part),
             obstacles,
             solid: &program.tools[operation.tool].solid,
-            // The machine leaves the planned stations by up to the chord tolerance.
+            // The interpolated motion of the machine differs from the planned stations by up to the chord tolerance.
             keep: Keep {
                 vane: vane.get() + program.tolerances.chord_rough.get(),
                 hub: hub.get() + program.tolerances.chord_rough.get(),
@@ -84,7 +84,7 @@ impl<'a> Roughing<'a> {
         })
     }
 
-    /// Distance of the axis from a wall that the tool touches with its allowance.
+    /// Distance of the tool axis from a wall at which the allowance is kept.
     pub(crate) fn edge(&self) -> f64 {
         self.solid.radius() + self.keep.vane
     }
@@ -94,7 +94,7 @@ impl<'a> Roughing<'a> {
         self.chart.axis(u, v, w, self.edge())
     }
 
-    /// Station of a path in the chart, sector 0.
+    /// Station of a line in the chart, sector 0.
     pub(crate) fn cc_point(&self, u: f64, level: f64, w: f64) -> CcPoint {
         let v = self.lifted(u, level, w).unwrap_or(level);
         CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
@@ -105,8 +105,8 @@ impl<'a> Roughing<'a> {
         (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0)
     }
 
-    /// Layers from `top` (a level already cleared, 1 for the shroud) down, and why they end. `name` is that of the
-    /// operation, for `progress`.
+    /// Layers from `top` (a level already cleared, 1 for the shroud) down, and the reason for their end. `name` is the
+    /// name of the operation, for `progress`.
     pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, End) {
         let count = self.layer_count(top);
         let work = progress.begin(format!("{name}, layers"), count as usize);
@@ -127,7 +127,7 @@ impl<'a> Roughing<'a> {
         (layers, End::Floor)
     }
 
-    /// Measures a layer; an error carries the u at which the tool has no room.
+    /// Measures a layer; an error is the u at which the tool does not fit.
     fn layer(&self, number: usize, level: f64) -> Result<Layer, f64> {
         let from = -self.chart.lead(0.0, level, self.lead_in);
         let to = 1.0 + self.chart.lead(1.0, level, self.lead_out);
@@ -145,14 +145,14 @@ impl<'a> Roughing<'a> {
                 self.room(u, level).map(|room| Station { u, room }).ok_or(u)
             })
             .collect::<Vec<_>>();
-        // The first station without room, whatever thread found it.
+        // The first station without space, independent of the thread that found it.
         let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
         keep_room_at_edges(&mut stations)?;
         Ok(Layer { number, level, stations })
     }
 
-    /// Height of the tip at (u, w) of a level: lifted, for a tool with a rounded tip, until the hub keeps its
-    /// allowance. `None` when that needs more than the step to the layer above.
+    /// Height of the tip at (u, w) of a level. A tool with a rounded tip is lifted until it keeps the allowance on the
+    /// hub. `None` when the lift exceeds the step to the layer above.
     fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
@@ -183,7 +183,7 @@ impl<'a> Roughing<'a> {
         })
     }
 
-    /// Room between the walls at u of a level.
+    /// Free space between the walls at u of a level.
     fn room(&self, u: f64, level: f64) -> Option<[f64; 2]> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
@@ -200,8 +200,8 @@ impl<'a> Roughing<'a> {
     }
 }
 
-/// In front of the inlet and behind the outlet there are no walls, but a line that widened there would cut across the
-/// edges of the vanes: the room outside is at most that of the nearest station inside.
+/// Limits the space in front of the inlet and behind the outlet, where no walls are, to that of the nearest station
+/// inside. A line that widened there would cut across the edges of the vanes.
 fn keep_room_at_edges(stations: &mut [Station]) -> Result<(), f64> {
     let inside = |s: &&Station| (0.0..=1.0).contains(&s.u);
     let (first, last) = (stations.iter().find(inside).copied(), stations.iter().rfind(inside).copied());

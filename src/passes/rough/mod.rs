@@ -10,14 +10,14 @@ use crate::ir::{CcPass, CcPoint, ClPoint, Operation};
 use crate::passes::context::PassContext;
 use layers::Roughing;
 
-/// Room finder of a roughing operation.
+/// Data of a roughing operation.
 ///
 /// # Errors
-/// Layers so thin that planning would not end; the diagnostic is in the sink.
+/// Layers so thin that planning would not end; the sink holds the diagnostic.
 pub(crate) fn roughing<'a>(cx: &mut PassContext<'a>, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
     let roughing = Roughing::new(cx.program, operation, cx.obstacles);
     if let Some(roughing) = &roughing {
-        // A layer takes some ten thousand looks at the part: as long as that many points.
+        // A layer takes some ten thousand distance queries, which costs as much time as that many points.
         check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
     }
     roughing.ok_or_else(|| {
@@ -32,10 +32,10 @@ pub(crate) fn roughing<'a>(cx: &mut PassContext<'a>, operation: &Operation) -> R
 /// Distance queries that measuring a layer takes.
 const LOOKS_PER_LAYER: f64 = 1e4;
 
-/// Most looks at the part that the layers of one operation take: some minutes.
+/// Most distance queries for the layers of one operation: some minutes.
 const MOST_LOOKS: f64 = 2e7;
 
-/// Refuses an operation whose layers would take too many looks at the part.
+/// Refuses an operation whose layers would need too many distance queries.
 fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> Result<(), Aborted> {
     if looks <= MOST_LOOKS {
         return Ok(());
@@ -54,7 +54,7 @@ fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> R
     Err(Aborted)
 }
 
-/// Roughing: the tip is the drive point, the axis blends the rulings of both walls.
+/// Roughing: the tool tip is at the drive point; the axis blends the rulings of both walls.
 pub(crate) fn channel_points(roughing: &Roughing<'_>, pass: &CcPass) -> Vec<ClPoint> {
     let point = |p: &CcPoint| ClPoint { tip: p.position, axis: roughing.axis(p.u, p.v, p.w), contact: None };
     pass.points.iter().map(point).collect()

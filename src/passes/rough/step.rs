@@ -1,8 +1,8 @@
-//! Step along a path from its curvature (Wei 5 to 7).
+//! Step along a path, from its curvature (Wei 5 to 7).
 
 use crate::geom::NurbsCurve;
 
-/// Chord whose middle lies `epsilon` off a circle of curvature `curvature` (Wei 6); never more than `longest`.
+/// Chord whose middle lies `epsilon` off a circle of curvature `curvature` (Wei 6), at most `longest`.
 pub(crate) fn step_length(curvature: f64, epsilon: f64, longest: f64) -> f64 {
     let radius = 1.0 / curvature;
     if !radius.is_finite() || epsilon >= radius {
@@ -11,8 +11,8 @@ pub(crate) fn step_length(curvature: f64, epsilon: f64, longest: f64) -> f64 {
     (2.0 * (radius * radius - (radius - epsilon).powi(2)).sqrt()).min(longest)
 }
 
-/// Parameters along a curve, ends included, at steps from its curvature (Wei 5 and 7). The last two steps share what
-/// is left, so that none is much shorter than the law asks.
+/// Parameters along a curve, ends included, at steps from its curvature (Wei 5 and 7). The last two steps share the
+/// rest, so that neither is much shorter than the law requires.
 pub(crate) fn stations(curve: &NurbsCurve, epsilon: f64, longest: f64) -> Vec<f64> {
     let [lo, hi] = curve.domain();
     let mut parameters = vec![lo];
@@ -20,7 +20,7 @@ pub(crate) fn stations(curve: &NurbsCurve, epsilon: f64, longest: f64) -> Vec<f6
     loop {
         let step = step_length(curve.curvature(u), epsilon, longest);
         let speed = curve.derivatives(u).first.norm();
-        // A point where the curve stands still would give an endless step: cross it in hundredths.
+        // At a point with zero speed the step would be infinite: step by a hundredth of the domain.
         let change = if speed > 0.0 { step / speed } else { (hi - lo) * 0.01 };
         let change = change.max((hi - lo) * 1e-5);
         if u + 2.0 * change >= hi {
