@@ -1,20 +1,20 @@
-//! Symmetric matrices whose entries lie near the diagonal, and their Cholesky factors.
+//! Symmetric banded matrices and their Cholesky factors.
 //!
-//! A control point of a spline only meets its neighbours, so that with the unknowns in their order along the path the
-//! work grows with their number, not with its cube.
+//! A control point of a spline has a term in common only with its neighbours. With the unknowns in their order along
+//! the path, the work therefore grows with their number, and not with its cube.
 
-/// A symmetric matrix: rows of the lower triangle, `width` places before the diagonal and the diagonal each.
+/// A symmetric matrix: for each row of the lower triangle the diagonal entry and `width` entries before it.
 #[derive(Clone, Debug)]
 pub(super) struct Band {
     size: usize,
     width: usize,
-    /// Row i from i * (width + 1), its diagonal last; places before the first column stay zero.
+    /// Row i starts at i * (width + 1) and ends with its diagonal entry; places before the first column are zero.
     rows: Vec<f64>,
 }
 
 /// Sum of products.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums that do not wait for each other.
+    // Four independent sums.
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
@@ -27,18 +27,18 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Band {
-    /// Zero.
+    /// Zero matrix.
     pub(super) fn new(size: usize, width: usize) -> Self {
         let width = width.min(size.saturating_sub(1));
         Self { size, width, rows: vec![0.0; size * (width + 1)] }
     }
 
-    /// Rows and columns.
+    /// Number of rows and columns.
     pub(super) fn size(&self) -> usize {
         self.size
     }
 
-    /// The same values with room for entries farther from the diagonal.
+    /// The same matrix with space for entries farther from the diagonal.
     pub(super) fn widened(&self, width: usize) -> Self {
         let mut out = Self::new(self.size, width.max(self.width));
         let gap = out.width - self.width;
@@ -48,7 +48,7 @@ impl Band {
         out
     }
 
-    /// Adds `weight` a a' for a row of entries from a column on.
+    /// Adds `weight` a a', where `entries` are the entries of a from column `first` on.
     pub(super) fn add_square(&mut self, first: usize, entries: &[f64], weight: f64) {
         let stride = self.width + 1;
         for (i, a) in entries.iter().enumerate() {
@@ -60,7 +60,7 @@ impl Band {
         }
     }
 
-    /// Entry of the diagonal.
+    /// Entry i of the diagonal.
     pub(super) fn diagonal(&mut self, i: usize) -> &mut f64 {
         let at = i * (self.width + 1) + self.width;
         &mut self.rows[at]
@@ -71,7 +71,7 @@ impl Band {
         self.rows.chunks_exact(self.width + 1).map(|row| row[self.width]).fold(0.0, f64::max)
     }
 
-    /// All entries times a number.
+    /// Multiplies all entries by a number.
     pub(super) fn scale(&mut self, by: f64) {
         self.rows.iter_mut().for_each(|x| *x *= by);
     }
@@ -90,14 +90,14 @@ impl Band {
         out
     }
 
-    /// First column of a row and its entries up to the diagonal.
+    /// First column of a row, and the entries of the row up to the diagonal.
     fn row(&self, i: usize) -> (usize, &[f64]) {
         let from = i.saturating_sub(self.width);
         let end = (i + 1) * (self.width + 1);
         (from, &self.rows[end - (i - from) - 1..end])
     }
 
-    /// The lower factor of Cholesky; `None` where the matrix is not positive.
+    /// The lower Cholesky factor; `None` where the matrix is not positive definite.
     pub(super) fn factor(mut self) -> Option<Factor> {
         let stride = self.width + 1;
         for i in 0..self.size {
@@ -116,14 +116,14 @@ impl Band {
             if left.is_nan() || left <= 0.0 {
                 return None;
             }
-            // The factor keeps one over its diagonal.
+            // The factor stores the inverse of its diagonal.
             current[self.width] = 1.0 / left.sqrt();
         }
         Some(Factor(self))
     }
 }
 
-/// Factor of a band, with one over each entry of its diagonal in place of it.
+/// Cholesky factor of a band matrix; it stores the inverse of each diagonal entry.
 pub(super) struct Factor(Band);
 
 impl Factor {
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// A band of squares of rows of `width + 1` entries, and the same in full.
+    /// A band matrix as a sum of squares of rows of `width + 1` entries, and the same as a full matrix.
     fn sample(size: usize, width: usize) -> (Band, DMatrix<f64>) {
         let (mut band, mut full) = (Band::new(size, width), DMatrix::zeros(size, size));
         for k in 0..3 * size {

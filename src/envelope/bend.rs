@@ -1,17 +1,17 @@
-//! How much both curves bend by their parameter: what keeps a path from running to and fro along itself where that
-//! changes no deviation.
+//! Second derivatives of both curves by their parameter. Their term keeps a path from running to and fro along itself
+//! where this changes no deviation.
 //!
-//! The sum stands for the integral of the squares of both second derivatives, mm2: each of their control points counts
-//! for a span of the knots.
+//! The sum approximates the integral of the squares of both second derivatives, mm2: each of their control points
+//! counts for one knot span.
 
 use super::band::Band;
 use crate::geom::DualCurve;
 
-/// Entries of a row: a coordinate of one curve of three neighbouring control points.
+/// Entries of a row: one coordinate of three neighbouring control points of one curve.
 const ROW: usize = 13;
 
-/// Adds `weight` times the quadratic model of half of the sum: its curvature, of at least `ROW - 1` places beside the
-/// diagonal, and its slope.
+/// Adds `weight` times the quadratic model of half of the sum: its Hessian, with at least `ROW - 1` places beside the
+/// diagonal, and its gradient.
 pub(super) fn add_model(curve: &DualCurve, weight: f64, hessian: &mut Band, slope: &mut [f64]) {
     for (first, entries, value) in rows(curve) {
         hessian.add_square(first, &entries, weight);
@@ -24,7 +24,7 @@ pub(super) fn add_model(curve: &DualCurve, weight: f64, hessian: &mut Band, slop
 /// Places beside the diagonal that the model needs.
 pub(super) const WIDTH: usize = ROW - 1;
 
-/// First unknown, weights from there on and value of each coordinate of the second derivatives.
+/// For each coordinate of the second derivatives: first unknown, weights from there on, and value.
 fn rows(curve: &DualCurve) -> impl Iterator<Item = (usize, [f64; ROW], f64)> + '_ {
     let share = (1.0 / (curve.control_count() - 3) as f64).sqrt();
     curve.second_derivative().into_iter().enumerate().flat_map(move |(i, weights)| {

@@ -1,7 +1,7 @@
 //! Deviation of the swept tool from points of a design surface, with its gradient.
 //!
 //! g(p) = min over t of the signed distance of p to the cutter at t: negative is gouge, positive is excess. By the
-//! envelope theorem its change with the control points is that of the distance at the best t alone.
+//! envelope theorem, its derivative by the control points is that of the distance at the best t.
 
 use super::target::{LEVER, Of, Target};
 use crate::collide::cutter::Slope;
@@ -10,31 +10,31 @@ use crate::geom::{AxisAt, DualCurve, Pieces};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// The tool on its axis.
+/// The tool in relation to the axis curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounted<'a> {
     /// The cutter.
     pub cutter: Cutter,
     /// Height of the lower curve over the tip of the tool.
     pub height: f64,
-    /// Shank and holder, with the clearance that each section keeps, mm. None where no target is about them.
+    /// Shank and holder with the clearance of each section, mm. Empty where no target concerns them.
     pub body: &'a [(Section, f64)],
 }
 
-/// Deviation of one point and what changes it.
+/// Deviation of one point, with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Signed distance to the swept cutter.
     pub value: f64,
-    /// Parameter at which the cutter comes nearest.
+    /// Parameter at which the cutter is nearest.
     pub t: f64,
-    /// Change with the point of the lower curve at t.
+    /// Derivative by the point of the lower curve at t.
     pub lower: Vector3<f64>,
-    /// Change with the point of the upper curve at t.
+    /// Derivative by the point of the upper curve at t.
     pub upper: Vector3<f64>,
 }
 
-/// Distance to the cutter or to the body with one axis.
+/// Distance of a target to the cutter or to the body, at one position of the axis.
 fn distance(tool: &Mounted<'_>, at: &AxisAt, target: &Target) -> f64 {
     let d = target.point - at.lower;
     let s = d.dot(&at.axis);
@@ -45,7 +45,7 @@ fn distance(tool: &Mounted<'_>, at: &AxisAt, target: &Target) -> f64 {
     }
 }
 
-/// What the body has to spare at a point, with the gradient.
+/// Distance of the body from a point less its clearance, with the gradient.
 fn body_slope(tool: &Mounted<'_>, rho: f64, s: f64) -> Slope {
     let none = Slope { value: f64::INFINITY, rho: 1.0, s: 0.0 };
     tool.body.iter().fold(none, |least, (section, clearance)| {
@@ -55,16 +55,16 @@ fn body_slope(tool: &Mounted<'_>, rho: f64, s: f64) -> Slope {
     })
 }
 
-/// How much further the axis could lean, see [`Of::Lean`].
+/// Remaining tilt of the axis, see [`Of::Lean`].
 fn leaning(at: &AxisAt, t: f64, most: f64) -> Deviation {
     let radial = libm::hypot(at.axis.x, at.axis.y);
-    // Where the axis is Z it may lean any way.
+    // Where the axis is parallel to Z, every direction of tilt is equal.
     let out = if radial > 0.0 { Vector3::new(at.axis.x, at.axis.y, 0.0) / radial } else { Vector3::x() };
     let upper = (Vector3::z() * radial - out * at.axis.z) * (LEVER / at.length);
     Deviation { value: LEVER * (most - libm::atan2(radial, at.axis.z)), t, lower: -upper, upper }
 }
 
-/// Distance and how it changes with both points of the axis.
+/// Distance, with its derivatives by both points of the axis.
 fn sensitive(tool: &Mounted<'_>, at: &AxisAt, t: f64, target: &Target) -> Deviation {
     let d = target.point - at.lower;
     let s = d.dot(&at.axis);
@@ -75,17 +75,17 @@ fn sensitive(tool: &Mounted<'_>, at: &AxisAt, t: f64, target: &Target) -> Deviat
         Of::Body => body_slope(tool, rho, s + tool.height),
         _ => tool.cutter.slope(rho, s + tool.height),
     };
-    // Turning the axis moves the point across it and along it.
+    // A turn of the axis moves the point across and along the axis.
     let turn = (slope.s * rho - slope.rho * s) / at.length;
     let upper = out * turn;
     Deviation { value: slope.value, t, lower: -(out * slope.rho + at.axis * slope.s) - upper, upper }
 }
 
-/// Stations at which the best parameter is looked for first, each span of the knots.
+/// Stations per knot span at which the best parameter is searched first.
 const STATIONS_PER_SPAN: usize = 12;
 
-/// Deviations of points. With those of a curve that ran nearly the same, the best parameters are looked for from theirs
-/// on, downhill.
+/// Deviations of points. `before` are the deviations for a similar curve: the search then descends from their
+/// parameters.
 pub fn deviations(
     curve: &DualCurve,
     tool: &Mounted<'_>,
@@ -119,7 +119,7 @@ fn nearest(pieces: &Pieces, tool: &Mounted<'_>, stations: &[AxisAt], target: &Ta
     between(pieces, tool, target, at(best.0.saturating_sub(1)), at((best.0 + 1).min(stations.len() - 1)))
 }
 
-/// The lowest place downhill from a parameter: in steps that double, then between the last two.
+/// The local minimum below a parameter: steps double until the distance grows, then the last interval is searched.
 fn downhill(pieces: &Pieces, tool: &Mounted<'_>, from: f64, step: f64, target: &Target) -> Deviation {
     let mut here = rate(pieces, tool, from, target);
     let away = if here.1 < 0.0 { 1.0 } else { -1.0 };
@@ -138,14 +138,15 @@ fn downhill(pieces: &Pieces, tool: &Mounted<'_>, from: f64, step: f64, target: &
     }
 }
 
-/// The distance at a parameter and how fast it grows.
+/// The deviation at a parameter, and the derivative of the distance by the parameter.
 fn rate(pieces: &Pieces, tool: &Mounted<'_>, t: f64, target: &Target) -> (Deviation, f64) {
     let (at, [lower, upper]) = pieces.moving(t);
     let found = sensitive(tool, &at, t, target);
     (found, found.lower.dot(&lower) + found.upper.dot(&upper))
 }
 
-/// Least distance between two parameters, where the rate of the distance changes its sign, or at the better end.
+/// Least distance between two parameters: where the derivative of the distance changes its sign, else at the better
+/// end.
 fn between(
     pieces: &Pieces,
     tool: &Mounted<'_>,
@@ -153,7 +154,7 @@ fn between(
     (a, mut fa): (Deviation, f64),
     (b, mut fb): (Deviation, f64),
 ) -> Deviation {
-    /// Halvings at most; secants need some six.
+    /// Largest number of iterations; the secant method needs about six.
     const STEPS: usize = 40;
     if fa >= 0.0 || fb <= 0.0 {
         return if a.value < b.value { a } else { b };
@@ -166,7 +167,7 @@ fn between(
         let t = (high - fb * (high - low) / (fb - fa)).clamp(low, high);
         let (at, f) = rate(pieces, tool, t, target);
         found = at;
-        // The value changes with the square of what is left: here by less than a picometre.
+        // The error of the value is quadratic in the remaining interval: less than 1 pm here.
         if high - low < 1e-6 * width || f.abs() * width < 1e-9 {
             break;
         }

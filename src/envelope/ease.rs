@@ -1,8 +1,8 @@
-//! The path with the least motion of the rotary axes among those that keep all bounds: quadratic programs over shifts
-//! within a trust region.
+//! The path with the least motion of the rotary axes among all paths that keep the bounds: quadratic programs over
+//! shifts within a trust region.
 //!
-//! Motion is the sum over stations of the squares of dq/ds and of `reach` times d2q/ds2 for both rotary axes, by the
-//! way s of the lower curve: its first part is what the axes turn, its second what they speed up.
+//! Motion is a sum over stations for both rotary axes: the squares of dq/ds and of `reach` times d2q/ds2, where s is
+//! the length of the lower curve. The first term stands for the turn of the axes, the second for their acceleration.
 
 use super::band::{Band, dot};
 use super::deviation::Mounted;
@@ -14,10 +14,10 @@ use crate::geom::angle::nearest_turn;
 use crate::geom::{AxisAt, DualCurve};
 use nalgebra::Vector3;
 
-/// Positions of both rotary axes for a tool axis, radians, each with its change with the tool axis.
+/// Positions of both rotary axes for a tool axis, radians, each with its derivative by the tool axis.
 pub type Rotary<'a> = dyn Fn(&Vector3<f64>) -> [(f64, Vector3<f64>); 2] + Sync + 'a;
 
-/// Outcome.
+/// Result of [`ease`].
 #[derive(Clone, Debug)]
 pub struct Eased {
     /// The curves.
@@ -26,37 +26,38 @@ pub struct Eased {
     pub measured: Measured,
     /// Motion before and after, rad2/mm.
     pub motion: [f64; 2],
-    /// Steps that were made.
+    /// Number of steps.
     pub steps: usize,
 }
 
 /// Stations at which the motion is summed.
 const STATIONS: usize = 120;
 
-/// Rows of an axis: speeds between stations, then accelerations at those that have two neighbours.
+/// Rows of a rotary axis: speeds between stations, then accelerations at stations with two neighbours.
 const ROWS: usize = 2 * STATIONS - 1;
 
-/// Trust region to begin with on a long way and on a short one, mm, and how many steps make it long.
+/// First trust region for few and for many steps, mm, and the number of steps that counts as many.
 const TRUST: [f64; 2] = [0.15, 0.05];
 const LONG: usize = 10;
 
-/// Trust region to stop at, mm.
+/// Trust region at which the iteration stops, mm.
 const NARROW: f64 = 2e-3;
 
-/// By how much a path may overstep the bounds on the way, mm: the next step brings it back to them while it goes on.
+/// Allowed violation of the bounds during the iteration, mm: the next step removes the violation while it reduces the
+/// motion.
 const LOOSE: f64 = 3e-3;
 
-/// Gain of a step, as a share, that is hardly one, and how many such in a row end the way.
+/// Relative gain below which a step counts as idle, and the number of successive idle steps that end the iteration.
 const GAIN: f64 = 2e-2;
 const IDLE: usize = 2;
 
-/// Steps at most that bring the path back to the bounds at the end, each of half the trust of the one before: what is
-/// overstepped goes with its square.
+/// Largest number of final steps that bring the path back to its bounds. Each has half of the trust region of its
+/// predecessor: the violation is quadratic in the trust region.
 const BACK: usize = 8;
 
-/// The curves near `start` with the least motion; `reach` in mm weighs speeding up against turning. No bound is broken
-/// by more than `slack`, mm, nor by more than it was at the start. After `most` steps at the latest the path returns to
-/// its bounds; some twenty take most of the motion away.
+/// The curves near `start` with the least motion; `reach` in mm weighs acceleration against turn. No bound is violated
+/// by more than `slack`, mm, or by more than at the start. After at most `most` steps the path returns to its bounds;
+/// about twenty steps remove most of the motion.
 pub fn ease(
     start: &DualCurve,
     tool: &Mounted<'_>,
@@ -72,7 +73,7 @@ pub fn ease(
     let slack = slack.max(over);
     let mut now = Motion::new(&curve, rotary, reach);
     let before = now.sum();
-    // The path of the least motion among those that keep the bounds.
+    // The path of the least motion among all paths so far that keep the bounds.
     let mut held = (curve.clone(), before);
     let mut trust = TRUST[usize::from(most < LONG)];
     let (mut steps, mut idle, mut back) = (0, 0, 0);
@@ -122,7 +123,7 @@ pub fn ease(
 /// Motion of the rotary axes along a curve.
 struct Motion {
     axes: Vec<AxisAt>,
-    /// Change of each rotary position with the direction between the points of both curves.
+    /// Derivative of each rotary position by the vector between the points of both curves.
     turns: Vec<[Vector3<f64>; 2]>,
     ways: Vec<f64>,
     reach: f64,
@@ -157,7 +158,7 @@ impl Motion {
         dot(&self.residual, &self.residual)
     }
 
-    /// Stations that count in a row, with their weights: first the speeds, then the accelerations.
+    /// Stations in a row, with their weights: first the rows of speed, then the rows of acceleration.
     fn weights(&self, row: usize) -> [(usize, f64); 3] {
         if row < STATIONS {
             let w = 1.0 / self.ways[row].sqrt();
@@ -169,12 +170,12 @@ impl Motion {
         [(i - 1, f / a), (i, -f / a - f / b), (i + 1, f / b)]
     }
 
-    /// The quadratic model of half the motion: its curvature and its slope with the shifts. The change of the ways is left
-    /// out.
+    /// The quadratic model of half the motion: its Hessian and its gradient by the shifts. The change of the lengths is
+    /// neglected.
     fn change(&self, curve: &DualCurve) -> (Band, Vec<f64>) {
         let last = (self.axes.len() - 1) as f64;
         let bases: Vec<_> = (0..self.axes.len()).map(|i| curve.weights(i as f64 / last)).collect();
-        // Stations of a row lie in neighbouring spans, or further apart on a curve of many short ones.
+        // Stations of a row lie in neighbouring spans; on a curve with many short spans they lie further apart.
         let spread = bases.windows(3).map(|w| w[2].0 - w[0].0).max().unwrap_or(0);
         let (mut hessian, mut slope) =
             (Band::new(curve.unknowns(), ENTRIES + 6 * spread - 1), vec![0.0; curve.unknowns()]);

@@ -1,4 +1,4 @@
-//! Least squares: shifts of the control points that lessen the sum of squared faults (Gauss and Newton, damped).
+//! Least squares: shifts of the control points that reduce the sum of squared violations (damped Gauss-Newton).
 
 use super::band::Band;
 use super::deviation::Mounted;
@@ -7,13 +7,14 @@ use super::program::ENTRIES;
 use super::target::Target;
 use crate::geom::DualCurve;
 
-/// Steps at most; after some ten nothing changes.
+/// Largest number of steps; after about ten nothing changes.
 const STEPS: usize = 15;
 
-/// Damping as a share of the mean of the diagonal: the curve may slide along itself, which changes no deviation.
+/// Damping as a share of the mean of the diagonal. A shift of the curve along itself changes no deviation, so that the
+/// problem is singular without it.
 const DAMPING: f64 = 1e-6;
 
-/// How far a deviation lies outside of what a target allows; inside, nothing.
+/// Signed amount by which a deviation violates its target; zero inside of the bounds.
 fn fault(value: f64, target: &Target) -> f64 {
     if value > target.high {
         value - target.high

@@ -1,4 +1,4 @@
-//! Deviations of all targets, and how shifts of the control points change them.
+//! Deviations of all targets, and their derivatives by the control points.
 
 use super::band::dot;
 use super::deviation::{Deviation, Mounted, deviations};
@@ -9,7 +9,7 @@ use crate::geom::DualCurve;
 /// Deviations of all targets for one curve.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// One for each target.
+    /// One deviation per target.
     pub at: Vec<Deviation>,
 }
 
@@ -19,13 +19,13 @@ impl Measured {
         Self { at: deviations(curve, tool, targets, None) }
     }
 
-    /// Measures a curve that runs near the one measured here.
+    /// Measures a curve similar to the one measured here.
     #[must_use]
     pub fn again(&self, curve: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> Self {
         Self { at: deviations(curve, tool, targets, Some(&self.at)) }
     }
 
-    /// Most that any target lacks below and above, each at least zero.
+    /// Largest violation of the lower bounds and of the upper bounds, each at least zero.
     pub fn lack(&self, targets: &[Target]) -> [f64; 2] {
         let mut most = [0.0_f64; 2];
         for (d, t) in self.at.iter().zip(targets) {
@@ -35,14 +35,14 @@ impl Measured {
         most
     }
 
-    /// Most that any target lacks on either side, mm, at least zero.
+    /// Largest violation of any bound, mm, at least zero.
     pub fn worst(&self, targets: &[Target]) -> f64 {
         let [below, above] = self.lack(targets);
         below.max(above)
     }
 
-    /// Least widening of all bounds, each in its share, that makes them hold; infinite when one that does not give way
-    /// is broken.
+    /// Least widening, in proportion to the shares `give`, with which all bounds hold; infinite when a bound that may
+    /// not give way is violated.
     pub fn widening(&self, targets: &[Target]) -> f64 {
         let share = |lack: f64, give: f64| if lack <= ROUNDING { 0.0 } else { lack / give };
         self.at.iter().zip(targets).fold(0.0, |most, (d, t)| {
@@ -51,15 +51,16 @@ impl Measured {
     }
 }
 
-/// A bound that does not give way holds to this much, mm: what programs and their linear models leave.
+/// Violation below which a bound that may not give way counts as kept, mm: the error of programs and linear models.
 pub(super) const ROUNDING: f64 = 2e-6;
 
-/// The change of one deviation with the shifts of the control points: those of four points of each curve.
+/// Derivative of one deviation by the shifts of four control points of each curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// First unknown that counts.
+    /// First unknown of the row.
     pub(super) first: usize,
-    /// Change with it and the next ones: for each control point with the lower and with the upper one, x y z each.
+    /// Derivatives by this unknown and the next ones: for each control point x, y, z of the lower and of the upper
+    /// curve.
     pub(super) change: [f64; ENTRIES],
 }
 
@@ -74,12 +75,12 @@ impl Row {
         measured.at.iter().map(|d| Self::new(curve, d)).collect()
     }
 
-    /// Change by a shift of all unknowns.
+    /// Change for a shift of all unknowns.
     pub(super) fn times(&self, shift: &[f64]) -> f64 {
         dot(&self.change, &shift[self.first..self.first + ENTRIES])
     }
 
-    /// Largest change by shifts of at most one.
+    /// Largest change for shifts of at most one.
     pub(super) fn reach(&self) -> f64 {
         self.change.iter().map(|x| x.abs()).sum()
     }

@@ -1,5 +1,5 @@
-//! The least largest fault: linear programs over shifts within a trust region (sequential linear programming; Ding and
-//! Zhu 2009, algorithms reference 1.4).
+//! Minimises the largest violation: linear programs over shifts within a trust region (sequential linear programming;
+//! Ding and Zhu 2009, algorithms reference 1.4).
 
 use super::deviation::{Deviation, Mounted};
 use super::measured::{Measured, ROUNDING, Row};
@@ -7,33 +7,34 @@ use super::step::{Aim, Model, best};
 use super::target::Target;
 use crate::geom::DualCurve;
 
-/// Outcome.
+/// Result of [`minimax`].
 #[derive(Clone, Debug)]
 pub struct Best {
     /// The curves.
     pub curve: DualCurve,
     /// Deviations.
     pub measured: Measured,
-    /// Least widening of the bounds, each in its share, that makes them hold, mm; zero when they hold.
+    /// Least widening, in proportion to the shares `give`, with which all bounds hold, mm; zero when they hold.
     pub widening: f64,
-    /// Steps that were made.
+    /// Number of steps.
     pub steps: usize,
 }
 
-/// Steps at most.
+/// Largest number of steps.
 const STEPS: usize = 40;
 
-/// Trust region to begin with, mm: half of what the deviations of a blade bend less than a micrometre over.
+/// First trust region, mm: half of the shift over which the deviations of a blade differ from the linear model by less
+/// than 1 um.
 const TRUST: f64 = 0.05;
 
-/// Trust regions to stop at, mm.
+/// Trust region at which the iteration stops, mm.
 const NARROW: f64 = 1e-4;
 
-/// A widening that is none, mm.
+/// Widening below which all bounds count as kept, mm.
 const NONE: f64 = 1e-6;
 
-/// The curves near `start` with the least widening of all bounds, until a step gains no more than `gain`, as a share.
-/// The start must keep the bounds that do not give way.
+/// The curves near `start` with the least widening of all bounds. Stops when the relative gain of a step is at most
+/// `gain`. The start must keep the bounds that may not give way.
 pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f64) -> Best {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
@@ -87,33 +88,33 @@ pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: 
             break;
         }
     }
-    // Steps look about the last best place; the last word looks everywhere.
+    // Steps search near the last best parameter; the result is measured everywhere.
     let measured = Measured::new(&curve, tool, targets);
     Best { widening: measured.widening(targets), curve, measured, steps }
 }
 
-/// Outcome over dense points.
+/// Result of [`finest`].
 #[derive(Clone, Debug)]
 pub struct Finest {
-    /// The curves and what they leave.
+    /// The curves with their deviations.
     pub best: Best,
-    /// Points that were looked at: the given ones and those of the dense ones that stood out between them.
+    /// Points of the optimisation: the given points, and the dense points that exceeded them.
     pub targets: Vec<Target>,
 }
 
-/// Share by which dense points may stand out, and times that such points join.
+/// Share by which dense points may exceed the widening, and rounds in which such points join.
 const OUTSTANDING: f64 = 1e-2;
 const EXCHANGES: usize = 5;
 
-/// Share of the widening that finer knots have to be worth, and control points at most.
+/// Relative gain that finer knots must achieve, and the largest number of control points.
 const WORTH: f64 = 0.03;
 const MOST_CONTROL: usize = 40;
 
-/// A widening that finer knots need not lessen, mm.
+/// Widening that finer knots need not reduce, mm.
 const SMALL: f64 = 1e-5;
 
-/// [`minimax`] over dense points of which few are looked at: those that stand out between the others join them. Spans of
-/// the knots are halved as long as that takes more than some per cent away.
+/// [`minimax`] over dense points, of which few take part: dense points with larger violations than the others join
+/// them. Knot spans are halved as long as this reduces the widening by more than [`WORTH`].
 pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: &[Target], gain: f64) -> Finest {
     let exchanged = |start: &DualCurve, mut targets: Vec<Target>| {
         let mut best = minimax(start, tool, &targets, gain);

@@ -1,13 +1,14 @@
-//! Flank milling as an optimisation over the swept envelope: where the axis of a tool has to run, so that what it
-//! sweeps comes nearest to points of a design surface. Pure mathematics in mm: knows nothing of jobs or parts.
+//! Flank milling as an optimisation over the swept envelope: finds the path of the tool axis for which the swept tool
+//! is nearest to points of a design surface. Pure mathematics in mm, independent of jobs and parts.
 //!
-//! | step | file | what it makes least |
+//! | step | file | minimises |
 //! |---|---|---|
-//! | least squares | `fit` | sum of squared faults |
-//! | minimax | `minimax` | the largest fault |
-//! | ease | `ease` | the motion of the rotary axes, with every fault kept within its bound |
+//! | least squares | `fit` | sum of squared violations |
+//! | minimax | `minimax` | the largest violation |
+//! | ease | `ease` | the motion of the rotary axes, while each violation stays within its bound |
 //!
-//! A fault is how far the deviation of the swept tool, not that of one ruling from one axis, leaves what a point allows.
+//! A violation is the amount by which a deviation of the swept tool exceeds the bounds of a point. The deviation is
+//! that of the whole sweep, not that of one ruling from one axis.
 
 mod band;
 mod bend;

@@ -1,8 +1,8 @@
-//! One step of an optimisation: the best shifts of the control points by the linear model of the deviations, within a
-//! trust region, as a linear or quadratic program.
+//! One step of an optimisation: the best shifts of the control points within a trust region, by the linear model of the
+//! deviations, as a linear or quadratic program.
 //!
-//! Of some thousand bounds few are in the way. A program is solved with those that are worst off, then with those that
-//! its solution breaks as well, until none is broken.
+//! Of some thousand bounds only few are active. The first program contains the bounds with the least slack. Each
+//! further program adds bounds that its predecessor violates, until none is violated.
 
 use super::band::Band;
 use super::bend;
@@ -13,11 +13,11 @@ use crate::geom::DualCurve;
 
 /// The linear model about a curve.
 pub(super) struct Model<'a> {
-    /// Change of each deviation.
+    /// Derivatives of each deviation.
     pub(super) rows: &'a [Row],
-    /// Deviations where nothing is shifted.
+    /// Deviations without a shift.
     pub(super) values: &'a [f64],
-    /// What they may be.
+    /// Bounds of the deviations.
     pub(super) targets: &'a [Target],
     /// The curve.
     pub(super) curve: &'a DualCurve,
@@ -25,11 +25,11 @@ pub(super) struct Model<'a> {
     pub(super) trust: f64,
 }
 
-/// What a step makes least.
+/// Objective of a step.
 pub(super) enum Aim<'a> {
-    /// The widening of the bounds; its present size, mm.
+    /// Minimises the widening of the bounds; the value is its present size, mm.
     Widening(f64),
-    /// Half of shift H shift plus slope shift, the bounds as they are.
+    /// Minimises half of shift H shift plus slope shift; the bounds do not change.
     Quadratic { hessian: &'a Band, slope: &'a [f64] },
 }
 
@@ -37,11 +37,11 @@ pub(super) enum Aim<'a> {
 pub(super) struct Step {
     /// Shifts, mm, of all unknowns.
     pub(super) shift: Vec<f64>,
-    /// Widening that the model promises, mm.
+    /// Widening according to the model, mm.
     pub(super) widening: f64,
 }
 
-/// A bound of one target: `sign` times its change may be at most `room` plus `give` times the widening.
+/// A bound of one target: `sign` times its change must be at most `room` plus `give` times the widening.
 #[derive(Clone, Copy)]
 struct Side {
     target: usize,
@@ -50,35 +50,35 @@ struct Side {
     give: f64,
 }
 
-/// Programs at most for one step.
+/// Largest number of programs for one step.
 const ROUNDS: usize = 12;
 
-/// Bounds to begin with, and bounds that join in a round.
+/// Number of bounds in the first program, and of bounds that join per round.
 const JOIN: usize = 100;
 
-/// Distance of bounds that join together, mm.
+/// Least distance between points whose bounds join in the same round, mm.
 const APART: f64 = 1.5;
 
-/// By how much a solution may break a bound that was left out, mm; less where the widening itself is small.
+/// Largest violation of a bound outside of the program, mm; less where the widening itself is small.
 const BROKEN: f64 = 1e-5;
 
-/// A bound as near as this is in the way, mm.
+/// Slack below which a bound counts as active, mm.
 const NEAR: f64 = 2e-4;
 
-/// Weight of the shifts themselves beside the aim: the curve may slide along itself, which changes no deviation; and
-/// where something pushes it along itself.
+/// Weight of the squares of the shifts. A shift of the curve along itself changes no deviation, so that the optimum is
+/// not unique without this weight. The second value applies where targets push the curve along itself.
 const IDLE: f64 = 1e-4;
 const IDLE_PUSHED: f64 = 1e-5;
 
-/// The same beside a quadratic aim, as a share of its largest curvature.
+/// The same weight for a quadratic objective, as a share of its largest diagonal entry.
 const IDLE_IN_MOTION: f64 = 1e-6;
 
-/// Weight of the bend of the curves beside the widening where something pushes a curve along itself, 1/mm2: of two that
-/// do the same the one that bends less, instead of one that runs to and fro.
+/// Weight of the second derivatives against the widening, where targets push a curve along itself, 1/mm2. Of two equal
+/// curves the one with less second derivative wins, and not one that runs to and fro.
 const BEND: f64 = 1e-6;
 
-/// The best shifts. `None` when a program has no solution. `kept` are the numbers of the targets whose bounds were in
-/// the way in the step before; it is brought up to date.
+/// The best shifts. `None` when a program has no solution. `kept` holds the numbers of the targets with active bounds
+/// of the previous step, and is updated.
 pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> Option<Step> {
     let unit = match aim {
         Aim::Widening(now) => now.max(1e-6),
@@ -95,7 +95,7 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         let list = if kept.binary_search(&i).is_ok() { &mut active } else { &mut open };
         list.extend([below, above].into_iter().filter(|side| side.room <= reach));
     }
-    // Those that were in the way, then those with the least room.
+    // First the bounds that were active, then those with the least slack.
     let joining = JOIN.saturating_sub(active.len()).min(open.len());
     if joining > 0 {
         open.select_nth_unstable_by(joining - 1, |a, b| {
@@ -117,7 +117,7 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
             return Some(step);
         }
         missed.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        // The worst of each neighbourhood: its neighbours mostly follow.
+        // The worst bound of each neighbourhood: its neighbours mostly follow.
         let mut joining: Vec<usize> = Vec::new();
         for (_, i) in missed {
             let at = model.targets[open[i].target].point;
@@ -131,19 +131,18 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
             active.push(open.swap_remove(i));
         }
     }
-    // A step that breaks a bound is found out when the curve is measured.
+    // If the step still violates a bound, the measurement of the curve detects it.
     solve(model, aim, &active, unit)
 }
 
 impl Model<'_> {
-    /// The model whose deviations are those that a shift really has, so that the bend of the deviations counts from
-    /// there on (second-order correction).
+    /// Values for a second-order correction: with them the model reproduces the measured deviations at `shift`.
     pub(super) fn corrected(&self, shift: &[f64], found: &Measured) -> Vec<f64> {
         found.at.iter().zip(self.rows).map(|(d, row)| d.value - row.times(shift)).collect()
     }
 }
 
-/// Unknowns are the shifts as shares of the trust region and, for a widening, that as a share of `unit`.
+/// Unknowns are the shifts as shares of the trust region, and the widening as a share of `unit`.
 fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option<Step> {
     let n = model.curve.unknowns();
     let bound = |side: &Side| {
@@ -164,7 +163,7 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
             (beside, slope.iter().map(|x| x * model.trust).collect())
         }
         Aim::Quadratic { hessian, slope } => {
-            // In shares of the trust region, and of the largest curvature.
+            // Scaled by the trust region and by the largest diagonal entry.
             let scale = hessian.largest();
             let mut quadratic = (*hessian).clone();
             quadratic.scale(1.0 / scale);

@@ -1,16 +1,16 @@
-//! What is required of the swept tool at points.
+//! Bounds of the swept tool at points.
 
 use nalgebra::Point3;
 
-/// What of the tool a target is about.
+/// Part or property of the tool that a target bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Of {
     /// Signed distance of the swept cutter to the point.
     Cutter,
-    /// What shank and holder have to spare there beyond the clearance that is asked of each.
+    /// Distance of shank and holder from the point, less the required clearance of each.
     Body,
-    /// How much further from Z the axis could lean at a parameter, up to an angle in radians; as the way of the point of
-    /// the axis [`LEVER`] up.
+    /// Remaining tilt of the axis against Z at a parameter, up to an angle in radians; as the motion of the axis point
+    /// at the height [`LEVER`].
     Lean {
         /// Parameter of the curves.
         t: f64,
@@ -19,21 +19,21 @@ pub enum Of {
     },
 }
 
-/// Length that makes an angle a way, mm.
+/// Length that converts an angle to a motion, mm.
 pub const LEVER: f64 = 100.0;
 
-/// A point of the design with the deviation that it may have.
+/// A point of the design with the bounds of its deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Position; for a lean where the tool is.
+    /// Position; for [`Of::Lean`] that of the tool.
     pub point: Point3<f64>,
-    /// What of the tool it is about.
+    /// Part or property of the tool.
     pub of: Of,
-    /// Least deviation, mm: above zero keeps clear, minus infinity asks for nothing.
+    /// Least deviation, mm: a positive value is a clearance, minus infinity is no bound.
     pub low: f64,
-    /// Largest deviation, mm; infinite where the tool need not reach.
+    /// Largest deviation, mm; infinite where the tool need not reach the point.
     pub high: f64,
-    /// Shares in which both bounds give way where they cannot all be kept: 1 evenly with others, 0 not at all.
+    /// Shares by which both bounds give way where not all bounds can be kept: 1 like all others, 0 never.
     pub give: [f64; 2],
 }
 
@@ -48,7 +48,7 @@ impl Target {
         Self { point, of: Of::Cutter, low: distance, high: f64::INFINITY, give: [1.0; 2] }
     }
 
-    /// With more room below and above.
+    /// With wider bounds below and above.
     #[must_use]
     pub fn widened(self, below: f64, above: f64) -> Self {
         Self { low: self.low - below, high: self.high + above, ..self }

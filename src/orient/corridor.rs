@@ -1,10 +1,10 @@
-//! A smooth run of the rotary axes inside a corridor of elliptic cones.
+//! Smooth rotary angles inside a corridor of elliptic cones.
 //!
-//! Unknown are both rotary axes at stations even apart in the length of the path. First, second and third differences are
-//! minimised, and the largest turn of each axis a mm, which limits the feed. The axis at each station stays in its cone:
-//! a polygon in the ellipse, with the map from the rotary axes to the plane of the ellipse linearised. The linear problem is
-//! solved, the map linearised again at what came out, until it moves no more; then each axis is compared with its true
-//! ellipse.
+//! The unknowns are the angles of both rotary axes at stations at equal distances along the path. First, second and
+//! third differences are minimised, together with the largest turn of each axis per mm, which limits the feed. The axis
+//! at each station stays in its cone. A polygon in the ellipse represents the cone, and the map from the rotary axes to
+//! the plane of the ellipse is linearised. The convex problem is solved and the map is linearised again at its
+//! solution, until the solution no longer changes. Last, each axis is compared with its true ellipse.
 
 use crate::geom::EllipticCone;
 use clarabel::algebra::CscMatrix;
@@ -15,40 +15,40 @@ use std::f64::consts::TAU;
 /// Sides of the polygon in an ellipse: its area is 95 % of the ellipse.
 const SIDES: usize = 12;
 
-/// Rounds of linearising.
+/// Largest number of linearisations.
 const ROUNDS: i32 = 14;
 
-/// Largest change of an angle in a round, radians, over which the map is nearly linear.
+/// Largest change of an angle in the first round, radians; the map is nearly linear over this change.
 const TRUST: f64 = 0.2;
 
-/// Share of that change which the next round may make.
+/// Factor of the largest change from one round to the next.
 const SHORTER: f64 = 0.65;
 
-/// Share of an ellipse in which the polygon lies.
+/// Scale of the polygon in the ellipse.
 const INSIDE: f64 = 0.98;
 
-/// Change of all angles below which the rounds end, radians.
+/// Change of all angles below which the iteration stops, radians.
 const SETTLED: f64 = 1e-5;
 
 /// Length that weighs differences of higher order against those of lower, mm.
 const LENGTH: f64 = 6.0;
 
-/// Weights of the terms that are minimised.
+/// Weights of the minimised terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// First differences: the membrane of (22) along the path.
     pub first: f64,
     /// Second differences: the thin plate of (22).
     pub second: f64,
-    /// Third differences: what jerk comes from.
+    /// Third differences, which cause jerk.
     pub third: f64,
-    /// Squares of the largest turns of each rotary axis a mm.
+    /// Squares of the largest turns of each rotary axis per mm.
     pub peak: f64,
-    /// Least angle of axis 1, radians; below it axis 2 turns fast.
+    /// Least angle of axis 1, radians; at smaller angles axis 2 turns fast.
     pub least_tilt: f64,
 }
 
-/// A corridor: cones at stations even apart.
+/// A corridor: cones at stations at equal distances.
 #[derive(Clone, Debug)]
 pub struct Corridor {
     /// Clear axes of each station.
@@ -57,25 +57,25 @@ pub struct Corridor {
     pub spacing: f64,
 }
 
-/// Why no run was found.
+/// Why no smooth angles were found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Station.
     pub station: usize,
-    /// How far out of its cone the last axis lies: 1 is on it.
+    /// Level of the last axis in its cone: 1 is on the ellipse, more is outside.
     pub level: f64,
     /// Largest change of an angle in the last round, radians.
     pub change: f64,
-    /// True when the linear problem had no solution.
+    /// True when the convex problem had no solution.
     pub infeasible: bool,
 }
 
 impl Corridor {
-    /// [f64; 2] of each station, from a run in the corridor or near it; those of neighbours on one winding. `tool_axis` gives
-    /// the tool axis at angles.
+    /// Rotary angles of each station, starting from angles in or near the corridor; neighbours must be on one winding.
+    /// `tool_axis` maps angles to the tool axis.
     ///
     /// # Errors
-    /// The rounds end without a run that stays in all cones: the last residuals.
+    /// The iteration ends with an axis outside of its cone: the last residuals.
     pub fn smooth(
         &self,
         start: &[[f64; 2]],
@@ -87,7 +87,7 @@ impl Corridor {
         let mut round: i32 = 0;
         while round < ROUNDS && change > SETTLED {
             round += 1;
-            // Shorter steps each time: what the map bends over a step goes with its square.
+            // Smaller steps each round: the error of the linearised map is quadratic in the step.
             let trust = TRUST * SHORTER.powi(round - 1);
             let Some(next) = self.solve(&run, weights, trust, tool_axis) else {
                 let (station, level) = self.worst(&run, tool_axis);
@@ -98,11 +98,11 @@ impl Corridor {
             run = next;
         }
         let (station, level) = self.worst(&run, tool_axis);
-        // The polygon lies inside of the ellipse by more than what a settled round leaves.
+        // The polygon lies inside of the ellipse by more than the error of a settled round.
         if level <= 1.0 { Ok(run) } else { Err(Residual { station, level, change, infeasible: false }) }
     }
 
-    /// The station that lies farthest out of its cone, and how far.
+    /// The station with the highest level in its cone, and that level.
     pub fn worst(&self, run: &[[f64; 2]], tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>) -> (usize, f64) {
         let levels = self.cones.iter().zip(run).map(|(cone, q)| cone.level(&tool_axis(*q)));
         levels.enumerate().fold((0, 0.0), |worst, x| if x.1 > worst.1 { x } else { worst })
@@ -119,7 +119,8 @@ impl Corridor {
         if n < 4 || run.len() != n {
             return None;
         }
-        // Unknowns: axis 1 of all stations, axis 2 of all stations, the largest turn of each, the way out of the cones.
+        // Unknowns: axis 1 of all stations, axis 2 of all stations, the largest turn of each, and the distance out of
+        // the cones.
         let count = 2 * n + 3;
         let mut square = Triplets::default();
         let h = self.spacing;
@@ -147,7 +148,7 @@ impl Corridor {
                 rows.at_most(&[(axis * n + k, 1.0)], value + trust);
                 rows.at_most(&[(axis * n + k, -1.0)], trust - value);
             }
-            // Never out of reach: a run that starts below the least tilt may only rise.
+            // Always feasible: angles that start below the least tilt may only rise.
             rows.at_most(&[(k, -1.0)], -weights.least_tilt.min(angles[0].abs()) * angles[0].signum());
             if k + 1 < n {
                 for axis in 0..2 {
@@ -157,7 +158,7 @@ impl Corridor {
                 }
             }
         }
-        // Out of the cones only where there is no other way, at a price above all else.
+        // An axis may leave its cone only where it must: the cost of this exceeds all others.
         let out = 2 * n + 2;
         rows.at_most(&[(out, -1.0)], 0.0);
         let mut linear = vec![0.0; count];
@@ -166,7 +167,7 @@ impl Corridor {
         Some((0..n).map(|k| [solution[k], solution[n + k]]).collect())
     }
 
-    /// Rows that keep the axis of a station in its cone.
+    /// Rows that keep the axis of a station inside of its cone.
     fn in_cone(
         &self,
         rows: &mut Rows,
@@ -177,7 +178,7 @@ impl Corridor {
     ) -> Option<()> {
         let n = self.cones.len();
         let here = cone.project(&tool_axis([first, second]))?;
-        // Central differences: the map is smooth, and 1e-5 leaves ten digits.
+        // Central differences: the map is smooth, and the step 1e-5 gives ten digits.
         let step = 1e-5;
         let by = |d1: f64, d2: f64| {
             let [p, q] = [1.0, -1.0].map(|s| cone.project(&tool_axis([first + s * d1, second + s * d2])));
@@ -235,7 +236,8 @@ impl Rows {
     }
 }
 
-/// Least x P x / 2 + q x under the rows; P by its upper half. `None` when the solver finds none.
+/// Minimum of x P x / 2 + q x under the constraints; P is given by its upper half. `None` when the solver finds no
+/// solution.
 fn solve_quadratic(square: &Triplets, linear: &[f64], rows: &Rows, count: usize) -> Option<Vec<f64>> {
     let p = square.matrix(count, count);
     let a = rows.matrix.matrix(rows.bounds.len(), count);

@@ -1,5 +1,5 @@
-//! Energy of the field of tool axes over the contact points (Xu 22): that of a membrane, which first derivatives make,
-//! and that of a thin plate, which second ones make.
+//! Energy of the field of tool axes over the contact points (Xu 22): the energy of a membrane, from first derivatives,
+//! and that of a thin plate, from second derivatives.
 
 use nalgebra::Vector3;
 
@@ -51,8 +51,8 @@ impl Energy {
         self.membrane * membrane + self.thin_plate * plate
     }
 
-    /// What a value adds to the sum (22) along a row that has grown to `before` it, in places `spacing` apart: the
-    /// greedy choice takes the least.
+    /// Increase of the sum (22) when `value` is appended to the row `before`, in places `spacing` apart. The greedy
+    /// choice takes the axis with the least increase.
     pub fn next(&self, before: &[Vector3<f64>], value: &Vector3<f64>, spacing: f64) -> f64 {
         let [.., last] = before else { return 0.0 };
         let first = ((value - last) / spacing).norm_squared();

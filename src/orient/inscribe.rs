@@ -1,8 +1,8 @@
 //! The largest oblique elliptic cone inside of a set of clear tool axes (Xu 3).
 //!
-//! The set is known by a question alone: is every axis within an angle of this one clear? Rays from a clear axis find
-//! where the set ends; the ellipse of largest area that holds none of these ends is found by a pattern search; last it
-//! is proved: caps of clear axes cover it whole, or it shrinks until they do.
+//! The set is known only through a query: is every axis within an angle of this axis clear? Rays from a clear axis find
+//! the boundary of the set. A pattern search finds the ellipse of largest area that contains none of these boundary
+//! points. Last comes the proof: caps of clear axes cover the ellipse, or the ellipse shrinks until they do.
 
 use crate::geom::EllipticCone;
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
@@ -11,19 +11,19 @@ use std::f64::consts::TAU;
 /// Rays from the seed.
 const RAYS: usize = 16;
 
-/// Step along a ray in the plane at height one: some 4 deg, less than the narrowest thing to be jumped over.
+/// Step along a ray in the plane at height one: about 4 deg, less than the narrowest obstacle.
 const STEP: f64 = 0.07;
 
-/// Halvings of the step that the set ends in: to a twentieth of a degree.
+/// Bisection steps for the boundary of the set: to a twentieth of a degree.
 const HALVINGS: usize = 6;
 
 /// Rounds of the pattern search, each with finer steps.
 const ROUNDS: usize = 24;
 
-/// Share of its size that an ellipse keeps when it could not be proved.
+/// Factor by which an ellipse shrinks when its proof fails.
 const SHRINK: f64 = 0.9;
 
-/// Least share of the ellipse between the ends of the rays that is still tried.
+/// Least size that is still tried, as a share of the first ellipse.
 const LEAST_SHARE: f64 = 0.3;
 
 /// Smallest half axis of a cone, as a tangent: a hundredth of a degree.
@@ -32,18 +32,18 @@ const LEAST_HALF_AXIS: f64 = 2e-4;
 /// Least angle of a cap that proves a part of a cone, radians.
 pub const LEAST_CAP: f64 = 0.005;
 
-/// How a cone is to be known clear.
+/// How a cone is shown to be clear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proof {
-    /// Caps cover it whole.
+    /// Caps of clear axes cover the whole cone.
     Covered,
-    /// By the ends of the rays alone, for a use that checks what it takes.
+    /// Only the ends of the rays are known, for callers that check the axis that they take.
     Rays,
 }
 
-/// The largest cone about a clear axis, at the point `seed` of the plane at height one of `frame`, that stays within
-/// `reach` of the seed there. `clear(d, cap)` tells that every axis within the angle `cap` of the unit vector d is
-/// clear. `None` where the seed itself is not, or nothing about it can be proved.
+/// The largest cone of clear axes about the axis at the point `seed` of the plane at height one of `frame`, within
+/// `reach` of the seed in this plane. `clear(d, cap)` is true when every axis within the angle `cap` of the unit vector
+/// d is clear. `None` where the seed itself is not clear, or where no cone about it is proved.
 pub fn inscribe(
     frame: &[Vector3<f64>; 3],
     seed: Vector2<f64>,
@@ -95,9 +95,9 @@ pub fn inscribe(
     None
 }
 
-/// The ellipse of largest area that holds the seed and none of the points inside.
+/// The ellipse of largest area that contains the seed and none of the points `ends`.
 fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector2<f64>]) -> Option<EllipticCone> {
-    // First guess: middle and main directions of the star that the ends make.
+    // First guess: centre and principal directions of the star with the corners `ends`.
     let (mut area, mut middle) = (0.0, Vector2::zeros());
     let mut moments = Matrix2::zeros();
     for (k, p) in ends.iter().enumerate() {
@@ -162,17 +162,18 @@ fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector
     (cone.half_axes[1] > LEAST_HALF_AXIS && best.0 > 0.0).then_some(cone)
 }
 
-/// True when caps of clear axes cover the cone: squares over the unit disc are quartered until one cap holds each.
+/// True when caps of clear axes cover the cone: squares over the unit disc are divided into four until a cap holds
+/// each.
 pub fn covered(cone: &EllipticCone, clear: &dyn Fn(&Vector3<f64>, f64) -> bool) -> bool {
     let mut squares: Vec<(Vector2<f64>, f64)> = vec![(Vector2::zeros(), 1.0)];
     while let Some((middle, half)) = squares.pop() {
-        // Nearest point of the square to the middle of the disc.
+        // Point of the square nearest to the centre of the disc.
         let nearest = Vector2::new((middle.x.abs() - half).max(0.0), (middle.y.abs() - half).max(0.0));
         if nearest.norm() >= 1.0 {
             continue;
         }
         let at = cone.from_disc(&middle);
-        // The plane at height one lies outside of the sphere of unit vectors: angles are smaller than lengths in it.
+        // The plane at height one lies outside of the unit sphere: angles are smaller than lengths in the plane.
         let cap = half * libm::hypot(cone.half_axes[0], cone.half_axes[1]);
         if cap <= 1.0 && clear(&cone.direction(&at), cap) {
             continue;

@@ -1,6 +1,6 @@
-//! Choice of tool axes: the clear axes at a station as an elliptic cone, the best way through the stations of a pass in
-//! the machine's axes, and a smooth curve inside the corridor of cones. Pure mathematics over a question "is this axis
-//! clear"; knows nothing of jobs, IR or diagnostics.
+//! Choice of tool axes: an elliptic cone of clear axes at a station, the cheapest sequence of axes along a pass in the
+//! coordinates of the machine, and a smooth curve inside the corridor of cones. Pure mathematics over the query "is
+//! this axis clear"; independent of jobs, IR and diagnostics.
 
 pub mod corridor;
 pub mod energy;

@@ -1,10 +1,11 @@
-//! The best way through the stations of a pass: at each one of several candidates, least cost in the machine's axes.
+//! The cheapest sequence through the stations of a pass: one of several candidates at each station, with the least cost
+//! in the axes of the machine.
 //!
-//! The cost of a step is the time that the slowest joint needs at its largest speed; a change of the step costs
-//! `smoothness` times its square over the acceleration, summed over the joints. Since that sees three stations, the
-//! shortest path runs over pairs of candidates of neighbouring stations (Mi, Yuan, Ma, Shen 2017: difference graph).
-//! Rotary joints that turn endlessly are compared by their nearest winding, and both branches of a machine are
-//! candidates like any others.
+//! The cost of a step is the time that the slowest joint needs at its largest speed. A change of the step costs
+//! `smoothness` times its square over the acceleration, summed over the joints. This cost depends on three stations.
+//! The shortest path therefore runs over pairs of candidates of neighbouring stations (Mi, Yuan, Ma, Shen 2017:
+//! difference graph). Rotary joints without limits are compared by their nearest winding. Both branches of a machine
+//! are candidates like all others.
 
 use crate::geom::angle::nearest_turn;
 
@@ -16,11 +17,11 @@ pub type Joints5 = [f64; 5];
 pub struct Candidate {
     /// Joints.
     pub joints: Joints5,
-    /// Cost of being there, s: what else speaks against it.
+    /// Additional cost of the candidate, s.
     pub penalty: f64,
 }
 
-/// Weights of a way.
+/// Weights of the cost of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
     /// Largest speeds, mm/s and rad/s.
@@ -29,7 +30,7 @@ pub struct Costs {
     pub acceleration: Joints5,
     /// Factor of the second differences, 1/s.
     pub smoothness: f64,
-    /// Largest turn of a rotary axis in a step, radians: what is farther is no neighbour.
+    /// Largest turn of a rotary axis in a step, radians: candidates farther apart are not connected.
     pub most_turn: f64,
 }
 
@@ -49,7 +50,7 @@ impl Costs {
         self.smoothness * (0..5).map(|k| (after[k] - before[k]).powi(2) / self.acceleration[k]).sum::<f64>()
     }
 
-    /// Cost of a chosen way: formula (4), and the penalties.
+    /// Cost of a chosen sequence: formula (4) and the penalties.
     pub fn of(&self, stations: &[Vec<Candidate>], choice: &[usize]) -> f64 {
         let at = |i: usize| &stations[i][choice[i]];
         let steps: Vec<Joints5> =
@@ -59,10 +60,10 @@ impl Costs {
         penalties + steps.iter().map(|d| self.step(d)).sum::<f64>() + bends
     }
 
-    /// The way of least cost: an index of a candidate for each station. The first of equal ones is taken.
+    /// The cheapest sequence: an index of a candidate for each station. Of equal sequences the first is taken.
     ///
     /// # Errors
-    /// The first station that no way reaches: it has no candidates, or none near enough.
+    /// The first station that no sequence reaches: it has no candidates, or none near enough.
     pub fn shortest(&self, stations: &[Vec<Candidate>]) -> Result<Vec<usize>, usize> {
         let Some(first) = stations.first() else { return Ok(Vec::new()) };
         if first.is_empty() {
@@ -72,7 +73,7 @@ impl Costs {
             let least = (0..first.len()).min_by(|a, b| first[*a].penalty.total_cmp(&first[*b].penalty));
             return Ok(least.into_iter().collect());
         };
-        // A state is a step: candidates at both of its ends, and the best cost to get to its end by it.
+        // A state is a step: the candidates at both of its ends, and the least cost of a sequence that ends with it.
         let mut layers: Vec<Layer> = Vec::with_capacity(stations.len());
         layers.push(self.steps(first, second));
         for (i, step) in layers[0].iter_mut().enumerate() {
@@ -85,7 +86,7 @@ impl Costs {
         for (i, pair) in stations.windows(2).enumerate().skip(1) {
             let mut layer = self.steps(&pair[0], &pair[1]);
             let last = &layers[i - 1];
-            // Steps of the layer before by the candidate that they end at.
+            // Steps of the previous layer, by the candidate at their end.
             let mut arriving: Vec<Vec<usize>> = vec![Vec::new(); pair[0].len()];
             for (k, step) in last.iter().enumerate() {
                 arriving[step.to].push(k);
@@ -119,7 +120,7 @@ impl Costs {
         Ok(choice)
     }
 
-    /// All steps from one station to the next, with their own cost alone.
+    /// All steps from one station to the next, each with only its own cost.
     fn steps(&self, from: &[Candidate], to: &[Candidate]) -> Layer {
         let mut steps = Vec::new();
         for (i, a) in from.iter().enumerate() {
