@@ -1,8 +1,8 @@
 //! The ball at the tip of a cutter over a piece of motion: a capsule.
 //!
-//! The ball lies inside of the cutter, and turning does not move it about its centre. Its centres over a piece lie within
-//! fractions of a micrometre of a segment, so that the distance of a point to the swept ball is closed in form. Where the
-//! cutter is its ball, seen from a place, that is the distance to the cutter.
+//! The ball lies inside of the cutter, and turning about the centre of the ball does not move the ball. Over a piece
+//! the centres lie within fractions of 1 um of a segment, so that the distance of a point to the swept ball has a
+//! closed form. Where the ball is the nearest part of the cutter, this is the distance to the cutter.
 
 use super::piece::Piece;
 use crate::collide::{Cutter, ToolSolid};
@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector3};
 pub(crate) struct Ball {
     /// Radius, mm.
     pub(crate) radius: f64,
-    /// Largest s-component of the normal at which the cutter is this ball.
+    /// Largest s-component of the normal at which the surface of the cutter is this ball.
     pub(crate) upper: f64,
 }
 
@@ -31,52 +31,53 @@ impl Ball {
     }
 }
 
-/// A ball over a piece.
+/// The ball over a piece.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capsule {
     /// Centre at the start.
     start: Point3<f64>,
-    /// From there to the centre at the end.
+    /// Vector from there to the centre at the end.
     way: Vector3<f64>,
-    /// One over its length squared; zero for a ball that stands still.
+    /// Inverse of the squared length of this vector; zero for a ball that stands still.
     per_way: f64,
-    /// No centre leaves the segment by more, mm.
+    /// Largest distance of a centre from the segment, mm.
     flaw: f64,
     /// Axis in the middle of the piece.
     axis: Vector3<f64>,
     /// Half of the turn, radians.
     turn: f64,
-    /// Most that the height of a point over the centre differs from that in the middle, but for the turn, mm.
+    /// Largest change of the height of a point over the centre from the middle of the piece on, apart from the turn,
+    /// mm.
     lift: f64,
 }
 
-/// The place of a capsule that is nearest to a point.
+/// The place on a capsule nearest to a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
     /// Share of the piece.
     pub(crate) t: f64,
-    /// From the centre there to the point.
+    /// Vector from the centre there to the point.
     pub(crate) out: Vector3<f64>,
-    /// Its length.
+    /// Length of this vector.
     pub(crate) length: f64,
 }
 
 impl Foot {
-    /// Direction of the point; none in the centre.
+    /// Direction to the point; zero in the centre.
     pub(crate) fn direction(&self) -> Vector3<f64> {
         if self.length > 0.0 { self.out / self.length } else { Vector3::zeros() }
     }
 }
 
 impl Capsule {
-    /// The capsule of a ball of a radius at the tip over a piece.
+    /// The capsule of a tip ball of a given radius over a piece.
     pub(crate) fn new(piece: &Piece, radius: f64) -> Self {
         let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, radius).0);
         let way = end - start;
         let square = way.norm_squared();
         let (_, axis) = piece.middle();
         let (half_way, turn) = piece.reach();
-        // A curve leaves its chord by an eighth of its second derivative.
+        // A curve deviates from its chord by at most an eighth of its second derivative.
         let flaw = 0.125 * piece.ball_drift(radius).bend;
         Self {
             start,
@@ -89,7 +90,7 @@ impl Capsule {
         }
     }
 
-    /// The nearest place to a point. The ball comes nowhere nearer than the length there, less the radius and
+    /// The nearest place to a point. A lower bound of the distance to the ball is the length there, less the radius and
     /// [`Self::flaw`].
     pub(crate) fn foot(&self, p: &Point3<f64>) -> Foot {
         let from = p - self.start;
@@ -103,26 +104,27 @@ impl Capsule {
         [self.start, self.start + self.way]
     }
 
-    /// True if the cutter reaches no farther in a direction than its ball, at any time of the piece: then a half-space
-    /// along it that holds the balls holds the cutters, and the ball is what is nearest to a point that lies that way.
+    /// True if at any time of the piece the cutter reaches no farther in a direction than its ball. A half-space along
+    /// this direction that contains the balls then contains the cutters, and the ball is the part nearest to a point in
+    /// this direction.
     pub(crate) fn bears(&self, ball: Ball, direction: &Vector3<f64>) -> bool {
         direction.dot(&self.axis) + self.turn <= ball.upper
     }
 
-    /// From the centre at the start to that at the end.
+    /// Vector from the centre at the start to the centre at the end.
     pub(crate) fn way(&self) -> &Vector3<f64> {
         &self.way
     }
 
-    /// How far the true centres may lie from the segment, mm.
+    /// Largest distance of a true centre from the segment, mm.
     pub(crate) fn flaw(&self) -> f64 {
         self.flaw
     }
 
-    /// True if the cutter is its ball, seen from all points within a radius of one, over the whole piece.
+    /// True if the ball is the nearest part of the cutter over the whole piece, for all points within a radius of `p`.
     ///
     /// The height of p over the centre is (p - tip) . axis - ball radius. From the middle of the piece on, the axis
-    /// changes by at most the turn and the tip by its way.
+    /// changes by at most the turn, and the tip by at most its motion.
     pub(crate) fn rules(&self, ball: Ball, p: &Point3<f64>, radius: f64) -> bool {
         let from = p - (self.start + self.way * 0.5);
         let far = from.norm();

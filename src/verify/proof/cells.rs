@@ -1,4 +1,4 @@
-//! Cells of one patch of a surface: g at their corners, then the proof that it stays within goals between them.
+//! Cells of one patch of a surface: g at their corners, then the proof that g stays within goals over each cell.
 
 use super::cutoff::Cutoff;
 use super::grid::{Block, Cell, Grid, Lies, Surface, mix};
@@ -10,13 +10,13 @@ use super::upper_bound::UpperBound;
 use crate::part::chart::Patch;
 use nalgebra::{Point3, Vector3};
 
-/// Distance beyond which a place counts as out of reach of all cutters, mm; no search goes on beyond it.
+/// Distance beyond which a place counts as out of reach of all cutters, mm; searches end there.
 pub const FAR: f64 = 20.0;
 
-/// How far a proved bound may lie beyond the worst value found, mm.
+/// How far a proved bound may lie beyond the worst measured value, mm.
 pub const SLACK: f64 = 5e-4;
 
-/// The same at least, where a limit lies close by, mm.
+/// The least of these distances, used where a limit lies close by, mm.
 pub const LEAST_SLACK: f64 = 2e-5;
 
 /// g at the corners of the cells of a patch.
@@ -24,37 +24,37 @@ pub const LEAST_SLACK: f64 = 2e-5;
 pub struct PatchCorners {
     /// The patch.
     pub patch: Patch,
-    /// g, mm, column by column; at most [`CORNER_SLACK`] over the true one. NaN off the part.
+    /// g, mm, column by column; at most [`CORNER_SLACK`] above the true value. NaN off the part.
     pub values: Vec<f32>,
 }
 
-/// Times a cell is halved at most: from 0.25 mm to 1 um.
+/// Largest number of times that a cell is halved: from 0.25 mm to 1 um.
 const DEEPEST: i32 = 8;
 
-/// The same for cells across the border of the part: the strip that stays out is narrower than a twentieth of a cell.
+/// The same for cells across the border of the part: the strip that is left out is narrower than a twentieth of a cell.
 const BORDER_DEPTH: i32 = 4;
 
-/// What g at a corner may miss, mm; a bound from above needs no more, the bound from below does not rest on it.
+/// Allowed error of g at a corner, mm. It is small enough for the upper bound; the lower bound does not depend on it.
 pub const CORNER_SLACK: f64 = 1e-3;
 
-/// What g is at most over a block that makes a search for less not worth while, mm.
+/// Upper bound of g over a block below which no further search is made, mm.
 const NEAR: f64 = 0.06;
 
-/// A piece of a sweep that may come near.
+/// A piece of a sweep that may be nearest somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Candidate {
     sweep: u32,
     piece: u32,
 }
 
-/// A candidate over a run of cells.
+/// A candidate over a block of cells.
 struct Near {
     candidate: Candidate,
-    /// Its distance from the middle.
+    /// Distance of the candidate from the middle of the block.
     value: f64,
-    /// It comes nowhere nearer.
+    /// Lower bound of its distance over the block.
     bound: f64,
-    /// The same for places.
+    /// Lower bound of its distance at each place.
     tangent: Tangent,
 }
 
@@ -65,48 +65,48 @@ struct Corner {
     by: Option<Candidate>,
 }
 
-/// What the first look at a patch found.
+/// Result of the evaluation of the corners of a patch.
 pub(crate) struct Looked {
-    /// Blocks of cells, each with what may come nearest in it.
+    /// Blocks of cells, each with the pieces that can be nearest in it.
     blocks: Vec<(Block, Vec<Near>)>,
     corners: Vec<Corner>,
     /// True for corners on the part.
     inside: Vec<bool>,
-    /// How the cells lie to the part.
+    /// Position of each cell relative to the part.
     lies: Vec<Lies>,
-    /// Least and most g at corners on the part.
+    /// Least and greatest g at corners on the part.
     pub(crate) range: [f64; 2],
 }
 
-/// Bounds that a surface is to be proved within.
+/// Bounds of g that are to be proved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goals {
-    /// g is to stay above.
+    /// g must stay above this bound.
     pub(crate) low: f64,
-    /// g is to stay below.
+    /// g must stay below this bound.
     pub(crate) high: f64,
 }
 
 /// An extreme of g with its place in the chart.
 pub(crate) type Found = Option<(f64, [f64; 2])>;
 
-/// What was proved of a patch.
+/// Result of the proof over a patch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Proved {
-    /// Least g found.
+    /// Least measured g.
     pub(crate) least: Found,
-    /// Most g found.
+    /// Greatest measured g.
     pub(crate) most: Found,
-    /// g is nowhere less.
+    /// Proved lower bound of g.
     pub(crate) low: f64,
-    /// g is nowhere more.
+    /// Proved upper bound of g.
     pub(crate) high: f64,
-    /// Points at which g was computed, and cells looked at.
+    /// Number of points at which g was computed, plus number of cells tested.
     pub(crate) points: usize,
 }
 
 impl Proved {
-    /// Nothing looked at.
+    /// Result without any cell.
     pub(crate) const NOTHING: Self =
         Self { least: None, most: None, low: f64::INFINITY, high: f64::NEG_INFINITY, points: 0 };
 
@@ -123,7 +123,7 @@ impl Proved {
         }
     }
 
-    /// Both.
+    /// Result over both parts.
     pub(crate) fn join(mut self, other: &Self) -> Self {
         for (value, at) in other.least.iter().chain(&other.most) {
             self.take(*value, *at);
@@ -138,17 +138,17 @@ impl Proved {
 /// A candidate over a patch.
 struct Far {
     candidate: Candidate,
-    /// It comes nowhere nearer.
+    /// Lower bound of its distance over the patch.
     tangent: Tangent,
 }
 
-/// What may come nearest in a hull, from all that is looked at in turn.
+/// Collects the pieces that can be nearest in a hull.
 struct Narrowing<'h> {
     hull: &'h Hull,
     found: Vec<Near>,
-    /// Nearest to the middle.
+    /// Distance of the nearest candidate from the middle.
     least: f64,
-    /// g is nowhere in the hull more than this: what comes nowhere nearer counts nowhere.
+    /// Upper bound of g over the hull: a piece with a larger lower bound cannot matter.
     most: f64,
 }
 
@@ -166,12 +166,12 @@ impl<'h> Narrowing<'h> {
         self.found.push(Near { candidate, value: look.value, bound: look.bound, tangent: look.tangent });
     }
 
-    /// What is left, nearest first.
+    /// The remaining candidates, nearest first.
     fn kept(self) -> Vec<Near> {
         let Self { mut found, most, .. } = self;
         found.retain(|f| f.bound <= most);
         found.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.candidate.cmp(&b.candidate)));
-        // Few of what was looked at, kept for every block of every patch.
+        // The lists are kept for every block of every patch, and few candidates remain.
         found.shrink_to_fit();
         found
     }
@@ -209,7 +209,7 @@ impl Task<'_> {
         Lies::by(hull.corners.iter().chain([&hull.centre]).filter(|p| self.surface.holds(p)).count())
     }
 
-    /// True for a cell that is divided further where its bounds fall short.
+    /// True for a cell that may be divided when its bounds are not sufficient.
     fn divides(&self, cell: &Cell, hull: &Hull, lies: Lies) -> bool {
         let deepest = if lies == Lies::Inside || self.surface.holds(&hull.centre) { DEEPEST } else { BORDER_DEPTH };
         cell.depth < deepest
@@ -220,8 +220,8 @@ impl Task<'_> {
         self.look_below(None)
     }
 
-    /// g at the corners of all cells, as far as it lies below a cutoff: what comes nowhere nearer is not looked at, and
-    /// corners that nothing comes near to are [`FAR`]. Without a cutoff all of it.
+    /// g at the corners of all cells, as far as it lies below a cutoff. Pieces that are nowhere below the cutoff are
+    /// not evaluated, and corners without a nearby piece are [`FAR`]. Without a cutoff all corners are evaluated.
     pub(crate) fn look_below(&self, cutoff: Option<f64>) -> Looked {
         let patch = &self.grid.patch;
         let count = (patch.columns + 1) * (patch.rows + 1);
@@ -253,7 +253,7 @@ impl Task<'_> {
         looked
     }
 
-    /// Divides the patch into blocks, and finds g at the corners of those on the part.
+    /// Divides the patch into blocks, and computes g at the corners of the blocks on the part.
     fn look_at(&self, looked: &mut Looked, cutoff: Option<f64>) {
         let (columns, rows) = (Block::runs([0, self.grid.patch.columns]), Block::runs([0, self.grid.patch.rows]));
         let on_part = |b: &Block| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
@@ -276,7 +276,7 @@ impl Task<'_> {
                 *corner = (p - whole.centre, corner.1.max(most + own));
             }
         }
-        // Corners of none of them keep no room at all.
+        // Corners without a block keep minus infinity and exclude nothing.
         let far = self.gather(&Cutoff::new(&whole, &corners, bulge));
         let stride = self.grid.patch.rows + 1;
         for ((block, hull), most) in blocks.iter().zip(mosts) {
@@ -294,7 +294,7 @@ impl Task<'_> {
         }
     }
 
-    /// What g is at most over each of some blocks.
+    /// Upper bound of g over each block.
     fn mosts(&self, blocks: &[(Block, Hull)]) -> Vec<f64> {
         let mut last: Option<(usize, u32)> = None;
         let most = |(_, hull): &(Block, Hull)| {
@@ -304,7 +304,8 @@ impl Task<'_> {
                 most = most.min(self.sweeps[k].farthest(piece, hull, t));
                 near = near.min(value);
             }
-            // What came near to the block before, then finishing first: what comes near puts the rest aside.
+            // First the sweep that was near the previous block, then finishing before roughing: an early small distance
+            // excludes most other sweeps.
             let first = last.map(|l| l.0);
             let others = (0..self.sweeps.len()).rev().filter(|k| Some(*k) != first);
             for k in first.into_iter().chain(others) {
@@ -318,13 +319,13 @@ impl Task<'_> {
                     last = Some((k, piece));
                 }
             }
-            // Room for rounding: what comes as near as this is kept.
+            // Reserve for rounding: pieces that are equally near are kept.
             most + 1e-9
         };
         blocks.iter().map(most).collect()
     }
 
-    /// g at a point of a run of cells.
+    /// g at a point of a block of cells.
     fn corner(&self, p: &Point3<f64>, near: &[Near]) -> Corner {
         let mut best = Corner { value: FAR, by: None };
         let mut visit = |near: &Near| {
@@ -345,7 +346,7 @@ impl Task<'_> {
         best
     }
 
-    /// Everything that may come nearest anywhere under a cutoff.
+    /// All pieces that can be nearest anywhere below a cutoff.
     fn gather(&self, cutoff: &Cutoff<'_>) -> Vec<Far> {
         let mut found = Vec::new();
         for (k, sweep) in self.sweeps.iter().enumerate() {
@@ -359,8 +360,8 @@ impl Task<'_> {
         found
     }
 
-    /// Those of what may come nearest in a patch that may in a block of it, in which g is at most `most`; what is known of
-    /// them over the patch rules most of them out.
+    /// Pieces that can be nearest in this block, in which g is at most `most`; a subset of those of the patch. Their
+    /// bounds over the patch exclude most of them.
     fn narrow(&self, from: &[Far], hull: &Hull, most: f64) -> Vec<Near> {
         let mut narrowing = Narrowing::new(hull, most);
         for far in from {
@@ -391,7 +392,7 @@ impl Task<'_> {
             }
             self.below(block, near, looked, goals.low, &mut proved);
         }
-        // Nobody asks what is left.
+        // Without an upper goal no upper bound is proved.
         let above = looked.blocks.iter().filter(|_| goals.high < f64::INFINITY);
         for (block, near) in above {
             for cell in block.cells() {
@@ -408,7 +409,7 @@ impl Task<'_> {
         proved
     }
 
-    /// True for a goal that no cutter can miss, since no point lies deeper inside of it than its radius.
+    /// True for a goal that always holds: no point lies deeper inside of a cutter than its radius.
     fn is_certain(&self, goal: f64, proved: &mut Proved) -> bool {
         let deepest = -self.sweeps.iter().map(Sweep::widest).fold(0.0, f64::max);
         let certain = goal <= deepest;
@@ -418,8 +419,9 @@ impl Task<'_> {
         certain
     }
 
-    /// Proves that g stays above a goal over a block. What was not kept for it comes nowhere nearer than g, of which
-    /// something above the goal is known everywhere.
+    /// Proves that g stays above a goal over a block. Pieces that were not kept for the block are nowhere nearer than
+    /// the kept pieces, so that only the kept pieces need a proof.
+    /// Bounds of g that are to be proved.
     fn below(&self, block: &Block, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
         let mut left: Vec<Candidate> = Vec::new();
@@ -461,7 +463,7 @@ impl Task<'_> {
             if let Some(at) = below.nearest {
                 left.push(*c);
                 if lies == Lies::Inside {
-                    // What the hull shows is asked of the surface itself.
+                    // The nearest place of the hull is evaluated on the surface itself.
                     let place = cell.at(at[0], at[1]);
                     if let Some(touch) = sweep.least(c.piece, &self.surface.point(place), FAR, CORNER_SLACK) {
                         proved.take_least(touch.value, place);
@@ -530,7 +532,7 @@ impl Task<'_> {
         }
     }
 
-    /// Upper bound of g over a cell, no better than `enough`.
+    /// Upper bound of g over a cell; the search ends when a bound is at most `enough`.
     fn over(&self, hull: &Hull, corners: &[Corner; 4], enough: f64) -> f64 {
         let high = corners.iter().map(|c| c.value).fold(f64::INFINITY, f64::min) + 2.0 * hull.radius;
         let mut bounds: Vec<UpperBound> = Vec::with_capacity(8);
@@ -557,21 +559,21 @@ impl Task<'_> {
     }
 }
 
-/// A goal below moves when something deeper comes up, and only then.
+/// The lower goal changes only when a smaller value than the goal is measured.
 fn lower_goal(goal: f64, least: Found) -> f64 {
     least.map_or(goal, |l| if l.0 - LEAST_SLACK < goal { l.0 - SLACK } else { goal })
 }
 
-/// The same above.
+/// The upper goal changes only when a greater value than the goal is measured.
 fn higher_goal(goal: f64, most: Found) -> f64 {
     most.map_or(goal, |m| if m.0 + LEAST_SLACK > goal { m.0 + SLACK } else { goal })
 }
 
-/// Times a cell is halved to choose between bounds.
+/// Largest number of times that a cell is halved to combine upper bounds.
 const BOUND_DEPTH: u32 = 3;
 
-/// Most over a cell of the least of some bounds, no better than `enough`. On the ridge between two passes the mean of both
-/// holds: the slope of one makes up for that of the other.
+/// Upper bound over a cell of the least of several upper bounds; the search ends at `enough`. On the ridge between two
+/// passes the mean of two bounds is used, since their slopes compensate each other.
 fn under(bounds: &[UpperBound], enough: f64, depth: u32) -> f64 {
     let mut high = f64::INFINITY;
     for (k, bound) in bounds.iter().enumerate() {
@@ -598,10 +600,10 @@ fn under(bounds: &[UpperBound], enough: f64, depth: u32) -> f64 {
     most
 }
 
-/// g of a point, if less than `cutoff`, with the move that makes it.
+/// g of a point, if less than `cutoff`, with the move that is nearest.
 pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (f64, Option<At>) {
     let mut best = (cutoff, None);
-    // The last operations come nearest: with them first the others are soon out of the question.
+    // The last operations are usually nearest: after them the other operations are excluded early.
     for sweep in sweeps.iter().rev() {
         if let Some(n) = sweep.nearest(p, best.0) {
             best = (n.distance, Some(n.at));
@@ -611,7 +613,7 @@ pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (
 }
 
 impl Looked {
-    /// How a cell of a patch of some rows lies to the part.
+    /// Position of a cell relative to the part, in a patch with a number of rows.
     fn lies_of(&self, cell: &Block, rows: usize) -> Lies {
         self.lies[cell.x[0] * rows + cell.y[0]]
     }
@@ -622,7 +624,7 @@ impl Looked {
         PatchCorners { patch: task.grid.patch, values: values.collect() }
     }
 
-    /// Mean g, area and the nearest move of every cell on the part.
+    /// Mean g, area and nearest move of every cell on the part.
     pub(crate) fn cells(&self, task: &Task<'_>) -> Vec<(f64, f64, Option<At>)> {
         let patch = &task.grid.patch;
         let rows = patch.rows + 1;
@@ -632,7 +634,7 @@ impl Looked {
                 let around = [i * rows + j, i * rows + j + 1, (i + 1) * rows + j, (i + 1) * rows + j + 1];
                 let on = || around.iter().filter(|k| self.inside[**k]).map(|k| &self.corners[*k]);
                 let count = on().count();
-                // Cells across the border count when half of them lies on the part.
+                // Cells across the border count when at least two of their corners lie on the part.
                 let Some(by) = on().map(|c| c.by).next().filter(|_| count >= 2) else { continue };
                 let mean = on().map(|c| c.value).sum::<f64>() / count as f64;
                 let area = task.hull(&Block { x: [i, i + 1], y: [j, j + 1] }).area();

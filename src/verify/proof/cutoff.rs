@@ -1,8 +1,9 @@
-//! What g is at most over the blocks of a patch, and which functions lie over it everywhere.
+//! Cutoff over the blocks of a patch: an upper bound of g over each block. Pieces that lie above the cutoff everywhere
+//! cannot matter.
 //!
-//! The distance to a cutter is convex, so that it lies over its tangent at the middle of the patch. A block lies within
-//! its bulge of the hull of its four corners, so that a linear function which is more at these corners than g is over the
-//! block, and more by the bulge, is more all over the block. What comes nowhere under the cutoff counts nowhere.
+//! The distance to a cutter is convex and lies above its tangent at the middle of the patch. A block lies within its
+//! bulge of the hull of its four corners. If a linear function exceeds the upper bound of the block at these corners by
+//! at least the bulge, the function exceeds the bound over the whole block.
 
 use super::hull::Hull;
 use nalgebra::Vector3;
@@ -13,25 +14,26 @@ const LANES: usize = 4;
 /// Some corners of blocks.
 #[derive(Clone, Copy, Debug)]
 struct Lanes {
-    /// From the middle of the patch, by coordinate.
+    /// Vectors from the middle of the patch, by coordinate.
     way: [[f64; LANES]; 3],
-    /// Most over the blocks that meet there, and their bulge.
+    /// Largest upper bound of the blocks that meet at each corner, bulge included.
     most: [f64; LANES],
 }
 
-/// What g is at most over the blocks of a patch.
+/// Upper bound of g over the blocks of a patch.
 #[derive(Clone, Debug)]
 pub(crate) struct Cutoff<'h> {
     hull: &'h Hull,
     lanes: Vec<Lanes>,
     highest: f64,
-    /// Most that any block bulges.
+    /// Largest bulge of any block.
     bulge: f64,
 }
 
 impl<'h> Cutoff<'h> {
-    /// Over the hull of a patch, by the corners of its blocks: their ways from its middle, and the most that g is over
-    /// any block that meets there, its bulge added. No block bulges by more than `bulge`.
+    /// Over the hull of a patch, from the corners of its blocks. Each corner has its vector from the middle of the
+    /// patch and the largest upper bound of g over the blocks that meet there, bulge included. `bulge` bounds the bulge
+    /// of every block.
     pub(crate) fn new(hull: &'h Hull, corners: &[(Vector3<f64>, f64)], bulge: f64) -> Self {
         let lanes = corners.chunks(LANES).map(|some| {
             let mut lanes = Lanes { way: [[0.0; LANES]; 3], most: [f64::NEG_INFINITY; LANES] };
@@ -52,13 +54,13 @@ impl<'h> Cutoff<'h> {
         self.hull
     }
 
-    /// Its highest place, bulges added.
+    /// Highest upper bound of all blocks, bulge included.
     pub(crate) fn highest(&self) -> f64 {
         self.highest
     }
 
-    /// True if a linear function of a value at the middle and a slope lies nowhere under the cutoff; the slope is no
-    /// longer than `steepness`, at least one.
+    /// True if a linear function, given by its value at the middle and its slope, lies nowhere below the cutoff. The
+    /// slope is at most `steepness` long, which is at least one.
     pub(crate) fn hides(&self, value: f64, slope: &Vector3<f64>, steepness: f64) -> bool {
         if value - steepness * self.hull.radius >= self.highest {
             return true;

@@ -7,25 +7,26 @@ use crate::part::{
 };
 use nalgebra::{Point3, Rotation3};
 
-/// Share of the third difference over half a cell by which a surface may leave the biquadratic through nine points: a
-/// cubic leaves the parabola by 1/15.6, in two directions, with the mixed terms, and half as much again.
+/// Share of the third difference over half a cell that bounds the deviation of a surface from the biquadratic through
+/// nine points. A cubic deviates from the parabola by 1/15.6, in two directions, with the mixed terms; the reserve is
+/// half as much again.
 const THICKNESS: f64 = 0.2;
 
-/// Cells along a side of the blocks whose corners share their candidates.
+/// Cells along the side of a block, whose corners share their candidates.
 const BLOCK: usize = 2;
 
 /// A surface of one sector.
 pub(crate) struct Surface<'a> {
     /// Its shape in sector 0.
     pub(crate) shape: &'a dyn Shape,
-    /// Turn into the sector.
+    /// Rotation into the sector.
     pub(crate) turn: Rotation3<f64>,
-    /// Which one.
+    /// Identifier of the surface.
     pub(crate) id: SurfaceId,
 }
 
 impl Surface<'_> {
-    /// The point of a place of the chart.
+    /// The point at a place of the chart.
     pub(crate) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
         self.turn * self.shape.place(x, y).position
     }
@@ -35,12 +36,12 @@ impl Surface<'_> {
     }
 }
 
-/// Points of a patch in sector 0: corners, middles of sides and middles of its cells, x by x.
+/// Points of a patch in sector 0: corners, middles of sides and middles of all cells, x by x.
 pub(crate) struct Grid {
     /// The patch.
     pub(crate) patch: Patch,
     points: Vec<Point3<f64>>,
-    /// Largest third difference along its lines, mm.
+    /// Largest third difference along the lines of the grid, mm.
     third: f64,
 }
 
@@ -67,17 +68,17 @@ impl Grid {
         Self { patch, points, third }
     }
 
-    /// Point i along x and j along y: two to a cell.
+    /// Point i along x and j along y; neighbouring corners are two points apart.
     pub(crate) fn point(&self, i: usize, j: usize) -> Point3<f64> {
         self.points[i * (2 * self.patch.rows + 1) + j]
     }
 
-    /// How far a cell may leave the biquadratic through its nine points, mm.
+    /// Largest deviation of a cell from the biquadratic through its nine points, mm.
     pub(crate) fn thickness(&self) -> f64 {
         THICKNESS * self.third
     }
 
-    /// The hull of a run of cells, turned into a sector.
+    /// The hull of a block of cells, rotated into a sector.
     pub(crate) fn hull(&self, block: &Block, turn: &Rotation3<f64>) -> Hull {
         let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
         let (x, y) = (along(block.x), along(block.y));
@@ -86,7 +87,7 @@ impl Grid {
         Hull::new(&std::array::from_fn(at), self.thickness() * size * size * size)
     }
 
-    /// The first cell of a run.
+    /// The first cell of a block.
     pub(crate) fn cell(&self, block: &Block) -> Cell {
         let patch = &self.patch;
         let half = [
@@ -99,12 +100,12 @@ impl Grid {
     }
 }
 
-/// The i-th of n + 1 even places over a range.
+/// The i-th of n + 1 equally spaced places over a range.
 pub(crate) fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
     range[0] + (range[1] - range[0]) * i as f64 / n as f64
 }
 
-/// A run of cells of a patch: columns and rows from..to.
+/// A block of cells of a patch: columns and rows from..to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     /// Columns from..to.
@@ -124,7 +125,7 @@ impl Block {
         (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
     }
 
-    /// Runs of [`BLOCK`] cells along a side of some.
+    /// Divides a range into runs of [`BLOCK`] cells.
     pub(crate) fn runs([from, to]: [usize; 2]) -> Vec<[usize; 2]> {
         (from..to).step_by(BLOCK).map(|k| [k, (k + BLOCK).min(to)]).collect()
     }
@@ -137,7 +138,7 @@ pub(crate) struct Cell {
     pub(crate) middle: [f64; 2],
     /// Half sides.
     pub(crate) half: [f64; 2],
-    /// Times that it was halved.
+    /// Number of times that the cell was halved.
     pub(crate) depth: i32,
 }
 
@@ -156,7 +157,7 @@ impl Cell {
     }
 }
 
-/// How a cell lies to the part.
+/// Position of a cell relative to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lies {
     Inside,
@@ -165,7 +166,7 @@ pub(crate) enum Lies {
 }
 
 impl Lies {
-    /// By how many of the corners and the middle are on the part.
+    /// From the number of corners and middle (five points) on the part.
     pub(crate) fn by(on: usize) -> Self {
         match on {
             0 => Self::Outside,

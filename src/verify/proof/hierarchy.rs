@@ -1,14 +1,15 @@
-//! The hierarchy over the pieces of a sweep: what lies far from a point or a cell is put aside by the node.
+//! The hierarchy over the pieces of a sweep: excludes pieces far from a point or a cell, node by node.
 //!
-//! Each node knows a box about a point of the axis of the tool in all of its poses, the centre of the ball or the corner at
-//! the tip. It bounds the distance to the cutter from below in one of two ways, both along one direction n, since passes
-//! that follow a surface hardly stray across it:
+//! The centre of a pose is the centre of the tip ball, or the corner at the tip. Each node has a box with the centres
+//! of all of its poses. Two lower bounds of the distance f to the cutter are available. Each uses one direction n,
+//! since passes that follow a surface deviate little across the surface:
 //!
-//! - by the support h of the cutter: f >= n . (p - c) - h for every centre c, where h is the radius of a ball at the tip as
-//!   long as the cutter is its ball in that direction in all poses, and elsewhere its width and what its length adds;
-//! - by its mean pose: with F the distance to the cutter there, n its slope at a point q as seen from there, and q' the
-//!   point as seen from another pose, f >= F + n . (q' - q). The centre strays by the box; a turn by an angle w moves q
-//!   by w |n x q| along n, and what is left is of second order.
+//! - From the support h of the cutter: f >= n . (p - c) - h for every centre c. As long as the cutter is its ball in
+//!   this direction in all poses, h is the radius of the tip ball; elsewhere h is the width of the cutter plus the
+//!   share of its length.
+//! - From the mean pose: let F be the distance to the cutter in the mean pose, n its gradient at a point q in the frame
+//!   of that pose, and q' the point in the frame of another pose. Then f >= F + n . (q' - q). The box bounds the
+//!   deviation of the centre; a turn by an angle w moves q by w |n x q| along n; the rest is of second order.
 
 use super::capsule::Capsule;
 use super::piece::Piece;
@@ -18,34 +19,34 @@ use nalgebra::{Point3, Vector3};
 /// Pieces in a leaf.
 const LEAF: usize = 4;
 
-/// Length by which directions weigh against positions when pieces are grouped: about half an engaged cutter, mm.
+/// Length that weighs directions against positions when pieces are grouped: about half an engaged cutter, mm.
 const ARM: f64 = 15.0;
 
-/// Pieces from which on halves of a node are built at once on several threads.
+/// Number of pieces from which on both halves of a node are built on several threads.
 const APART: usize = 4096;
 
-/// Of about how many pieces of a node the ways are looked at along which its box lies.
+/// Approximate number of pieces of a node from which the directions of its box are derived.
 const SOME: usize = 128;
 
-/// What rounding may take from a box of centres, mm.
+/// Reserve of a box of centres for rounding, mm.
 const ROUNDING: f64 = 1e-9;
 
-/// The tools of all pieces below lie near one pose.
+/// A node: the tools of all of its pieces are near one pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    /// Box that holds the centres of all poses below: its middle, its half sides, and half its diagonal.
+    /// Box with the centres of all poses of the node: its middle, its half sides, and half its diagonal.
     pub(crate) centre: Point3<f64>,
     pub(crate) sides: [Vector3<f64>; 3],
     pub(crate) reach: f64,
-    /// Mean axis, and the largest turn of any pose from it, as a chord of unit axes.
+    /// Mean axis, and the largest turn of a pose from it, as a chord of unit axes.
     pub(crate) axis: Vector3<f64>,
     pub(crate) turn: f64,
-    /// Pieces from..to; an inner node has its children at `child` and `child + 1`.
+    /// Range of pieces; an inner node has its children at `child` and `child + 1`.
     pub(crate) range: (u32, u32),
     pub(crate) child: u32,
 }
 
-/// Nodes over sorted pieces, the root first.
+/// Nodes over sorted pieces; the root is the first.
 #[derive(Clone, Debug)]
 pub(crate) struct Hierarchy {
     pub(crate) nodes: Vec<Node>,
@@ -57,13 +58,13 @@ pub(crate) struct Hierarchy {
 pub(crate) struct Size {
     /// Height of the centres over the tip.
     pub(crate) height: f64,
-    /// Length above them.
+    /// Length of the cutter above the centres.
     pub(crate) length: f64,
     /// Largest radius.
     pub(crate) width: f64,
 }
 
-/// What the hierarchy asks of a piece.
+/// Properties of a piece for the hierarchy.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
     /// Tip and axis in the middle.
@@ -71,7 +72,7 @@ struct Leg {
     axis: Vector3<f64>,
     /// Half of the turn.
     turn: f64,
-    /// Centres at both ends, and how far those between leave their segment.
+    /// Centres at both ends, and the largest distance of the others from this segment.
     ends: [Vector3<f64>; 2],
     flaw: f64,
     /// Index in the order of time.
@@ -79,8 +80,8 @@ struct Leg {
 }
 
 impl Hierarchy {
-    /// Over the pieces of a tool, and the order that they are to be sorted into; `centres` are the ways of the middle of
-    /// its tip over them.
+    /// Builds the hierarchy over the pieces of a tool, and returns the order into which they are to be sorted.
+    /// `centres` are the paths of the centres over the pieces.
     pub(crate) fn over(solid: &ToolSolid, pieces: &[Piece], centres: &[Capsule]) -> (Self, Vec<u32>) {
         let height = solid.cutter.tip_radius();
         let width = solid.cutter.widest_below(solid.flute_length);
@@ -102,15 +103,15 @@ impl Hierarchy {
     }
 }
 
-/// Nodes below one over a number of pieces.
+/// Number of nodes below a node with a number of pieces.
 fn below(count: usize) -> usize {
     if count <= LEAF { 0 } else { 2 + below(count / 2) + below(count - count / 2) }
 }
 
-/// Bounds of a run of pieces that starts at `start` of all pieces.
+/// Bounds of a run of pieces; `start` is the index of its first piece.
 fn node(legs: &[Leg], start: usize) -> Node {
     let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(1e-9).unwrap_or_else(Vector3::z);
-    // The chord of unit vectors bounds from below what the half turns of pieces add to.
+    // The chord of unit vectors is shorter than the angle; the half turns of the pieces are added to the chord.
     let turn = legs.iter().map(|l| (l.axis - axis).norm() + l.turn).fold(0.0, f64::max);
     let (centre, sides) = bounding_box(legs);
     let reach = sides.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
@@ -118,8 +119,8 @@ fn node(legs: &[Leg], start: usize) -> Node {
     Node { centre, sides, reach, axis, turn, range: (index(start), index(start + legs.len())), child: 0 }
 }
 
-/// A box about the centres of some pieces: along the way from their mean to the farthest of them, and along the farthest
-/// way across that. Of many pieces some show these ways; the box holds all.
+/// A box about the centres of pieces. Its first direction points from their mean to the farthest centre, its second to
+/// the centre farthest across the first. A selection of many pieces gives the directions; the box holds all of them.
 fn bounding_box(legs: &[Leg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     let some = || legs.iter().step_by(legs.len().div_ceil(SOME).max(1)).flat_map(|leg| leg.ends);
     let mean = some().sum::<Vector3<f64>>() / some().count().max(1) as f64;
@@ -136,12 +137,12 @@ fn bounding_box(legs: &[Leg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     let ranges = ranges(ends.map(|c| axes.map(|a| a.dot(&(c - mean)))));
     let flaw = legs.iter().map(|l| l.flaw).fold(0.0, f64::max);
     let middle: Vector3<f64> = (0..3).map(|k| axes[k] * (0.5 * (ranges[k][0] + ranges[k][1]))).sum();
-    // Axes that are square and of length one but for rounding hold the box but for rounding.
+    // The axes are orthogonal unit vectors apart from rounding, for which the box has a reserve.
     let sides = std::array::from_fn(|k| axes[k] * (0.5 * (ranges[k][1] - ranges[k][0]) + flaw + ROUNDING));
     (Point3::from(mean + middle), sides)
 }
 
-/// Least and most of each of some coordinates.
+/// Least and greatest value of each coordinate.
 fn ranges<const N: usize>(places: impl Iterator<Item = [f64; N]>) -> [[f64; 2]; N] {
     places.fold([[f64::INFINITY, f64::NEG_INFINITY]; N], |mut ranges, place| {
         for (range, x) in ranges.iter_mut().zip(place) {
@@ -151,8 +152,9 @@ fn ranges<const N: usize>(places: impl Iterator<Item = [f64; N]>) -> [[f64; 2]; 
     })
 }
 
-/// Builds the node `own` of pieces, the first of them `start` of all. More than a leaf is split by the widest of tip and
-/// axis coordinates; `rest` takes the nodes below, the first of them `first` of all.
+/// Builds the node `own` of pieces; `start` is the index of the first piece. More pieces than a leaf holds are split at
+/// the median of the widest of the tip and axis coordinates. `rest` takes the nodes below; `first` is the index of the
+/// first of them.
 fn build(legs: &mut [Leg], start: usize, own: &mut Node, rest: &mut [Node], first: usize) {
     let count = legs.len();
     *own = node(legs, start);
@@ -163,7 +165,7 @@ fn build(legs: &mut [Leg], start: usize, own: &mut Node, rest: &mut [Node], firs
         [p.x, p.y, p.z, a.x, a.y, a.z]
     };
     let widths = ranges(legs.iter().map(keys)).map(|[low, high]| high - low);
-    // The first of the widest.
+    // The first of the widest coordinates.
     let widest = (0..6).fold(0, |best, k| if widths[k] > widths[best] { k } else { best });
     let half = count / 2;
     let key = |l: &Leg| if widest < 3 { l.middle[widest] } else { l.axis[widest - 3] };

@@ -2,27 +2,27 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A cell of a surface: the biquadratic through nine of its points, thickened.
+/// A cell of a surface: the biquadratic through nine of its points, with a thickness.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hull {
     /// Middle point.
     pub(crate) centre: Point3<f64>,
     /// Corners: (low x, low y), (low, high), (high, low), (high, high).
     pub(crate) corners: [Point3<f64>; 4],
-    /// Distance of the farthest point from the middle.
+    /// Distance of the farthest point of the cell from the middle point.
     pub(crate) radius: f64,
-    /// Control points of the biquadratic relative to the middle; their hull holds it.
+    /// Control points of the biquadratic relative to the middle point; the biquadratic lies in their hull.
     pub(crate) control: [Vector3<f64>; 9],
-    /// Control points of edges and middle relative to those of the bilinear through the corners.
+    /// Control points of edges and middle, relative to those of the bilinear surface through the corners.
     pub(crate) bulge: [Vector3<f64>; 5],
     /// Half sides.
     pub(crate) sides: [Vector3<f64>; 2],
-    /// Thickness about the biquadratic.
+    /// Thickness of the cell about the biquadratic.
     pub(crate) thickness: f64,
 }
 
 impl Hull {
-    /// Through nine points, x by x.
+    /// Hull through nine points, x by x.
     pub(crate) fn new(points: &[Point3<f64>; 9], thickness: f64) -> Self {
         let centre = points[4];
         let p = points.map(|q| q - centre);
@@ -55,19 +55,20 @@ impl Hull {
         0.5 * (d - a).cross(&(c - b)).norm()
     }
 
-    /// How far the cell may leave the hull of its corners.
+    /// Largest distance of the cell from the hull of its corners.
     pub(crate) fn bulges(&self) -> f64 {
         self.bulge.iter().map(Vector3::norm).fold(0.0, f64::max) + self.thickness
     }
 
-    /// Least over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it, with the
-    /// best k of at most `most`: any share of a curvature holds, and the best one balances that of the surface.
+    /// Least value over the cell of g . (p - from) + k (e . (p - from))^2, for p in the cell and a place `at` of it,
+    /// with the best k up to `most`. Any share of the curvature is valid; the best share balances the curvature of the
+    /// surface.
     pub(crate) fn least_curved(&self, at: [f64; 2], gradient: &Vector3<f64>, across: &Vector3<f64>, most: f64) -> f64 {
         const PLACE: [f64; 3] = [-1.0, 0.0, 1.0];
         const SQUARE: [f64; 3] = [1.0, -1.0, 1.0];
         const SHARES: usize = 4;
         let along = self.at(at).dot(gradient);
-        // e . (p - from) is linear up to what the bulge adds.
+        // e . (p - from) is linear apart from the bulge.
         let (a, b) = (across.dot(&self.sides[0]), across.dot(&self.sides[1]));
         let c = -a * at[0] - b * at[1];
         let widest = a.abs() + b.abs() + c.abs();
@@ -90,7 +91,7 @@ impl Hull {
     }
 }
 
-/// The least of some numbers; `f64::min` would ask each whether it is one.
+/// The least of nine numbers; `f64::min` would test each for NaN.
 pub(crate) fn least_of(values: [f64; 9]) -> f64 {
     values.into_iter().fold(f64::INFINITY, |least, v| if v < least { v } else { least })
 }

@@ -1,13 +1,13 @@
-//! Bounds, over a whole cell of a surface, of the distance to a cutter swept over a piece of motion.
+//! Lower bounds of the distance to a cutter swept over a piece of motion, for a whole cell of a surface.
 //!
-//! Let F(p, t) be the distance of a point p to the cutter at the share t of a piece, q(p, t) the point as seen from the
-//! tool. The distance is convex in q, and q is linear in p and t up to a bend that the turn of the piece bounds. So F is
-//! convex in (p, t) up to that bend:
+//! Let F(p, t) be the distance of a point p to the cutter at the share t of a piece, and q(p, t) the point in the frame
+//! of the tool. The distance is convex in q. q is linear in p and t, apart from its second derivative, which the turn
+//! of the piece bounds. Apart from this second derivative F is therefore convex in (p, t):
 //!
-//! - *below*, F lies above its tangent at any (p*, t*). At the joint minimum over cell and piece that tangent is level,
-//!   and the bound is as sharp as the bend and the bulge of the cell allow ([`Sweep::below`]);
+//! - *below*, F lies above its tangent at any (p*, t*). At the joint minimum over cell and piece this tangent is level,
+//!   and the bound is as sharp as the second derivative and the bulge of the cell allow ([`Sweep::below`]);
 //! - *above*, F at a mean of corners and times is at most the mean of F at the corners, each at its own best time
-//!   (`upper_bound.rs`). No term with the radius of the cutter enters: the cutter follows the cell.
+//!   (`upper_bound.rs`). No term with the radius of the cutter occurs: the cutter follows the cell.
 
 use super::capsule::{Ball, Capsule, Foot};
 use super::cutoff::Cutoff;
@@ -17,45 +17,45 @@ use super::sweep::Sweep;
 use crate::collide::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
 
-/// Slope over a cell, mm, that counts as level.
+/// Slope over a cell, mm, below which the tangent counts as level.
 const LEVEL: f64 = 2e-6;
 
-/// Rounds of the search for the joint minimum: on cylinders and balls the second is exact.
+/// Rounds of the search for the joint minimum; for cylinders and balls the second round is exact.
 const ROUNDS: usize = 4;
 
-/// What a bound may give away to the bend of a piece before the piece is halved, mm.
+/// Loss of a bound through the second derivative of a piece above which the piece is halved, mm.
 const BEND_SLACK: f64 = 1e-4;
 
-/// How far beyond its goal a bound by the curvature of a ball is still told apart, mm.
+/// Distance beyond its goal up to which a bound by the curvature of a ball is evaluated, mm.
 const BEYOND: f64 = 1e-3;
 
-/// What is known about a cell and a piece.
+/// Lower bound for a cell and a piece.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Below {
-    /// No point of the cell comes nearer to the cutter.
+    /// No point of the cell is nearer to the cutter.
     pub(crate) bound: f64,
-    /// Where the bound fell short of its goal: the nearest place of the cell, in half sides from the middle.
+    /// Where the bound misses its goal: the nearest place of the cell, in half sides from the middle.
     pub(crate) nearest: Option<[f64; 2]>,
 }
 
-/// A lower bound of the distance to a cutter over a piece, between two shares and for the points of a cell: linear in the
-/// point at each of both.
+/// A lower bound of the distance to a cutter over an interval of a piece, for the points of a cell. It is linear in the
+/// point at each end of the interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tangent {
-    /// Where it touches.
+    /// Place of the tangent, with value and gradient there.
     place: Point3<f64>,
     value: f64,
     gradient: Vector3<f64>,
-    /// Change of the value and of the gradient over the share.
+    /// Change of the value and of the gradient per share.
     change: (f64, Vector3<f64>),
-    /// From the share of the touch to both ends.
+    /// From the share of the tangent to both ends.
     ends: [f64; 2],
-    /// Bound of the length of the gradient between them.
+    /// Upper bound of the length of the gradient between both ends.
     steepness: f64,
 }
 
 impl Tangent {
-    /// To the ball over a whole piece.
+    /// Tangent to the ball over a whole piece.
     fn to_ball(place: Point3<f64>, foot: &Foot, ball: Ball, capsule: &Capsule) -> Self {
         Self {
             place,
@@ -67,7 +67,7 @@ impl Tangent {
         }
     }
 
-    /// To the cutter between two shares, at a touch of a place; for points within a radius of it.
+    /// Tangent to the cutter between two shares, at a touch of a place; holds for points within a radius of the place.
     fn to_cutter(place: Point3<f64>, piece: &Piece, touch: &Touch, (from, to): (f64, f64), radius: f64) -> Self {
         let twist = piece.twist(touch, radius);
         let ends = [from - touch.t, to - touch.t];
@@ -82,7 +82,7 @@ impl Tangent {
         }
     }
 
-    /// At a place of the cell.
+    /// The bound at a place of the cell.
     pub(crate) fn at(&self, p: &Point3<f64>) -> f64 {
         self.from(&(p - self.place))
     }
@@ -93,40 +93,40 @@ impl Tangent {
         self.value + self.gradient.dot(way) + if before < after { before } else { after }
     }
 
-    /// No more than anywhere within a radius of a place of the cell.
+    /// Lower bound of [`Self::at`] within a radius of a place of the cell.
     pub(crate) fn about(&self, p: &Point3<f64>, radius: f64) -> f64 {
         self.at(p) - radius * self.steepness
     }
 
-    /// True if it lies nowhere under a cutoff over the patch in whose middle it touches.
+    /// True if the bound lies nowhere below a cutoff over the patch whose middle is the place of the tangent.
     fn hides_from(&self, cutoff: &Cutoff<'_>) -> bool {
         self.ends.iter().all(|end| {
             cutoff.hides(self.value + self.change.0 * end, &(self.gradient + self.change.1 * *end), self.steepness)
         })
     }
 
-    /// Over a whole cell.
+    /// The bound over a whole cell.
     pub(crate) fn over(&self, hull: &Hull) -> f64 {
         let middle = hull.centre - self.place;
         least_of(hull.control.map(|c| self.from(&(middle + c)))) - hull.thickness * self.steepness
     }
 }
 
-/// What a first look at a cell and a piece shows.
+/// Result of the first evaluation of a cell and a piece.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
     /// Share at which the cutter is nearest to the middle.
     pub(crate) t: f64,
-    /// Distance of the middle then.
+    /// Distance of the middle at this share.
     pub(crate) value: f64,
     /// Lower bound over cell and piece.
     pub(crate) tangent: Tangent,
-    /// What the tangent leaves over the cell.
+    /// Lower bound from the tangent over the cell.
     pub(crate) bound: f64,
 }
 
 impl Sweep<'_> {
-    /// A lower bound over a patch; none where the cutter comes nowhere under the cutoff.
+    /// A lower bound over a patch; `None` where the cutter is nowhere below the cutoff.
     pub(crate) fn glance(&self, index: u32, cutoff: &Cutoff<'_>) -> Option<Tangent> {
         let hull = cutoff.hull();
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
@@ -145,15 +145,16 @@ impl Sweep<'_> {
         (!tangent.hides_from(cutoff)).then_some(tangent)
     }
 
-    /// The ball over a piece where it is what comes nearest to a point, and its place that does.
+    /// The ball over a piece and its place nearest to a point, if the ball is the part of the cutter nearest to the
+    /// point.
     pub(crate) fn bearing_ball(&self, index: u32, p: &Point3<f64>) -> Option<(Ball, &Capsule, Foot)> {
         let (ball, capsule) = self.capsule(index)?;
         let foot = capsule.foot(p);
-        // In the centre there is no direction, and the ball says nothing.
+        // In the centre there is no direction, and the ball gives no bound.
         (foot.length > 0.0 && capsule.bears(ball, &foot.direction())).then_some((ball, capsule, foot))
     }
 
-    /// A first look at a cell; none where the cutter comes nowhere in it nearer than `enough`.
+    /// First evaluation of a cell; `None` where the cutter is nowhere in the cell nearer than `enough`.
     pub(crate) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
@@ -177,7 +178,7 @@ impl Sweep<'_> {
         (bound < enough).then_some(Look { t: nearest.t, value: nearest.value, tangent, bound })
     }
 
-    /// Most distance of any point of a cell at a share of a piece: the distance is convex.
+    /// Largest distance of a point of a cell at a share of a piece: the distance is convex.
     pub(crate) fn farthest(&self, index: u32, hull: &Hull, t: f64) -> f64 {
         let (tip, axis) = self.piece(index).pose(t);
         let distance = |c: &Vector3<f64>| {
@@ -187,13 +188,12 @@ impl Sweep<'_> {
         hull.control.iter().map(distance).fold(f64::NEG_INFINITY, f64::max) + hull.thickness
     }
 
-    /// The ball over a piece where it is the cutter, seen from anywhere in a cell.
+    /// The ball over a piece, if the ball is the nearest part of the cutter for all points of a cell.
     fn ruling_ball(&self, index: u32, hull: &Hull) -> Option<(Ball, &Capsule)> {
         self.capsule(index).filter(|(ball, capsule)| capsule.rules(*ball, &hull.centre, hull.radius))
     }
 
-    /// Lower bound of the distance of a cell to the cutter over a piece; the search ends where the bound reaches
-    /// `goal`.
+    /// Lower bound of the distance of a cell to the cutter over a piece; the search ends when the bound reaches `goal`.
     pub(crate) fn below(&self, index: u32, hull: &Hull, goal: f64) -> Below {
         if let Some((ball, capsule)) = self.ruling_ball(index, hull) {
             return below_capsule(ball, capsule, hull, goal);
@@ -204,7 +204,7 @@ impl Sweep<'_> {
         while let Some(span) = spans.pop() {
             let start = self.touch(piece, 0.5 * (span.0 + span.1), &hull.centre);
             let tangent = Tangent::to_cutter(hull.centre, piece, &start, span, hull.radius);
-            // Far pieces need no look at the hull.
+            // For pieces far away this evaluation is enough.
             let first = match tangent.about(&hull.centre, hull.radius) {
                 far if far >= goal => far,
                 _ => tangent.over(hull),
@@ -242,8 +242,8 @@ impl Sweep<'_> {
         result
     }
 
-    /// The bound of [`Self::below`] where the cutter is a ball all over cell and span, between two shares. Also what the
-    /// bound loses to the way.
+    /// The bound of [`Self::below`] between two shares where the nearest part of the cutter is a ball for the whole
+    /// cell; also the loss of the bound through the path of the ball.
     fn below_ball(
         &self,
         piece: &Piece,
@@ -267,7 +267,7 @@ impl Sweep<'_> {
     }
 }
 
-/// The bound of [`Sweep::below`] where the cutter is its ball.
+/// The bound of [`Sweep::below`] where the nearest part of the cutter is its ball.
 fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below {
     let foot = capsule.foot(&hull.centre);
     let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
@@ -292,12 +292,14 @@ fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below
     Below { bound: third, nearest: (third < goal).then_some(at) }
 }
 
-/// Least distance to a ball that moves along `way`, over a cell, from the value and the gradient of its tangent at a place
-/// of the cell, at least where it is less than about `goal`. The centre leaves the line by no more than `loss`.
+/// Lower bound, over a cell, of the distance to a ball that moves along `way`; from the value and the gradient of its
+/// tangent at a place of the cell. The bound is valid where the distance is below about `goal`. `loss` bounds the
+/// distance of the centre from the line.
 ///
-/// Turning does not move a ball, and its curvature across the way of its centre counts: it outweighs that of any groove
-/// that it fits into. From the centre, let a point lie n farther along the gradient and e across gradient and way. Where
-/// its distance is at most d, that is at least n + e^2 / 2 d. Elsewhere it is more than d.
+/// A turn about its centre does not move a ball, and the curvature of the ball across the path of its centre counts: it
+/// exceeds that of any groove into which the ball fits. Let a point lie n farther along the gradient, as seen from the
+/// centre, and e across gradient and path. If its distance from the centre is at most d, its distance is at least n +
+/// e^2 / 2 d; otherwise its distance is more than d.
 fn above_tangent(
     ball: Ball,
     hull: &Hull,
@@ -307,7 +309,7 @@ fn above_tangent(
     goal: f64,
 ) -> f64 {
     let enough = goal + BEYOND;
-    // From there on the ball on the line is so far that the cutter is farther than `enough`.
+    // Beyond this distance from the line, the cutter is farther away than `enough`.
     let most = ball.radius + enough + loss;
     if most <= 0.0 {
         return f64::NEG_INFINITY;
@@ -316,8 +318,8 @@ fn above_tangent(
     (value - loss + hull.least_curved(at, gradient, &across, 0.5 / most)).min(enough)
 }
 
-/// The nearest place of a cell to a cutter, from what is nearest to its middle on; `go` finds what is nearest to a place
-/// from a share on, `slope` gives gradient and share of what was found.
+/// The place of a cell nearest to a cutter, starting from the nearest position of the cutter to the middle. `go` finds
+/// the nearest position to a place, starting at a share; `slope` gives gradient and share of a position.
 fn joint_minimum<T: Copy>(
     hull: &Hull,
     start: T,

@@ -2,11 +2,11 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `piece` | a share of a move, and how far points of the tool leave their tangent over it |
+//! | `piece` | a part of a move, and how far points of the tool deviate from their tangent over it |
 //! | `capsule` | the ball of a cutter over a piece |
 //! | `hierarchy` | a tree over the pieces of a sweep |
 //! | `sweep` | the cutter of an operation over all of its pieces |
-//! | `nearest` | which pieces come nearest to a point, or under a cutoff |
+//! | `nearest` | which pieces are nearest to a point, or may be below a cutoff |
 //! | `hull` | a cell of a surface |
 //! | `cutoff` | distance over the blocks of a patch above which a piece cannot matter |
 //! | `lower_bound`, `upper_bound` | bounds of the distance over a whole cell and a whole piece |

@@ -1,4 +1,4 @@
-//! What comes nearest to a point or may come under a cutoff, by the hierarchy of a sweep.
+//! Queries to the hierarchy of a sweep: the pieces nearest to a point, and the pieces that may be below a cutoff.
 
 use super::cutoff::Cutoff;
 use super::hierarchy::Node;
@@ -6,13 +6,13 @@ use super::sweep::{Nearest, Sweep, TURN_SLACK};
 use crate::collide::Slope;
 use nalgebra::{Point3, Vector3};
 
-/// How much nearer something may come than what [`Sweep::near`] finds, mm.
+/// Largest error of the distance that [`Sweep::near`] finds, mm.
 const ENOUGH: f64 = 5e-3;
 
-/// Nodes that wait on the way down: a halving tree over at most 2^32 pieces.
+/// Size of the stack of nodes: a binary tree over at most 2^32 pieces.
 const DEPTH: usize = 64;
 
-/// What is known of the distance to all poses of a node about a point: at least `value`, and it grows along `slope`.
+/// Lower bound of the distance to all poses of a node near a point: `value` at the point, with the gradient `slope`.
 struct Floor {
     value: f64,
     slope: Vector3<f64>,
@@ -32,8 +32,8 @@ impl Sweep<'_> {
         best
     }
 
-    /// A piece that comes nearest to a point but for [`ENOUGH`], as far as one look at each shows, the share at which it
-    /// does, and the distance; none where none comes nearer than `cutoff`.
+    /// A piece nearest to a point up to [`ENOUGH`], by one evaluation per piece, with the share and the distance there;
+    /// `None` where no piece is nearer than `cutoff`.
     pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<(u32, f64, f64)> {
         let mut best = None;
         self.descend(p, cutoff - ENOUGH, |index, least| {
@@ -46,7 +46,7 @@ impl Sweep<'_> {
         best
     }
 
-    /// About how near a point comes to the cutter over a piece, no nearer than it does, and the share there.
+    /// Approximate least distance of a point to the cutter over a piece, never less than the true one, with its share.
     pub(crate) fn quick_distance(&self, index: u32, p: &Point3<f64>) -> (f64, f64) {
         if let Some((ball, _, foot)) = self.bearing_ball(index, p) {
             return (foot.t, foot.length - ball.radius);
@@ -56,8 +56,8 @@ impl Sweep<'_> {
         (touch.t, touch.value)
     }
 
-    /// Visits the pieces that may come nearer to a point than `least`, the nearest first as far as the hierarchy knows;
-    /// a visit gets what is least by now and returns what may be less.
+    /// Visits the pieces that may be nearer to a point than `least`, the nearest first by the bounds of the hierarchy.
+    /// `visit` receives the least distance so far and returns a new one.
     fn descend(&self, p: &Point3<f64>, mut least: f64, mut visit: impl FnMut(u32, f64) -> f64) {
         let nodes = &self.hierarchy.nodes;
         let mut stack = [(0, 0.0); DEPTH];
@@ -77,7 +77,7 @@ impl Sweep<'_> {
                 continue;
             }
             let [a, b] = [node.child, node.child + 1].map(|c| (c, self.floor(&nodes[c as usize], p, 0.0, least).value));
-            // The nearer child last, so that it is visited first.
+            // The nearer child goes on top of the stack and is visited first.
             for child in if a.1 <= b.1 { [b, a] } else { [a, b] } {
                 if child.1 < least && top < stack.len() {
                     stack[top] = child;
@@ -87,7 +87,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Visits the pieces that may come under a cutoff anywhere, as far as the hierarchy knows.
+    /// Visits the pieces that may be below a cutoff anywhere, by the bounds of the hierarchy.
     pub(crate) fn gather(&self, cutoff: &Cutoff<'_>, visit: &mut impl FnMut(u32)) {
         let hull = cutoff.hull();
         let enough = cutoff.highest() + hull.radius;
@@ -110,13 +110,13 @@ impl Sweep<'_> {
         }
     }
 
-    /// Largest radius of the cutter, mm: no point lies deeper inside of it.
+    /// Largest radius of the cutter, mm: no point lies deeper inside of the cutter.
     pub(crate) fn widest(&self) -> f64 {
         self.hierarchy.size.width
     }
 
-    /// Bound of the distance to the cutter in all poses of a node, for points within a radius of one, not the best where
-    /// one of at least `enough` is at hand.
+    /// Lower bound of the distance to the cutter in all poses of a node, for points within a radius of `p`. The search
+    /// for a better bound ends at `enough`.
     fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> Floor {
         let out = p - node.centre;
         let length = out.norm();
@@ -140,7 +140,7 @@ impl Sweep<'_> {
         let rho = radial.norm();
         let Slope { value, rho: outward, s: upward } = self.solid().cutter_slope(rho, s + self.hierarchy.size.height);
         let slope = radial * (outward / rho.max(1e-12)) + node.axis * upward;
-        // The angle of a chord of up to one is less than a twentieth more.
+        // The angle of a chord of at most one exceeds the chord by less than a twentieth.
         let turn = if node.turn <= 1.0 { 1.05 * node.turn } else { std::f64::consts::PI };
         let lever = (rho * upward - s * outward).abs() + node.reach + radius;
         let second = 0.5 * turn * turn * (length + node.reach + radius);
@@ -171,7 +171,7 @@ mod tests {
         cutters.map(solid).to_vec()
     }
 
-    /// Axes at a right angle, and at 45 deg.
+    /// Two chains: rotary axes at a right angle, and at 45 deg.
     fn chains() -> [Chain; 2] {
         let line = |carries, direction: [f64; 3]| AxisLine {
             carries,
@@ -182,7 +182,7 @@ mod tests {
         [Chain::tilting_table(), Chain::new(nutating).unwrap()]
     }
 
-    /// Lines of a swaying tool, and long ways between them.
+    /// Lines of a swaying tool, and long paths between them.
     fn poses() -> Vec<RotaryPose> {
         (0..240)
             .map(|k| {
@@ -203,7 +203,7 @@ mod tests {
         })
     }
 
-    /// No pose below a node brings the cutter nearer to a point, or to points about it, than its bound.
+    /// No pose of a node is nearer to a point, or to points around it, than the bound of the node.
     #[test]
     fn bounds_of_nodes_against_poses() {
         let mut close = 0;
@@ -229,11 +229,11 @@ mod tests {
                 }
             }
         }
-        // The bounds are of use.
+        // The bounds are not trivial.
         assert!(close > 1000, "{close}");
     }
 
-    /// What the hierarchy finds nearest is the nearest of all pieces one by one.
+    /// The hierarchy finds the same nearest distance as an evaluation of all pieces.
     #[test]
     fn nearest_against_all_pieces() {
         for (solid, chain) in solids().iter().flat_map(|s| chains().map(|c| (s.clone(), c))) {

@@ -1,17 +1,17 @@
-//! Pieces of moves: how the tool stands over a share of each, and how far its points move.
+//! Pieces of moves: the poses of the tool over a part of a move, and how far its points move.
 
 use crate::ir::{Motion, MoveKind};
 use crate::kin::chain::Turning;
 use crate::kin::{Angles, Chain, Joints, Machine, RotaryPose, between};
 use nalgebra::{Point3, Vector3};
 
-/// Largest turn of a piece where the rotary axes stand at a right angle.
+/// Largest turn of a piece when the rotary axes are at a right angle.
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
-/// Longest way of the tip in a piece, mm: long links would lie in one node with everything that they pass.
+/// Longest tip motion in a piece, mm: a long link would lie in one node with everything that it passes.
 pub(crate) const PIECE_LENGTH: f64 = 3.0;
 
-/// Where in the program something happens.
+/// A place in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct At {
     /// Index of the operation in the motion.
@@ -24,7 +24,7 @@ pub struct At {
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
     chain: &'a Chain,
-    /// Move that it belongs to.
+    /// Move that the piece belongs to.
     pub at: At,
     /// Kind of that move.
     pub kind: MoveKind,
@@ -34,9 +34,9 @@ pub struct Piece<'a> {
     middle: (Point3<f64>, Vector3<f64>),
     /// Parabola through the axis at both ends and in the middle: value, and factors of the share and of its square.
     curve: [Vector3<f64>; 3],
-    /// Half of the tip's way, and half of the turn, radians.
+    /// Half of the tip motion, mm, and half of the turn, radians.
     reach: (f64, f64),
-    /// Place among the pieces of the operation in the order of time.
+    /// Index among the pieces of the operation, in the order of time.
     pub(crate) order: u32,
 }
 
@@ -68,9 +68,9 @@ impl<'a> Piece<'a> {
         piece
     }
 
-    /// Tip and axis at a share of the piece, and the change of the axis over the share. For pieces of at most
-    /// [`PIECE_TURN`]: the axis as the parabola through its ends and its middle, which leaves the true curve by at most
-    /// [`Self::parabola_error`].
+    /// Tip and axis at a share of the piece, and the derivative of the axis by the share. The axis is the parabola
+    /// through its ends and its middle, for pieces of at most [`PIECE_TURN`]; it deviates from the true curve by at
+    /// most [`Self::parabola_error`].
     pub(crate) fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
         let [start, slope, bend] = &self.curve;
         let axis = start + (slope + bend * t) * t;
@@ -84,42 +84,44 @@ impl<'a> Piece<'a> {
         (tip, axis)
     }
 
-    /// Bound of the distance between the parabola of the axis and the axis: the largest |t (t - 1/2) (t - 1)| / 6 times
+    /// Upper bound of the distance between the parabola and the true axis: the largest |t (t - 1/2) (t - 1)| / 6 times
     /// the third derivative.
     fn parabola_error(&self) -> f64 {
         let turn = 2.0 * self.reach.1;
         0.0081 * self.chain.turning().third * turn * turn * turn
     }
 
-    /// The same for the change of the axis over the share: at most a twelfth of the third derivative.
+    /// The same for the derivative of the axis by the share: at most a twelfth of the third derivative.
     fn parabola_slope_error(&self) -> f64 {
         let turn = 2.0 * self.reach.1;
         self.chain.turning().third / 12.0 * turn * turn * turn
     }
 
-    /// How the way of the touched point, and of all within a radius about it, may bend over the piece.
+    /// Bound of the second derivative of the path of the touched point, and of all points within a radius of it, over
+    /// the piece.
     pub fn drift(&self, touch: &Touch, radius: f64) -> Drift {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
-        // Farthest that any of the points gets from the tip.
+        // Largest distance of these points from the tip.
         let arm = touch.arm() + way + radius;
         let bend = self.chain.turning().second * turn * turn * arm + 2.0 * turn * way;
         Drift { bend, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
     }
 
-    /// Centre of a ball of a radius at the tip, and its change over the share.
+    /// Centre of a tip ball of a given radius, and its derivative by the share.
     pub fn ball_centre(&self, t: f64, radius: f64) -> (Point3<f64>, Vector3<f64>) {
         let (tip, axis, change) = self.quick_pose(t);
         (tip + axis * radius, self.tips[1] - self.tips[0] + change * radius)
     }
 
-    /// How the way of that centre may bend over the piece; turning does not move a ball about it.
+    /// Bound of the second derivative of the path of this centre over the piece; turning about its centre does not move
+    /// a ball.
     pub fn ball_drift(&self, radius: f64) -> Drift {
         let turn = 2.0 * self.reach.1;
         let (flaw, slope_flaw) = (self.parabola_error() * radius, self.parabola_slope_error() * radius);
         Drift { bend: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
     }
 
-    /// How a tangent at a touch moves with the share, see [`Twist`]; it is to hold for points within a radius.
+    /// How a tangent at a touch moves with the share, see [`Twist`]; valid for points within a radius.
     pub(crate) fn twist(&self, touch: &Touch, radius: f64) -> Twist {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
         let (_, axis, change) = self.quick_pose(touch.t);
@@ -127,13 +129,13 @@ impl<'a> Piece<'a> {
         Twist {
             change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
             bend: self.chain.turning().shortest * turn * turn * arm + 2.0 * turn * way,
-            // In the change of the axis, and twice in that of the gradient.
+            // Once in the derivative of the axis, and twice in that of the gradient.
             slope_flaw: 3.0 * self.parabola_slope_error() * arm,
             flaw: self.parabola_error() * arm,
         }
     }
 
-    /// Change of tip and axis over the share, at the middle.
+    /// Derivatives of tip and axis by the share, at the middle.
     pub fn speed(&self) -> (Vector3<f64>, Vector3<f64>) {
         (self.tips[1] - self.tips[0], self.curve[1] + self.curve[2])
     }
@@ -146,7 +148,7 @@ impl<'a> Piece<'a> {
         [[from, middle], [middle, to]].map(|ends| Self::new(self.chain, self.at, self.kind, ends))
     }
 
-    /// Half of the tip's way, and half of the turn, radians.
+    /// Half of the tip motion, mm, and half of the turn, radians.
     pub(crate) fn reach(&self) -> (f64, f64) {
         self.reach
     }
@@ -156,7 +158,7 @@ impl<'a> Piece<'a> {
         &self.middle
     }
 
-    /// Bound on how far a point of the tool at a distance from the tip moves from its middle position.
+    /// Upper bound of the distance of a tool point from its middle position; `arm` is its distance from the tip.
     pub fn displacement(&self, arm: f64) -> f64 {
         self.reach.0 + self.reach.1 * arm
     }
@@ -189,7 +191,8 @@ pub(crate) fn each_move(
 
 /// Number of pieces of a move.
 pub(crate) fn piece_count(chain: &Chain, [from, to]: &[RotaryPose; 2]) -> f64 {
-    // Where the axes stand at a sharper angle the tool axis bends more for the same turn: the error of a piece stays.
+    // At a sharper angle of the rotary axes the same turn curves the path of the tool axis more; more pieces keep the
+    // error.
     let sharper = libm::cbrt(chain.turning().third / Turning::RIGHT_ANGLE.third);
     let turns = chain.turn(from.rotary, to.rotary) / PIECE_TURN * sharper;
     turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0)
@@ -210,11 +213,11 @@ pub(crate) fn divide<'a>(chain: &'a Chain, at: At, kind: MoveKind, ends: [Rotary
 pub struct Touch {
     /// Share of the piece.
     pub t: f64,
-    /// Signed distance.
+    /// Signed distance, mm.
     pub value: f64,
-    /// How it changes with the point, part frame.
+    /// Derivative by the point, part frame.
     pub gradient: Vector3<f64>,
-    /// How it changes with the share.
+    /// Derivative by the share.
     pub rate: f64,
     /// Distance of the point from the tool axis.
     pub rho: f64,
@@ -223,7 +226,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Nothing near.
+    /// No touch.
     pub const FAR: Self =
         Self { t: 0.0, value: f64::INFINITY, gradient: Vector3::new(0.0, 0.0, 0.0), rate: 0.0, rho: 0.0, s: 0.0 };
 
@@ -235,41 +238,42 @@ impl Touch {
 
 /// How a tangent plane of the cutter moves over a piece.
 ///
-/// Let R(t) turn the axis at the touch into that at t, the shortest way at any time, and n be the gradient there. The
-/// cutter is a convex body about its axis, so that f(p, t) >= f* + (R n) . (p - tip) - n . (p* - tip*). The right side is
-/// n . (p - p*) + (t - t*) (rate + change . (p - p*)) up to half its second derivative, with change = w x n and
-/// w = a x a' for the axis a. (R n)'' is at most |w'| + |w|^2. For rotary axes at a right angle |w'|^2 = K (Q + 4 P) and
-/// |w|^2 = P + Q, with the squares P of the turn of axis 1, Q of that of axis 2 across the tool and K of that along it: at most
-/// (1 + sqrt 5) / 2 (P + Q + K). For others [`Turning`] has a wider bound.
+/// Let R(t) be the shortest rotation of the axis at the touch into the axis at t, at any time, and n the gradient at
+/// the touch. The cutter is a convex body about its axis, so that f(p, t) >= f* + (R n) . (p - tip) - n . (p* - tip*).
+/// Up to half its second derivative, the right side is n . (p - p*) + (t - t*) (rate + change . (p - p*)), with change
+/// = w x n and w = a x a' for the axis a. (R n)'' is at most |w'| + |w|^2. For rotary axes at a right angle |w'|^2 = K
+/// (Q + 4 P) and |w|^2 = P + Q. Here P is the square of the turn of axis 1, Q that of the turn of axis 2 across the
+/// tool, and K that of its turn along the tool. The sum is at most (1 + sqrt 5) / 2 (P + Q + K). For other angles
+/// [`Turning`] has a wider bound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twist {
-    /// Change of the gradient over the share.
+    /// Derivative of the gradient by the share.
     pub(crate) change: Vector3<f64>,
     /// Bound of the second derivative over the share, mm.
     pub(crate) bend: f64,
-    /// Error of the slope of the quick poses, mm over the share.
+    /// Error of the slope of the quick poses, mm per share.
     pub(crate) slope_flaw: f64,
     /// Error of the quick poses, mm.
     pub(crate) flaw: f64,
 }
 
-/// How far the way of a point, seen from the tool, may leave a straight line within a piece.
+/// How far the path of a point, in the frame of the tool, may deviate from a straight line within a piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Drift {
-    /// Bound of the second derivative over the share, mm.
+    /// Upper bound of the second derivative by the share, mm.
     pub bend: f64,
     /// Turn over the whole piece, radians.
     pub turn: f64,
     /// Error of the quick poses, mm.
     pub flaw: f64,
-    /// Error of their slopes, mm over the share.
+    /// Error of the slopes of the quick poses, mm per share.
     pub slope_flaw: f64,
-    /// Distance of the farthest point that is asked about from the touched one, mm.
+    /// Distance of the farthest queried point from the touched point, mm.
     pub radius: f64,
 }
 
 impl Drift {
-    /// What the tangent in the share at a touch gives away between two shares, mm.
+    /// Loss of the tangent in the share at a touch, between two shares, mm.
     pub fn loss(&self, touch: &Touch, (from, to): (f64, f64)) -> f64 {
         let (before, after) = (touch.t - from, to - touch.t);
         let down = (touch.rate * before).max(-touch.rate * after).max(0.0);
@@ -278,7 +282,7 @@ impl Drift {
     }
 }
 
-/// Spans of shares that are still to be searched: halving one takes one more place at most.
+/// Intervals of shares that are still to be searched; halving an interval needs at most one more place.
 pub struct Spans {
     open: [(f64, f64); Self::MOST],
     count: usize,
@@ -292,13 +296,13 @@ impl Spans {
         Self { open: [(0.0, 1.0); Self::MOST], count: 1 }
     }
 
-    /// The next span.
+    /// The next interval.
     pub fn pop(&mut self) -> Option<(f64, f64)> {
         self.count = self.count.checked_sub(1)?;
         Some(self.open[self.count])
     }
 
-    /// Both halves of a span are still to be searched. False when spans have become too short.
+    /// Adds both halves of an interval. False when the intervals have become too short.
     pub fn halve(&mut self, (from, to): (f64, f64)) -> bool {
         if self.count + 2 > Self::MOST {
             return false;

@@ -1,13 +1,13 @@
-//! The cutters of a whole program, swept over continuous time, with lower bounds that are proved.
+//! The cutters of a whole program, swept over continuous time, with proved lower bounds.
 //!
 //! Poses come from the joints by forward kinematics alone. Between moves the tip runs straight in the part frame and
 //! the rotary axes run linearly.
 //!
-//! Seen from the tool, a fixed point p runs on a path q(t) with q' and q''. The signed distance f to a convex cutter is
-//! convex, so at any time s the tangent bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2 (t - s)^2 max|q''|. With
-//! the turn w of a piece and the way v of its tip, |q''| <= k w^2 |q| + 2 w v, where k follows from the angle between the
-//! rotary axes ([`Turning`]: 3/2 where they stand at a right angle). The first term vanishes
-//! at a minimum, the last is made small by halving. No assumption about the number of minima is needed.
+//! In the frame of the tool, a fixed point p runs on a path q(t) with derivatives q' and q''. The signed distance f to
+//! a convex cutter is convex, so that the tangent at any time s bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2
+//! (t - s)^2 max|q''|. With the turn w of a piece and the motion v of its tip, |q''| <= k w^2 |q| + 2 w v, where k
+//! follows from the angle between the rotary axes ([`Turning`]: 3/2 at a right angle). The first term vanishes at a
+//! minimum; halving makes the last term small. The number of minima does not matter.
 
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
@@ -18,13 +18,14 @@ use crate::kin::{Chain, RotaryPose};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// What the search for the nearest time may miss through the turn of a piece, mm; pieces are halved down to it.
+/// Allowed error of the search for the nearest time through the turn of a piece, mm; pieces are halved until they meet
+/// it.
 pub(crate) const TURN_SLACK: f64 = 2e-5;
 
-/// Slope over time, in mm over a piece, that counts as none.
+/// Slope, in mm over a piece, below which the distance counts as constant.
 const FLAT: f64 = 1e-6;
 
-/// Steps of the search for a minimum: bisection alone would need 30.
+/// Largest number of iterations of the search for a minimum; bisection alone would need 30.
 const STEPS: usize = 60;
 
 /// The cutter of one tool over all pieces of one operation.
@@ -34,10 +35,10 @@ pub struct Sweep<'a> {
     pieces: Vec<Piece<'a>>,
     /// Index of each piece in the order of time.
     in_order: Vec<u32>,
-    /// What lies where.
+    /// Hierarchy over the pieces.
     pub(crate) hierarchy: Hierarchy,
     ball: Option<Ball>,
-    /// The ball over each piece; none without a ball.
+    /// The ball over each piece; empty without a ball.
     capsules: Vec<Capsule>,
 }
 
@@ -46,7 +47,7 @@ pub struct Sweep<'a> {
 pub struct Nearest {
     /// Signed distance, negative inside.
     pub distance: f64,
-    /// Where in the program.
+    /// Place in the program.
     pub at: At,
 }
 
@@ -58,7 +59,7 @@ impl<'a> Sweep<'a> {
         Self::over(solid, pieces(&program.machine, motion, operation))
     }
 
-    /// A cutter that passes poses in turn; each move counts as one of operation 0.
+    /// A cutter that passes poses in turn; each move counts as a move of operation 0.
     pub fn through(solid: &'a ToolSolid, chain: &'a Chain, poses: &[RotaryPose]) -> Option<Self> {
         let mut pieces = Vec::new();
         for (i, pair) in poses.windows(2).enumerate() {
@@ -97,7 +98,7 @@ impl<'a> Sweep<'a> {
         let radial = d - axis * s;
         let rho = radial.norm();
         let Slope { value, rho: out, s: up } = self.solid.cutter_slope(rho, s);
-        // On the axis any radial direction will do; there the slope across is none by symmetry.
+        // On the axis any radial direction is valid; the slope across the axis is zero there by symmetry.
         let gradient = if rho > 1e-12 { radial * (out / rho) + axis * up } else { axis * up };
         let travel = piece.tips[1] - piece.tips[0];
         let ds = d.dot(&turning) - travel.dot(&axis);
@@ -105,13 +106,13 @@ impl<'a> Sweep<'a> {
         Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
     }
 
-    /// Where a point is nearest to the cutter over a piece, if nearer than `least`; nowhere is it nearer by `slack`.
+    /// The touch nearest to a point over a piece, if nearer than `least`. The true distance is less by at most `slack`.
     pub fn least(&self, index: u32, p: &Point3<f64>, mut least: f64, slack: f64) -> Option<Touch> {
         let piece = &self.pieces[index as usize];
         if let Some((ball, capsule)) = self.capsule(index) {
             let foot = capsule.foot(p);
             let below = foot.length - ball.radius - capsule.flaw();
-            // Seldom does either decide when the other does not: the dearer question last.
+            // One of the two conditions nearly always decides both: the more expensive one comes last.
             if (below >= least || 2.0 * capsule.flaw() <= slack) && capsule.rules(ball, p, 0.0) {
                 let touch = (below < least).then(|| self.touch(piece, foot.t, p));
                 return touch.filter(|touch| touch.value < least);
@@ -137,7 +138,7 @@ impl<'a> Sweep<'a> {
         best
     }
 
-    /// Where the distance is least between two shares, if it has one minimum there: a root of its rate by secants
+    /// The least distance between two shares, if there is one minimum between them: a root of its rate by secants
     /// between brackets that never grow.
     pub(crate) fn minimum(&self, piece: &Piece, start: Touch, p: &Point3<f64>, (from, to): (f64, f64)) -> Touch {
         if start.rate.abs() <= FLAT {
@@ -148,7 +149,7 @@ impl<'a> Sweep<'a> {
         if (end.rate < 0.0) == falls || end.rate.abs() <= FLAT {
             return end;
         }
-        // Rates at the brackets: below zero at the low, above at the high.
+        // Rates at the brackets: negative at the low end, positive at the high end.
         let (mut low, mut high) = if falls { (start, end) } else { (end, start) };
         let (mut weight_low, mut weight_high) = (low.rate, high.rate);
         let mut last_low = None;
@@ -159,7 +160,7 @@ impl<'a> Sweep<'a> {
             if next.rate.abs() <= FLAT || high.t - low.t < 1e-9 {
                 return next;
             }
-            // Halving the weight of an end that stays keeps the secants from creeping (Illinois).
+            // Halving the weight of an end that does not move keeps the secants from stalling (Illinois).
             if next.rate < 0.0 {
                 (low, weight_low) = (next, next.rate);
                 if last_low == Some(true) {
@@ -177,32 +178,32 @@ impl<'a> Sweep<'a> {
         if low.value < high.value { low } else { high }
     }
 
-    /// The ball at the tip, over a piece by its index here.
+    /// The tip ball over a piece; `index` is the index of the piece in this sweep.
     pub(crate) fn capsule(&self, index: u32) -> Option<(Ball, &Capsule)> {
         Some((self.ball?, &self.capsules[index as usize]))
     }
 
-    /// The ball at the tip.
+    /// The tip ball.
     pub(crate) fn ball(&self) -> Option<Ball> {
         self.ball
     }
 
-    /// A piece, by its index here.
+    /// A piece by its index in this sweep.
     pub fn piece(&self, index: u32) -> &Piece<'a> {
         &self.pieces[index as usize]
     }
 
-    /// The piece that follows another in time.
+    /// The next piece in time.
     pub fn after(&self, index: u32) -> Option<u32> {
         self.in_order.get(self.pieces[index as usize].order as usize + 1).copied()
     }
 
-    /// The piece before another in time.
+    /// The previous piece in time.
     pub fn before(&self, index: u32) -> Option<u32> {
         self.in_order.get((self.pieces[index as usize].order as usize).checked_sub(1)?).copied()
     }
 
-    /// Move of a piece.
+    /// Move that a piece belongs to.
     pub fn at(&self, piece: u32) -> At {
         self.pieces[piece as usize].at
     }

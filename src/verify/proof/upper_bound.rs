@@ -1,8 +1,8 @@
-//! Bounds from above, over a whole cell of a surface, of the distance to a cutter swept over two pieces of motion.
+//! Upper bounds of the distance to a cutter swept over two pieces of motion, for a whole cell of a surface.
 //!
-//! The distance F(p, t) is convex up to the bend of the way (`bounds.rs`), so that F at a mean of corners and times is at
-//! most the mean of F at the corners, each at its own best time. No term with the radius of the cutter enters: the cutter
-//! follows the cell.
+//! The distance F(p, t) is convex apart from the second derivative of the path (`lower_bound.rs`). F at a mean of
+//! corners and times is therefore at most the mean of F at the corners, each at its own best time. No term with the
+//! radius of the cutter occurs: the cutter follows the cell.
 
 use super::capsule::Ball;
 use super::hull::Hull;
@@ -11,27 +11,27 @@ use super::sweep::Sweep;
 use crate::collide::{Cutter, tool::tool_coordinates};
 use nalgebra::{Point3, Vector3};
 
-/// How much farther the ball at the tip may be than the cutter where it still serves for bounds from above, mm.
+/// Excess of the distance to the tip ball over that to the cutter up to which the ball serves for upper bounds, mm.
 const ON_BALL: f64 = 1e-5;
 
-/// An upper bound of the distance over a cell: a biquadratic by its control values, x by x.
+/// An upper bound of the distance over a cell: the control values of a biquadratic, x by x.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UpperBound {
     control: [f64; 9],
 }
 
 impl UpperBound {
-    /// Most over the cell.
+    /// Largest value over the cell.
     pub(crate) fn most(&self) -> f64 {
         self.control.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Most of the mean of two.
+    /// Largest value of the mean of two bounds.
     pub(crate) fn most_of_mean(&self, other: &Self) -> f64 {
         self.control.iter().zip(&other.control).map(|(a, b)| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Over the quarters of the cell.
+    /// The bounds over the four quarters of the cell.
     pub(crate) fn quarters(&self) -> [Self; 4] {
         let halves = |[a, b, c]: [f64; 3]| {
             let (ab, bc) = (0.5 * (a + b), 0.5 * (b + c));
@@ -55,7 +55,7 @@ impl UpperBound {
 }
 
 impl Sweep<'_> {
-    /// Upper bound of the distance of a cell to the cutter swept over a piece and the one that follows it.
+    /// Upper bound of the distance of a cell to the cutter swept over a piece and its successor.
     pub(crate) fn above(&self, first: u32, second: u32, hull: &Hull) -> UpperBound {
         let pair = Pair::new(self.piece(first), self.piece(second), self.solid().flute_length);
         if let (Some((ball, a)), Some((_, b))) = (self.capsule(first), self.capsule(second)) {
@@ -63,7 +63,7 @@ impl Sweep<'_> {
                 let (x, y) = (a.foot(&corner), b.foot(&corner));
                 if x.length <= y.length { (false, x) } else { (true, y) }
             });
-            // Elsewhere on the cutter the ball lies deeper and says little.
+            // Where another part of the cutter is nearest, the ball lies deeper and its bound is poor.
             let on_ball = near.iter().zip(&hull.corners).all(|((later, foot), corner)| {
                 let (tip, axis) = pair.piece(*later).quick_axis(foot.t);
                 let (rho, s) = tool_coordinates(corner, &tip, &axis);
@@ -86,7 +86,7 @@ impl Sweep<'_> {
     }
 
     /// Least radius of curvature of the level surfaces of the distance within a radius of a touched point; zero or less
-    /// where an edge may lie there.
+    /// where an edge may lie within this radius.
     fn least_radius(&self, t: &Touch, radius: f64) -> f64 {
         let solid = self.solid();
         if t.s + radius > solid.flute_length {
@@ -101,27 +101,27 @@ impl Sweep<'_> {
     }
 }
 
-/// Two pieces of a sweep, one after the other.
+/// Two successive pieces of a sweep.
 struct Pair<'a> {
     first: &'a Piece<'a>,
     second: &'a Piece<'a>,
-    /// Share of the second piece in those of the first, so that poses pass the joint at one pace.
+    /// Ratio of the share of the second piece to that of the first, with which poses pass the joint at one pace.
     stretch: f64,
 }
 
-/// What lies between the times at which a pair of pieces is nearest to the corners of a cell.
+/// Interval of the times at which a pair of pieces is nearest to the corners of a cell.
 struct Run {
-    /// In shares of the first piece.
+    /// Length, in shares of the first piece.
     time: f64,
-    /// How far a mean of times may lie from the joint, where the run leads across it: a kink of the way there leads away
-    /// from means of the corners.
+    /// Largest distance of a mean of times from the joint, if the interval contains the joint: at a kink of the path
+    /// there, the path deviates from means of the corners.
     across: f64,
-    /// Pieces that it passes.
+    /// Whether the interval contains parts of the first and of the second piece.
     passes: [bool; 2],
 }
 
 impl<'a> Pair<'a> {
-    /// `arm` is about how far points of the cutter lie from the tip.
+    /// `arm` is the approximate distance of points of the cutter from the tip.
     fn new(first: &'a Piece<'a>, second: &'a Piece<'a>, arm: f64) -> Self {
         let pace = |piece: &Piece| {
             let (tip, axis) = piece.speed();
@@ -135,7 +135,7 @@ impl<'a> Pair<'a> {
         if later { self.second } else { self.first }
     }
 
-    /// The run between shares, each of the first piece or of the later one.
+    /// The interval of four shares, each of the first piece or of the later one.
     fn run(&self, shares: &[(bool, f64); 4]) -> Run {
         // Time from the joint, in shares of the first piece.
         let times = shares.map(|(later, t)| if later { t * self.stretch } else { t - 1.0 });
@@ -146,20 +146,21 @@ impl<'a> Pair<'a> {
         Run { time, across, passes: [early < 0.0 || !kinks, late > 0.0 || !kinks] }
     }
 
-    /// The worst over the pieces that a run passes; `of` gets a piece and how much faster its shares pass.
+    /// Largest value over the pieces of an interval; `of` gets a piece and the factor between its shares and those of
+    /// the first piece.
     fn worst(&self, run: &Run, of: impl Fn(&Piece, f64) -> f64) -> f64 {
         let pieces = [(self.first, 1.0), (self.second, 1.0 / self.stretch)];
         pieces.iter().zip(run.passes).filter(|p| p.1).map(|((piece, scale), _)| of(piece, *scale)).fold(0.0, f64::max)
     }
 
-    /// Change of the speed of points within a distance from the tip, at the joint. The paces there differ from those in
-    /// the middles by half of the bends.
+    /// Change of the speed of points within a distance from the tip, at the joint. The speeds there differ from those
+    /// at the middles by half of the second derivatives.
     fn jump(&self, reach: f64) -> f64 {
         let ((tip_a, axis_a), (tip_b, axis_b)) = (self.first.speed(), self.second.speed());
         (tip_a - tip_b / self.stretch).norm() + (axis_a - axis_b / self.stretch).norm() * reach
     }
 
-    /// The bound by the ball, from the shares at which it is nearest to the corners.
+    /// The bound from the ball, with the shares at which the ball is nearest to the corners.
     fn bound_of_ball(&self, ball: Ball, shares: &[(bool, f64); 4], hull: &Hull) -> UpperBound {
         let run = self.run(shares);
         let bend = self.worst(&run, |p, scale| p.ball_drift(ball.radius).bend * scale * scale);
@@ -169,8 +170,8 @@ impl<'a> Pair<'a> {
         bound_of_ball(ball.radius, &centres, hull, error)
     }
 
-    /// The bound by the whole cutter, from where it touches the corners; `least` is the least radius of curvature of level
-    /// surfaces of the distance over the cell.
+    /// The bound from the whole cutter, with its touches at the corners; `least` is the least radius of curvature of
+    /// level surfaces of the distance over the cell.
     fn bound_of_cutter(&self, near: &[(bool, Touch); 4], hull: &Hull, least: f64) -> UpperBound {
         let run = self.run(&near.map(|(later, touch)| (later, touch.t)));
         let most = |p: &Piece, of: &dyn Fn(&Drift) -> f64| {
@@ -180,17 +181,17 @@ impl<'a> Pair<'a> {
         let turn = self.worst(&run, |p, scale| most(p, &|d| d.turn) * scale);
         let flaw = self.worst(&run, |p, _| most(p, &|d| d.flaw));
         let reach = near.iter().map(|(_, t)| t.arm()).fold(0.0, f64::max) + 2.0 * hull.radius;
-        // Means lie within half the span of time and half the diagonal of the cell.
+        // Means lie within half the interval of time and half the diagonal of the cell.
         let error = 0.5 * (0.25 * bend * run.time * run.time + turn * run.time * hull.radius)
             + flaw
             + run.across * (self.jump(reach) + bend);
-        // The gradient turns by no more than this over the cell.
+        // Upper bound of the turn of the gradient over the cell.
         let swing = if least > 0.0 { (2.0 * hull.radius / least).min(2.0) } else { 2.0 } + turn * run.time;
         bound_of_cutter(&near.map(|(_, touch)| touch), hull, swing, error)
     }
 }
 
-/// Control values of the bilinear through four corners.
+/// Control values of the bilinear function through four corners.
 fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
     [a, 0.5 * (a + b), b, 0.5 * (a + c), 0.25 * (a + b + c + d), 0.5 * (b + d), c, 0.5 * (c + d), d]
 }
@@ -198,7 +199,8 @@ fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
 /// Places of [`Hull::bulge`] among nine control points.
 const BULGE: [usize; 5] = [1, 3, 5, 7, 4];
 
-/// F at the means of corners and their times is at most the mean of F; the bulge adds its part along the gradients.
+/// F at the means of corners and their times is at most the mean of F; the bulge adds its component along the
+/// gradients.
 fn bound_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> UpperBound {
     let mut control = bilinear(touches.map(|t| t.value));
     for (b, place) in hull.bulge.iter().zip(BULGE) {
@@ -208,8 +210,8 @@ fn bound_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) ->
     UpperBound { control: control.map(|c| c + error + hull.thickness) }
 }
 
-/// For a ball: with w_i from its centres to the corners, |mean w|^2 = mean |w|^2 - variance of w, so that the bound
-/// falls between the corners by as much as the ball stands out across its way.
+/// For a ball: with w_i from its centres to the corners, |mean w|^2 = mean |w|^2 - variance of w. Between the corners
+/// the bound is therefore lower, by as much as the ball bulges across its path.
 fn bound_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f64) -> UpperBound {
     let w: [Vector3<f64>; 4] = std::array::from_fn(|k| hull.corners[k] - centres[k]);
     let d = w.map(|v| v.norm());
@@ -218,11 +220,11 @@ fn bound_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f6
     let x = (w[2] + w[3] - w[0] - w[1]) * 0.25;
     let y = (w[1] + w[3] - w[0] - w[2]) * 0.25;
     let twist = ((w[0] + w[3] - w[1] - w[2]) * 0.25).norm();
-    // (1 - x^2) of this much at least; its control value in the middle is twice that.
+    // The bound is lower by at least (1 - x^2) times this; the control value in the middle is twice as much.
     let variance = |v: &Vector3<f64>| (v.norm_squared() - 2.0 * v.norm() * twist).max(0.0) / most;
     let (across_x, across_y) = (variance(&x), variance(&y));
     let falls = [across_y, across_x, across_x, across_y, across_x + across_y];
-    // |mean w|^2 = mean |w|^2 - variance, and corners stray from their mean by no more than this.
+    // |mean w|^2 = mean |w|^2 - variance, and corners deviate from their mean by at most this.
     let stray = x.norm() + y.norm() + twist;
     let shortest = (least * least - stray * stray).max(0.0).sqrt();
     let mut extra = error + hull.thickness;
