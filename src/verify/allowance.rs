@@ -1,7 +1,8 @@
-//! Roughing counts with what the control may add: where it smooths the path by its tolerance, the cutter may come nearer
-//! to the finished part by as much. No roughing cutter may then touch a surface of the finished part, milled or kept.
+//! Roughing with the smoothing of the control: where the control smooths the path within its tolerance, the cutter may
+//! come nearer to the finished part by this tolerance. Even then no roughing cutter may touch a surface of the finished
+//! part, milled or kept.
 //!
-//! Proved as gouge is (`kept.rs`), of the roughing cutters alone, up to the tolerance outside of the part.
+//! The proof is that of gouge (`kept.rs`), for the roughing cutters only, up to the tolerance outside of the part.
 
 use super::kept::{cover, deepest};
 use super::place::describe;
@@ -15,23 +16,23 @@ use crate::units::length;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// How much the roughing cutters leave of their allowance.
+/// Distance of the roughing cutters from the finished part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AllowanceReport {
-    /// What the control may add in roughing, mm.
+    /// Smoothing tolerance of the control in roughing, mm.
     pub tolerance: f64,
-    /// Where cutters come nearer to the part than it, the nearest of these places.
+    /// The nearest place, if cutters come nearer to the part than the tolerance.
     pub nearest: Option<NearestRough>,
-    /// No roughing cutter comes nearer to any surface, mm; places farther than the tolerance count as this far.
+    /// Proved lower bound of the distance to all surfaces, mm; distances beyond the tolerance are cut off.
     pub bound: f64,
 }
 
-/// The place where a roughing cutter comes nearest.
+/// The place where a roughing cutter is nearest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NearestRough {
     /// Surface.
     pub surface: String,
-    /// Place; the value is what is left there.
+    /// Place; its value is the rest there.
     pub place: Worst,
 }
 
@@ -44,7 +45,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
         return None;
     }
     let tolerance = program.tolerances.chord_rough.get();
-    // So much more that the slack of a proof does not fail it.
+    // Enough beyond the tolerance that the slack of the proof causes no failure.
     let ceiling = tolerance + 2.0 * SLACK;
     let mut shapes: Vec<Kept<'_>> = milled(&program.part);
     shapes.extend(kept(&program.part, &program.stock, false));
@@ -61,7 +62,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
 }
 
 impl AllowanceReport {
-    /// True when a cutter touches the part with what the control may add.
+    /// True when a cutter may touch the part because of the smoothing.
     fn fails(&self) -> bool {
         self.bound < self.tolerance
     }
@@ -83,7 +84,7 @@ impl AllowanceReport {
     }
 }
 
-/// Roughing that reaches the part as an error.
+/// Reports roughing that reaches the part as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport, sink: &mut Sink) {
     if !found.fails() {
         return;

@@ -1,5 +1,5 @@
-//! Distance of cutter, shank and holder to the table and the fixtures that turn with the part, over continuous time: in
-//! cuts, links and rapids.
+//! Distance of cutter, shank and holder to the rotating obstacles (table and fixtures) over continuous time: in cuts,
+//! links and rapids.
 
 use super::clearance::Clearance;
 use super::place::describe;
@@ -14,23 +14,23 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Distance within which tools are looked for, mm.
+/// Distance up to which tools are searched, mm.
 pub const SEARCH: f64 = 20.0;
 
-/// Spacing of the samples of a solid, mm; larger solids have at most [`MOST_POINTS`].
+/// Spacing of the samples of a solid, mm; wider for large solids, by [`MOST_POINTS`].
 const SPACING: f64 = 0.5;
 
 /// Most samples of a solid.
 const MOST_POINTS: f64 = 1e6;
 
-/// Nearest part of any tool to a solid.
+/// The part of any tool nearest to a solid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CarriedReport {
     /// `table` or `fixture`.
     pub solid: &'static str,
-    /// `cutter`, `shank` or `holder`; empty when none comes within [`SEARCH`].
+    /// `cutter`, `shank` or `holder`; empty when no part is within [`SEARCH`].
     pub part: &'static str,
-    /// Least distance; a lower bound, at most half a spacing of the samples below the true one.
+    /// Least distance; a lower bound, at most half a spacing of the samples less than the true distance.
     pub clearance: Option<Clearance>,
 }
 
@@ -63,7 +63,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
     solids.collect()
 }
 
-/// Collisions as errors, one for each solid.
+/// Reports collisions as errors, one per solid.
 pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink: &mut Sink) {
     for f in found {
         let Some(c) = f.clearance.as_ref().filter(|c| c.distance <= 0.0) else { continue };

@@ -1,8 +1,8 @@
-//! Distance of cutter, shank and holder to the clamping: the space of chuck and table that the job states, a cylinder about
-//! Z without a lower end, in cuts, links and rapids, over continuous time.
+//! Distance of cutter, shank and holder to the clamping over continuous time, in cuts, links and rapids. The clamping
+//! is the space of chuck and table that the job states: a cylinder about Z without a lower end.
 //!
-//! The distance of two convex bodies is the largest gap between them along any direction: each direction gives a lower
-//! bound, so that what is found to be clear is clear, however good the search for the best direction is.
+//! The distance of two convex bodies is the largest gap between them along any direction. Each direction gives a lower
+//! bound, so that a positive gap proves clearance, independent of the quality of the search.
 
 use super::place::describe;
 use super::proof::piece::{self, At, Piece};
@@ -19,21 +19,21 @@ use std::f64::consts::FRAC_PI_2;
 /// Displacement of the farthest point of a body over a piece below which the piece is not halved any further, mm.
 const RESOLUTION: f64 = 1e-3;
 
-/// Pieces of a run: enough that the bound found early in a run prunes the rest.
+/// Pieces of a run: enough that a small distance found early in a run excludes most of the rest.
 const RUN: usize = 4096;
 
-/// Nearest part of any tool to the clamping.
+/// The part of any tool nearest to the clamping.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClampingReport {
     /// Height of the clamping, mm.
     pub below: f64,
-    /// Its diameter, mm; `None` is everything below.
+    /// Its diameter, mm; `None` for everything below the height.
     pub diameter: Option<f64>,
-    /// True when the job does not say.
+    /// True when the job does not state the clamping.
     pub by_default: bool,
     /// `cutter`, `shank` or `holder`; empty without moves.
     pub part: &'static str,
-    /// Lower bound of the least distance, mm; below zero a tool is inside. `None` without moves.
+    /// Lower bound of the least distance, mm; negative when a tool is inside. `None` without moves.
     pub distance: Option<f64>,
     /// Tool tip there, part frame, mm.
     pub tip: [f64; 3],
@@ -49,7 +49,7 @@ fn gap(clamping: &Clamping, body: &Body, (tip, axis): &(Point3<f64>, Vector3<f64
     n.dot(&tip.coords) + body.least(along, across) - clamping.below.get() * n.z - side
 }
 
-/// The largest gap that is found, if over `enough` not necessarily the largest.
+/// The largest gap of the search; the search ends above `enough`.
 fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>), enough: f64) -> f64 {
     let upward = gap(clamping, body, pose, &Vector3::z());
     if upward > enough || clamping.radius.is_none() {
@@ -60,7 +60,7 @@ fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>)
         let (y, x) = libm::sincos(azimuth);
         gap(clamping, body, pose, &Vector3::new(out * x, out * y, up))
     };
-    // The gap is concave in the direction: a pattern search from the side finds the largest one.
+    // The gap is concave in the direction: a pattern search from the side finds the maximum.
     let (tip, axis) = pose;
     let middle = tip + axis * (0.5 * body.reach());
     let (mut best, mut step) = ([0.0, libm::atan2(middle.y, middle.x)], 0.5);
@@ -76,7 +76,7 @@ fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>)
     most.max(upward)
 }
 
-/// Nearest approach of all tools.
+/// The nearest approach of all tools.
 pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
     let clamping = &program.stock.clamping;
     let mut nearest: Option<(f64, &'static str, [f64; 3], At)> = None;
@@ -85,7 +85,7 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
         let pieces = piece::pieces(&program.machine, motion, o);
         let start = nearest.map_or(f64::INFINITY, |n| n.0);
         let found: Vec<_> = pieces.par_chunks(RUN).filter_map(|run| least(clamping, &bodies, run, start)).collect();
-        // Of equal ones the first.
+        // Of equal distances the first.
         nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.0 < a.0 { b } else { a });
     }
     let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.1, n.2));
@@ -134,7 +134,7 @@ fn least(
 }
 
 impl ClampingReport {
-    /// The space in words.
+    /// Describes the space.
     fn space(&self) -> String {
         let width = self.diameter.map_or_else(|| "everything".to_owned(), |d| format!("{d:.3} mm about Z"));
         let default = if self.by_default { ", by default" } else { "" };
@@ -151,7 +151,7 @@ impl ClampingReport {
     }
 }
 
-/// A tool inside of the clamping as an error.
+/// Reports a tool inside of the clamping as an error.
 pub fn report(program: &Program, motion: &Motion, found: &ClampingReport, sink: &mut Sink) {
     let (Some(at), Some(distance)) = (found.at, found.distance.filter(|d| *d < 0.0)) else { return };
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };

@@ -1,26 +1,28 @@
-//! Distance of shank and holder to the design part, and of the whole tool to the stock at rapid, over continuous time.
+//! Distance of parts of the tool to sampled surfaces over continuous time: shank and holder to the design part, the
+//! whole tool to the stock at rapid.
 
 use super::proof::piece::{At, Piece};
 use crate::collide::{Cloud, ToolSolid};
 use serde::Serialize;
 
-/// Turn and shift below which a piece is not halved any further, as displacement of the farthest tool point, mm. The
+/// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
 /// reported distance is exact to this.
 const RESOLUTION: f64 = 1e-3;
 
-/// The same once a tool is that deep inside, mm: nobody asks by how many micrometres a shank collides.
+/// Allowed error of the depth of a tool that is inside of a surface by more than this, mm: the exact depth of a
+/// collision does not matter.
 const INSIDE: f64 = 0.1;
 
-/// Least distance found.
+/// Least distance of a part of a tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Clearance {
-    /// Nothing of the surface is nearer, mm: what was found less what the spacing of the samples may hide.
+    /// Lower bound of the distance, mm: the measured distance less what the spacing of the samples may hide.
     pub distance: f64,
-    /// Distance of the nearest sample, mm: the least that was found.
+    /// Distance of the nearest sample, mm.
     pub found: f64,
-    /// Sample of the surface, part frame, mm.
+    /// Nearest sample of the surface, part frame, mm.
     pub point: [f64; 3],
-    /// Tool tip there.
+    /// Tool tip at this time.
     pub tip: [f64; 3],
     /// Move.
     pub at: At,
@@ -30,7 +32,7 @@ pub struct Clearance {
 }
 
 /// Least distance below `cutoff` between samples and a part of a tool over pieces of motion. `distance` is the signed
-/// distance to that part of the tool; `half_spacing` the distance within which every surface point has a sample.
+/// distance to this part of the tool; every surface point has a sample within `half_spacing`.
 pub fn least(
     pieces: &[Piece],
     solid: &ToolSolid,
@@ -42,7 +44,7 @@ pub fn least(
     let arm = solid.length() + solid.holder.iter().map(|s| s.radius_to).fold(0.0, f64::max);
     let mut best: Option<Clearance> = None;
     let mut bound = cutoff;
-    // Of pieces that were not halved down to the resolution.
+    // Lower bound over pieces that were not halved down to the resolution.
     let mut unseen = f64::INFINITY;
     let mut stack: Vec<Piece> = Vec::new();
     for piece in pieces {
@@ -50,7 +52,7 @@ pub fn least(
         while let Some(piece) = stack.pop() {
             let (tip, axis) = piece.middle();
             let moved = piece.displacement(arm);
-            // What is deeper by less than that is not looked for.
+            // Places that are deeper by less than this are not searched.
             let enough = if bound < -INSIDE { INSIDE } else { 0.0 };
             let cutoff = bound - enough + moved;
             let Some((found, index)) = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff) else {
@@ -78,7 +80,7 @@ pub fn least(
     }
     best.map(|mut c| {
         c.distance = c.distance.min(unseen);
-        // A point of the surface lies beside the found sample, not in front of it.
+        // The nearest point of the surface lies beside the nearest sample, not in front of it.
         c.distance = if c.distance > half_spacing {
             (c.distance * c.distance - half_spacing * half_spacing).sqrt()
         } else {

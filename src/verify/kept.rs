@@ -1,7 +1,8 @@
-//! Surfaces that are kept: how deep cutters go into what milling must leave as the lathe made it.
+//! Kept surfaces: how deep cutters go into surfaces that milling must leave as the lathe made them.
 //!
-//! The same proof as for design surfaces (`bounds.rs`, `cells.rs`), from below alone: nobody asks what is left on a kept
-//! surface. What no cutter touches is put aside by whole patches, so that a back face of 100 cm2 costs milliseconds.
+//! The proof is that of design surfaces (`lower_bound.rs`, `cells.rs`), with lower bounds only, since excess on a kept
+//! surface does not matter. Whole patches without a nearby cutter are excluded at once, so that a back face of 100 cm2
+//! takes milliseconds.
 
 use super::SPACING;
 use super::place::describe;
@@ -26,41 +27,41 @@ use std::fmt::Write as _;
 /// Figures of the kept surfaces of one kind, in all sectors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KeptReport {
-    /// Name of all of them: `rim`, `vanes 1-8 tip`.
+    /// Common name: `rim`, `vanes 1-8 tip`.
     pub surface: String,
-    /// The one with the deepest cut.
+    /// The surface with the deepest cut.
     pub worst_on: String,
-    /// Deepest cut that was found.
+    /// Deepest measured cut.
     pub gouge: Worst,
-    /// No cut into any of them is deeper, mm.
+    /// Proved bound of the depth of any cut into these surfaces, mm.
     pub gouge_bound: f64,
-    /// Kind of them.
+    /// Kind of the surfaces.
     #[serde(skip)]
     pub kind: SurfaceKind,
 }
 
-/// What is proved of all kept surfaces.
+/// Result for all kept surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KeptSurfaces {
     /// Deepest cut that is allowed, mm: the strictest contract on gouge.
     pub allowed: f64,
-    /// By kind.
+    /// Results by kind.
     pub surfaces: Vec<KeptReport>,
 }
 
-/// A surface with the patches of it that cutters may touch.
+/// A surface with the patches that cutters may touch.
 pub(super) struct Covered<'a> {
     /// The surface in its sector.
     pub(super) surface: Surface<'a>,
-    /// Its patches, by index into all grids.
+    /// Its patches, as indices into all grids.
     grids: Vec<usize>,
 }
 
-/// Least distance of cutters to one surface, as far as it lies below what was asked.
+/// Least distance of cutters to one surface, if below the cutoff.
 pub(super) struct Deepest {
-    /// Least found, with its place in the chart; `None` where nothing comes below the ceiling.
+    /// Least measured distance, with its place in the chart; `None` where it is not below the cutoff.
     pub(super) found: Found,
-    /// Nowhere less, mm.
+    /// Proved lower bound of the distance, mm.
     pub(super) low: f64,
 }
 
@@ -73,7 +74,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], progress: &Progress) -> Ke
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
     for (c, d) in covered.iter().zip(&deepest) {
         let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
-        // A deep cut is proved by its depth: the bound of g says how much more there may be.
+        // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
         let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
         let SurfaceId { kind, sector } = c.surface.id;
         let report =
@@ -98,7 +99,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], progress: &Progress) -> Ke
     KeptSurfaces { allowed, surfaces: surfaces.into_iter().map(named).collect() }
 }
 
-/// The surfaces in their sectors, and grids of those patches that any cutter comes nearer to than `reach`.
+/// The surfaces in their sectors, and grids of the patches with a cutter nearer than `reach`.
 pub(super) fn cover<'a>(
     program: &Program,
     shapes: &'a [Kept<'_>],
@@ -126,9 +127,9 @@ pub(super) fn cover<'a>(
     (all, covered)
 }
 
-/// Least distance of cutters to each surface, where it is less than `ceiling`, and its proof: to within
-/// [`surface::SLACK`] of what was found, or to within `-limit` where that lies closer; of a cut that is
-/// [`surface::BROKEN`] deeper only that it is no deeper than a cutter has radius.
+/// Least distance of cutters to each surface, where it is less than `ceiling`, with its proof. The bound is within
+/// [`surface::SLACK`] of the measured value, or `-limit` where this is closer. For a cut more than [`surface::BROKEN`]
+/// beyond the limit, only the radius of the cutters is used as a bound.
 pub(super) fn deepest(
     covered: &[Covered<'_>],
     grids: &[Grid],
@@ -146,7 +147,7 @@ pub(super) fn deepest(
         })
         .collect();
     let work = progress.begin(stage, 2 * tasks.len());
-    // Room for rounding: what comes as near as the ceiling is looked at.
+    // Reserve for rounding: a distance equal to the cutoff is still evaluated.
     let look = |task: &Task<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
     let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(look(task))).collect();
     let mut least = vec![FAR; covered.len()];
@@ -154,7 +155,7 @@ pub(super) fn deepest(
         least[*s] = least[*s].min(looked.range[0]);
     }
     let goal = |found: f64| {
-        // Beyond what was found by the slack, or by less where the limit lies between.
+        // The measured value plus the slack; less where the limit lies between.
         let found = -found.min(ceiling);
         if found > limit.max(0.0) + surface::BROKEN {
             return Goals { low: f64::NEG_INFINITY, high: f64::INFINITY };
@@ -197,7 +198,7 @@ impl KeptSurfaces {
     }
 }
 
-/// Cuts into kept surfaces as errors, one for each kind.
+/// Reports cuts into kept surfaces as errors, one per kind.
 pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, sink: &mut Sink) {
     for s in found.surfaces.iter().filter(|s| s.gouge_bound > found.allowed) {
         let (surface, allowed) = (&s.worst_on, length(found.allowed));

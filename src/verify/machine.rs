@@ -1,5 +1,5 @@
-//! V4: joints within their travel, also between the ends of a move, axis speeds within their limits, the feed really
-//! reached, and how far the real motion leaves the one that was verified.
+//! V4: travel of the joints, also between the ends of a move; limits of the axis speeds; the feed that is reached; and
+//! the deviation of the real motion from the verified motion.
 
 use super::dynamics::{self, Peak, Run};
 use super::proof::piece::At;
@@ -10,17 +10,17 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// Places inside a move at which the joints are looked at. The tip runs straight and the rotary axes evenly, so that
-/// between two of 16 places a linear joint leaves its chord by less than 1/256 of its sag over the whole move.
+/// Places inside a move at which the joints are checked. The tip runs straight and the rotary axes evenly. Between two
+/// of 16 places a linear joint therefore deviates from its chord by less than 1/256 of its sagitta over the whole move.
 const PLACES: usize = 16;
 
-/// Excess over a travel that is rounding of the way from joints to the part and back, mm and radians.
+/// Excess over a travel that counts as rounding of the conversion from joints to the part and back, mm and radians.
 const TRAVEL_ROUNDING: f64 = 1e-9;
 
 /// Units of X, Y, Z and the rotary axes in reports.
 pub const AXIS_UNITS: [&str; 5] = ["mm", "mm", "mm", "deg", "deg"];
 
-/// Excess of an axis speed over its limit that is rounding of times and feeds.
+/// Excess of an axis speed over its limit that counts as rounding of times and feeds.
 const SPEED_ROUNDING: f64 = 1e-3;
 
 /// Range of an axis.
@@ -32,23 +32,23 @@ pub struct AxisRange {
     pub used: [f64; 2],
     /// Travel, mm or deg.
     pub travel: [f64; 2],
-    /// Largest speed that is reached, as a share of the limit.
+    /// Largest speed of the run, as a share of the limit.
     pub speed_share: f64,
-    /// Largest acceleration inside of blocks that the programmed feeds would take, as a share of the limit: above 1 the
-    /// control slows down.
+    /// Largest acceleration inside of blocks at the programmed feeds, as a share of the limit: above 1 the control
+    /// slows down.
     pub acceleration_share: f64,
-    /// Largest jerk that is reached, as a share of the limit; zero where there is none.
+    /// Largest jerk of the run, as a share of the limit; zero without a limit.
     pub jerk_share: f64,
 }
 
-/// What an axis does wrong.
+/// Violation of a limit by an axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisFault {
     /// Name.
     pub axis: String,
     /// Position (mm or deg), or the speed as a share of the limit.
     pub value: f64,
-    /// Bound that it breaks.
+    /// Violated limit.
     pub bound: f64,
     /// True for a speed, false for a position.
     pub speed: bool,
@@ -69,8 +69,8 @@ pub struct FastestAxis {
     pub tip: [f64; 3],
 }
 
-/// How far the tool would leave the verified motion between blocks if the control filled in by another rule, from the
-/// tip to the end of the flutes, mm. While cutting and linking.
+/// Deviation of the tool from the verified motion between blocks under other rules of interpolation, from the tip to
+/// the end of the flutes, mm; for cuts and links.
 #[derive(Clone, Debug, Serialize)]
 pub struct OtherRules {
     /// Tool axis on great circles instead of linear rotary axes.
@@ -88,11 +88,11 @@ pub struct MachineReport {
     pub pole_distance: f64,
     /// Worst fault of each axis.
     pub faults: Vec<AxisFault>,
-    /// For each operation the axis that comes nearest to its speed limit, as it is reached.
+    /// For each operation the axis nearest to its speed limit in the run.
     pub fastest: Vec<Option<FastestAxis>>,
-    /// How each operation runs.
+    /// Run of each operation.
     pub runs: Vec<Run>,
-    /// What other rules of interpolation would do in each operation.
+    /// Deviations under other rules of interpolation in each operation.
     pub other_rules: Vec<OtherRules>,
 }
 
@@ -102,7 +102,7 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let (travel, speed) = (machine.travel(), machine.speeds());
     let name = |k: usize| machine.names()[k].to_owned();
     let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
-    // None is farther from the pole.
+    // The largest possible angle to the pole.
     let mut pole = FRAC_PI_2;
     let mut faults: [Option<AxisFault>; 10] = Default::default();
     let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
@@ -143,7 +143,8 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     let count = motion.operations.len();
     let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o)).collect();
     for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
-        // Of blocks that are too fast by themselves the block is the fault; the run adds those that are so together.
+        // If a block alone exceeds a speed, the block is the fault; the run adds speeds that only successive blocks
+        // exceed.
         let worse = peak.value > 1.0 + SPEED_ROUNDING && faults[5 + k].is_none();
         if let Some(at) = peak.at.filter(|_| worse) {
             faults[5 + k] = Some(AxisFault { axis: name(k), value: peak.value, bound: 1.0, speed: true, at });
@@ -175,8 +176,8 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
     }
 }
 
-/// Least angle between the tool and rotary axis 2 while axis 1 turns from one position to another, radians. Either sense of
-/// the tool counts.
+/// Least angle between the tool and rotary axis 2, in either sense of the tool, while axis 1 turns from one position to
+/// another, radians.
 fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
     if chain.poles_between(from, to) {
         return 0.0;
@@ -185,7 +186,7 @@ fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
     angle(from).min(angle(to))
 }
 
-/// The axis of a run that comes nearest to its limit.
+/// The axis of a run nearest to its speed limit.
 fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
     let names = program.machine.names();
     let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
@@ -211,7 +212,7 @@ fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRul
     found
 }
 
-/// Positions of the axes along a move; only its end when it positions from an unknown place.
+/// Positions of the axes along a move; only its end when the move starts from an unknown place.
 fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64) -> Vec<[f64; 5]> {
     if !moves {
         return vec![machine.positions(to, length)];

@@ -1,9 +1,9 @@
-//! The perimeter of a program: what the machine does before the first and behind the last move of an operation.
+//! The perimeter of a program: the motion before the first and behind the last move of an operation.
 //!
-//! There all axes but Z move with tool centre point control off, from wherever they stand, with the tool of this operation or
-//! of the one before in the spindle. Nothing is known of their way but the height: so the tip of every tool must stand higher
-//! than part, stock, table and fixtures can come under any angles of the rotary axes within their travel. The ways down to the first target and up
-//! behind the last one are moves of the motion, which all other checks judge.
+//! There, all axes except Z move without tool centre point control, from unknown positions, with the tool of this or of
+//! the previous operation in the spindle. Only the height is known. The tip of every tool must therefore stand higher
+//! than part, stock, table and fixtures can reach under any angles of the rotary axes within their travel. The approach
+//! to the first target and the retract behind the last one are moves of the motion, which all other checks judge.
 
 use super::proof::piece::At;
 use crate::diag::{Diag, Sink, codes::verification};
@@ -11,27 +11,27 @@ use crate::ir::{Motion, Program};
 use crate::units::length;
 use serde::Serialize;
 
-/// Difference of heights that is rounding, mm.
+/// Difference of heights that counts as rounding, mm.
 const ROUNDING: f64 = 1e-6;
 
 /// Heights in the machine frame, mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PerimeterReport {
-    /// Gauge line where tools are changed, by the machine file.
+    /// Gauge line for tool changes, from the machine file.
     pub retract: f64,
-    /// What comes highest: `stock`, `table` or `fixture`.
+    /// The highest solid: `stock`, `table` or `fixture`.
     pub highest: &'static str,
     /// Its largest height under any angles of the rotary axes within their travel.
     pub height: f64,
-    /// Least distance of a tool tip over that height while any axis but Z moves.
+    /// Least height of a tool tip over it while any axis except Z moves.
     pub clearance: f64,
-    /// Where the tool comes nearest: the first or the last move of an operation.
+    /// Place of the least height: the first or the last move of an operation.
     pub at: Option<At>,
-    /// Distance that the job asks for.
+    /// Distance required by the job.
     pub required: f64,
 }
 
-/// Heights of the first and the last station of every operation, each with the tool of the operation.
+/// Measures the heights of the first and the last station of every operation, with the tool of the operation.
 pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
     let (highest, height) = program.highest();
     let mut report = PerimeterReport {
@@ -57,7 +57,7 @@ pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
     report
 }
 
-/// A tool that does not stand high enough as an error.
+/// Reports a tool that does not stand high enough as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport, sink: &mut Sink) {
     let Some(at) = found.at.filter(|_| found.clearance < found.required - ROUNDING) else { return };
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };

@@ -1,8 +1,8 @@
-//! How much stock roughing leaves for the finishing operations.
+//! Stock that roughing leaves for the finishing operations.
 //!
-//! Two kinds of points are asked whether the cutters of the operations so far have passed over them: points of the
-//! design surfaces, where the distance to the cleared room is what is left on the surface, and points of a grid in the
-//! room between part and stock, where an island may stand: what is left there is the distance to the part.
+//! Two kinds of points are tested. On the design surfaces, the rest is the distance of the point to the swept cutters.
+//! Between part and stock, an island may stand at points of a grid that no cutter has passed; its rest is the distance
+//! of the point to the part.
 
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
@@ -15,46 +15,46 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Spacing of the grid, mm: an island that stays unseen is thinner than this.
+/// Spacing of the grid, mm: an island that the grid misses is thinner than this.
 const GRID: f64 = 1.0;
 
-/// Most points of the grid; on a larger part they stand farther apart.
+/// Most points of the grid; on a larger part they are farther apart.
 const MOST_POINTS: f64 = 4e6;
 
-/// Share of the samples that is asked: with 0.25 mm between samples, rows stay a quarter, columns nearly three millimetres apart.
+/// Every n-th sample is tested: with 0.25 mm between samples, rows stay 0.25 mm apart, columns nearly 3 mm.
 const STRIDE: usize = 11;
 
-/// What an operation and those before it leave.
+/// Rest after an operation and all earlier ones.
 #[derive(Clone, Debug, Serialize)]
 pub struct RestReport {
     /// Index of the operation in the motion.
     pub operation: u32,
-    /// Least left on a milled surface, mm; below zero the operation cuts into the design.
+    /// Least rest on a milled surface, mm; below zero the operation cuts into the design.
     pub least: f64,
-    /// Half of the samples have less, mm.
+    /// Median of the rest over the samples, mm.
     pub median: f64,
-    /// Most left, surface or grid, mm.
+    /// Largest rest, on a surface or at the grid, mm.
     pub most: f64,
-    /// Where the most is left, part frame, mm.
+    /// Place of the largest rest, part frame, mm.
     pub point: [f64; 3],
-    /// Surface on which the most is left; `None` for an island inside a channel.
+    /// Surface with the largest rest; `None` for an island inside a channel.
     pub surface: Option<String>,
-    /// Share of the grid points that were cleared.
+    /// Share of the grid points that cutters have passed.
     pub cleared: f64,
-    /// Most left on each milled surface, in the order of the surfaces.
+    /// Largest rest on each milled surface, in the order of the surfaces.
     pub surfaces: Vec<RestOnSurface>,
-    /// The largest island inside a channel: how far its farthest point stands from the part.
+    /// The largest island inside a channel, by the distance of its farthest point from the part.
     pub island: Option<Island>,
 }
 
-/// Most that is left on a surface.
+/// Largest rest on a surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct RestOnSurface {
     /// Name of the surface.
     pub surface: String,
-    /// Most left, mm.
+    /// Largest rest, mm.
     pub most: f64,
-    /// Where, part frame, mm.
+    /// Its place, part frame, mm.
     pub point: [f64; 3],
     /// Id of the surface.
     #[serde(skip)]
@@ -66,11 +66,11 @@ pub struct RestOnSurface {
 pub struct Island {
     /// Distance of its farthest point to the part, mm.
     pub most: f64,
-    /// That point, part frame, mm.
+    /// This point, part frame, mm.
     pub point: [f64; 3],
 }
 
-/// Points of the grid that are stock and not part, with their distance to the part.
+/// Points of the grid inside of the stock and outside of the part, with their distance to the part.
 fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f64>, f64)> {
     let profile = &program.stock.profile;
     let part = &program.part;
@@ -84,7 +84,7 @@ fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
     let levels = steps(high - low);
     let rows = usize::try_from((levels + 1) * (2 * n + 1)).unwrap_or(0);
     let work = progress.begin("room of the channels", rows);
-    // What is asked of radius and height alone is the same for the up to eight points that mirror each other.
+    // Queries that depend only on radius and height are made once for the up to eight points that mirror each other.
     let over_hub = |x: f64, y: f64, z: f64| {
         let r = libm::hypot(x, y);
         r <= r_max && inside(profile, r, z) && part.hub.distance(&Point3::new(x, y, z)) > 0.0
@@ -127,8 +127,8 @@ pub(super) fn inside(profile: &[[f64; 2]], r: f64, z: f64) -> bool {
     within
 }
 
-/// Reports after each roughing operation, in order. `sectors` lists those that any operation machines: other channels
-/// stay full and are not asked about.
+/// Reports after each roughing operation, in order. `sectors` lists the sectors that any operation machines: other
+/// channels remain full and are not tested.
 pub fn reports(
     program: &Program,
     samples: &[Sample],
@@ -185,7 +185,7 @@ pub fn reports(
     reports
 }
 
-/// The largest value on each surface; of equal ones the first.
+/// The largest value on each surface; of equal values the first.
 fn by_surface(samples: &[&Sample], left: &[f64]) -> Vec<RestOnSurface> {
     let mut most: BTreeMap<SurfaceId, (f64, Point3<f64>)> = BTreeMap::new();
     for (s, d) in samples.iter().zip(left) {
@@ -199,7 +199,7 @@ fn by_surface(samples: &[&Sample], left: &[f64]) -> Vec<RestOnSurface> {
         .collect()
 }
 
-/// Place of a report in the program, for diagnostics: the end of its operation.
+/// Place of a report in the program, for diagnostics: its operation.
 pub fn place(report: &RestReport) -> At {
     At { operation: report.operation, index: 0 }
 }

@@ -1,14 +1,13 @@
-//! V2: what the whole program leaves on every design surface, proved between samples.
+//! V2: deviation of the whole program from every design surface, proved between samples.
 //!
 //! For a point p of a surface, g(p) is the least signed distance of p to any cutter at any time, rapids included.
-//! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::part::chart`]). g is
-//! computed at their corners; then every cell is proved to stay within [`SLACK`] of the worst that was found on its
-//! surface, or within a contract's limit where that lies closer, by the bounds of [`super::proof`], and divided where
-//! they fall short. A deeper place that comes up moves
-//! the goal with it.
+//! Negative is gouge, positive is excess. Each surface is divided into cells without gaps ([`crate::part::chart`]), and
+//! g is computed at their corners. Then the bounds of [`super::proof`] prove for every cell that g stays within
+//! [`SLACK`] of the worst value measured on the surface, or within the limit of a contract where the limit is closer. A
+//! cell whose bounds are not sufficient is divided. When a worse value is measured, the goal moves with it.
 //!
-//! The one quantity that is measured instead of proved is how far a surface leaves the biquadratic through nine points
-//! of a cell; it is taken from third differences, with a margin.
+//! One quantity is measured instead of proved: the deviation of a surface from the biquadratic through nine points of a
+//! cell. It comes from third differences, with a reserve.
 
 pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};
 use super::proof::cells::{Found, Goals, Looked, Proved, Task, deviation};
@@ -24,17 +23,17 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The same for the excess, as a share of it, where that is more.
+/// The same for the excess, as a share of the excess, where this is more.
 const SLACK_SHARE: f64 = 0.02;
 
-/// How much deeper than its widest contract a cut is when nothing more is proved of it than that cutters have a radius, mm:
-/// the figure that was found says enough, and the proof would look at each of the cutters that overlap there.
+/// Gouge beyond the widest contract, mm, from which on only the radius of the cutters is used as a proved bound. The
+/// measured value is then sufficient, and a proof would have to evaluate each of the cutters that overlap there.
 pub const BROKEN: f64 = 0.2;
 
-/// g from which a place counts as not reached, mm: no finishing leaves a tenth of a millimetre.
+/// g from which a place counts as not reached, mm: finishing leaves less than 0.1 mm.
 pub const NOT_REACHED: f64 = 0.1;
 
-/// A place on a surface with what was found there.
+/// A place on a surface with the values measured there.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
     /// g there, mm.
@@ -43,10 +42,11 @@ pub struct Worst {
     pub point: [f64; 3],
     /// Parameters of the surface.
     pub parameters: [f64; 2],
-    /// Move that comes nearest; `None` where nothing comes near.
+    /// Move that is nearest; `None` where no cutter is near.
     pub at: Option<At>,
-    /// How far cutters reach into the material from there, against the normal, mm. For a shallow cut it is -g; a
-    /// cutter that plunges deeper than its radius has no point farther inside than that, but a greater depth.
+    /// Depth to which cutters reach into the material from the place, against the normal, mm. For a shallow cut it is
+    /// -g. For a cutter that plunges deeper than its radius it is greater, since no point lies deeper inside of a
+    /// cutter than the radius.
     pub depth: f64,
 }
 
@@ -57,34 +57,34 @@ pub struct SurfaceReport {
     pub surface: String,
     /// Cells of the first division.
     pub samples: usize,
-    /// Points at which g was computed and cells that were proved, for the work done.
+    /// Number of points at which g was computed, plus number of cells that were proved.
     pub points: usize,
     /// Area, mm2.
     pub area: f64,
-    /// Deepest cut found: the least g.
+    /// Deepest measured cut: the least g.
     pub gouge: Worst,
-    /// No cut into the surface is deeper, mm.
+    /// Proved bound of the depth of any cut into the surface, mm.
     pub gouge_bound: f64,
-    /// Most left that was found: the largest g.
+    /// Largest measured excess: the largest g.
     pub excess: Worst,
-    /// Nowhere is more left, mm; [`FAR`] where nothing comes near.
+    /// Proved bound of the excess, mm; [`FAR`] where no cutter is near.
     pub excess_bound: f64,
-    /// 5, 50 and 95 percent of the area lie below these g, mm.
+    /// The g below which 5, 50 and 95 percent of the area lie, mm.
     pub percentiles: [f64; 3],
-    /// Area where more than [`NOT_REACHED`] is left, mm2.
+    /// Area where g is more than [`NOT_REACHED`], mm2.
     pub not_reached: f64,
-    /// Operations, by index in the motion, that come nearest to the area not reached, with their shares of it in mm2;
-    /// `None` where nothing comes near.
+    /// Operations, by index in the motion, that are nearest to the area not reached, with their shares of this area in
+    /// mm2; `None` where no cutter is near.
     pub nearest_there: Vec<(Option<u32>, f64)>,
     /// Id of the surface.
     #[serde(skip)]
     pub id: SurfaceId,
-    /// What was found at the corners of the cells, for pictures; patches in the order of [`Shape::patches`].
+    /// g at the corners of the cells, for pictures; patches in the order of [`Shape::patches`].
     #[serde(skip)]
     pub corners: Vec<PatchCorners>,
 }
 
-/// Figures of all milled surfaces, with the edges of the vanes where these are milled, in the order of surfaces.
+/// Figures of all milled surfaces, in the order of surfaces; `edges` includes the edges of the vanes.
 pub fn certify(
     part: &Part,
     edges: bool,
@@ -109,7 +109,7 @@ pub fn certify(
     prove(&surfaces, sweeps, limits, progress)
 }
 
-/// Figures of a single shape under any name.
+/// Figures of a single shape.
 pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
     let grids = grids(shape, spacing);
     prove(
@@ -125,8 +125,8 @@ fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
     shape.patches(spacing).into_par_iter().map(|p| Grid::new(shape, p)).collect()
 }
 
-/// Patches of whole surfaces that are in memory at a time, at least: enough for all threads. Of surfaces that nothing
-/// mills each patch has hundreds of pieces that are about as near as each other.
+/// Least number of patches of whole surfaces in memory at a time: enough for all threads. A patch of a surface that no
+/// operation mills has hundreds of pieces at about the same distance.
 const TOGETHER: usize = 128;
 
 fn prove(
@@ -182,16 +182,17 @@ fn prove_together(
     all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
 }
 
-/// What contracts allow at most, mm, each on its surfaces; bounds are driven below these where what is found allows it.
+/// Limits of the contracts, mm, each on its surfaces. Bounds are proved down to these limits where the measured values
+/// allow it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Deepest gouge.
+    /// Limits of the gouge.
     pub gouge: Vec<Limit>,
-    /// Most excess.
+    /// Limits of the excess.
     pub excess: Vec<Limit>,
 }
 
-/// A bound of a contract with the surfaces that it speaks of; none named means all.
+/// The bound of a contract with its surfaces; an empty list means all surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     /// Bound, mm.
@@ -200,20 +201,20 @@ pub struct Limit {
     pub surfaces: Vec<SurfaceClass>,
 }
 
-/// The bounds that speak of a surface.
+/// The bounds that apply to a surface.
 fn on(limits: &[Limit], surface: SurfaceClass) -> impl Iterator<Item = f64> + '_ {
     let here = limits.iter().filter(move |l| l.surfaces.is_empty() || l.surfaces.contains(&surface));
     here.map(|l| l.bound)
 }
 
-/// The next bound over a value on a surface: a narrower one that is broken already says nothing more.
+/// The least bound above a measured value on a surface; a narrower bound is already violated.
 fn next_over(limits: &[Limit], surface: SurfaceClass, found: f64) -> f64 {
     on(limits, surface).filter(|bound| *bound > found).fold(f64::INFINITY, f64::min)
 }
 
-/// What is to be proved of a surface on which g was found between two values.
+/// Goals of the proof for a surface on which g was measured between two values.
 fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goals {
-    // Beyond what was found by the slack, or by less where a limit lies between.
+    // The measured value plus the slack; less where a limit lies between.
     let beyond = |found: f64, slack: f64, limits: &[Limit]| {
         (found + slack).min(next_over(limits, surface, found)).max(found + LEAST_SLACK)
     };
@@ -224,7 +225,7 @@ fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goa
     }
 }
 
-/// The figures of one surface from those of its patches.
+/// The figures of a surface, from the results of its patches.
 fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
     let surface = patches[0].1.surface;
     let all = patches.iter().fold(Proved::NOTHING, |all, p| all.join(p.3));
@@ -234,7 +235,7 @@ fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]
     let excess = extreme(surface, all.most, 1.0, sweeps);
     let area: f64 = cells.iter().map(|c| c.1).sum();
     let nearest_there = nearest_there(&cells);
-    // A deep cut is proved by its depth: the bound of g says how much more there may be.
+    // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
     let gouge_bound = (-all.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
     SurfaceReport {
         surface: surface.id.to_string(),
@@ -253,7 +254,7 @@ fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]
     }
 }
 
-/// g below which 5, 50 and 95 percent of the area lie.
+/// The g below which 5, 50 and 95 percent of the area lie.
 fn percentiles(cells: &[(f64, f64, Option<At>)], area: f64) -> [f64; 3] {
     let mut sorted: Vec<(f64, f64)> = cells.iter().map(|c| (c.0, c.1)).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -267,7 +268,7 @@ fn percentiles(cells: &[(f64, f64, Option<At>)], area: f64) -> [f64; 3] {
     })
 }
 
-/// Operations that come nearest to the area not reached.
+/// Operations nearest to the area not reached.
 fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
     let mut found: Vec<(Option<u32>, f64)> = Vec::new();
     for (_, area, at) in cells.iter().filter(|c| c.0 > NOT_REACHED) {
@@ -281,10 +282,10 @@ fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
     found
 }
 
-/// The extreme of g that was found on a surface, followed to where it is most extreme (`sign` -1 for the least).
+/// The extreme of g on a surface: a search from the measured extreme (`sign` -1 for the least).
 pub(super) fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
     let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
-    // Only a cut deeper than any tolerance can be deeper along the normal than in distance.
+    // Only for a cut deeper than any tolerance can the depth along the normal exceed the distance.
     let deep = sign < 0.0 && value < -DEEP;
     let mut known = Known { sweeps, last: None };
     let measure = |xy: [f64; 2]| {
@@ -305,7 +306,7 @@ pub(super) fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[
     Worst { value, point: [p.x, p.y, p.z], parameters, at, depth }
 }
 
-/// g of points near each other: it changes no faster than the point moves, so that the last one says how far to look.
+/// g of successive nearby points. g changes no faster than the point moves, so that the last value gives a cutoff.
 struct Known<'a> {
     sweeps: &'a [Sweep<'a>],
     last: Option<(Point3<f64>, f64)>,
@@ -325,13 +326,13 @@ fn place(surface: &Surface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>,
     (surface.turn * place.position, surface.turn * place.normal, place.parameters)
 }
 
-/// Depth from which the way along the normal is followed, mm.
+/// Depth of a cut from which on the depth along the normal is computed, mm.
 const DEEP: f64 = 0.1;
 
-/// Steps of [`depth`]: each goes to the border of the cutter that reaches on deepest.
+/// Steps of [`depth`]; each goes to the far border of the cutter that reaches deepest.
 const DEPTH_STEPS: usize = 400;
 
-/// Length of the way from a surface point against its normal that lies inside of swept cutters.
+/// Length of the path from a surface point against its normal that lies inside of swept cutters.
 fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     let mut depth = 0.0;
     let mut cutoff = FAR;
@@ -347,17 +348,17 @@ fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     depth
 }
 
-/// Step at which the search for the worst place ends, mm: g changes by far less than a micrometre over it.
+/// Step at which the search for the worst place ends, mm: over this step g changes by far less than 1 um.
 const FINEST: f64 = 1e-4;
 
-/// Depth of a cut of which nobody asks for micrometres, and the step at which the search for its worst place ends, mm.
+/// Depth of a cut for which micrometres do not matter, and the step at which the search for its worst place ends, mm.
 const WRECKED: f64 = 0.5;
 const COARSE: f64 = 0.02;
 
-/// Rounds of that search: some twenty to the finest step and walks over some millimetres.
+/// Rounds of this search: about twenty down to the finest step, and moves over some millimetres.
 const ROUNDS: usize = 100;
 
-/// Climbs a measure over a surface by a pattern search in its chart, down to a step.
+/// Maximises a measure over a surface by a pattern search in its chart, down to a step.
 fn climb(
     surface: &Surface<'_>,
     start: [f64; 2],
@@ -365,7 +366,7 @@ fn climb(
     mut measure: impl FnMut([f64; 2]) -> f64,
 ) -> ([f64; 2], f64) {
     const PROBE: f64 = 0.02;
-    // Shares of the chart that make a millimetre.
+    // Shares of the chart per millimetre.
     let unit = [0, 1].map(|k| {
         let mut other = start;
         other[k] += if start[k] > 0.5 { -PROBE } else { PROBE };

@@ -249,7 +249,7 @@ impl Touch {
 pub(crate) struct Twist {
     /// Derivative of the gradient by the share.
     pub(crate) change: Vector3<f64>,
-    /// Bound of the second derivative over the share, mm.
+    /// Upper bound of the second derivative by the share, mm.
     pub(crate) bend: f64,
     /// Error of the slope of the quick poses, mm per share.
     pub(crate) slope_flaw: f64,
