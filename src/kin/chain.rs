@@ -1,6 +1,6 @@
 //! The two rotary axes of a five-axis machine as a chain between tool and part.
 //!
-//! Axis 1 is the one next to the tool, axis 2 the one next to the part. Each carries the tool (head) or the part (table), so
+//! Axis 1 is next to the tool, axis 2 is next to the part. Each axis carries the tool (head) or the part (table), so
 //! that there are three kinds of chain:
 //!
 //! | kind | axis 1 | axis 2 |
@@ -9,10 +9,11 @@
 //! | head-table | carries the tool | carries the part |
 //! | head-head | carries the tool | carries axis 1 and the tool |
 //!
-//! Angles are in radians. A positive angle turns the tool relative to the part as a right-hand screw along the direction of the
-//! axis; a table turns the other way. So in all three kinds the tool axis in the part frame is R(k2, q2) R(k1, q1) z, where z
-//! is the tool axis with both angles at zero, and one solution by subproblems (Paden and Kahan; Murray, Li and Sastry, A
-//! Mathematical Introduction to Robotic Manipulation, 1994, 3.3) fits any two directions that are not parallel.
+//! Angles are in radians. A positive angle turns the tool relative to the part as a right-hand screw along the
+//! direction of the axis; a table turns the other way. In all three kinds the tool axis in the part frame is therefore
+//! R(k2, q2) R(k1, q1) z, where z is the tool axis with both angles at zero. One solution by subproblems is valid for
+//! any two directions that are not parallel (Paden and Kahan; Murray, Li and Sastry, A Mathematical Introduction to
+//! Robotic Manipulation, 1994, 3.3).
 
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -24,20 +25,20 @@ pub type Angles = [f64; 2];
 /// What a rotary axis carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carries {
-    /// The tool: it is part of the head.
+    /// The tool: the axis is part of the head.
     Tool,
-    /// The part: it is a table.
+    /// The part: the axis is a table.
     Part,
 }
 
-/// Where a rotary axis lies.
+/// Position of a rotary axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLine {
-    /// What it carries.
+    /// Tool or part.
     pub carries: Carries,
     /// Direction, machine frame, with all rotary axes at zero.
     pub direction: Unit<Vector3<f64>>,
-    /// A point on it, machine frame, with all axes at zero, mm.
+    /// A point on the axis, machine frame, with all axes at zero, mm.
     pub point: Point3<f64>,
 }
 
@@ -47,16 +48,17 @@ const PARALLEL: f64 = 1e-6;
 /// Distance of a unit vector from a direction below which the azimuth about that direction is rounding noise.
 const POLE: f64 = 1e-12;
 
-/// By how much the square of a sine may fall below zero through rounding.
+/// Largest amount by which the square of a sine falls below zero through rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Two rotary axes with what follows from their directions.
+/// Two rotary axes with values derived from their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     axes: [AxisLine; 2],
     /// Cosine of the angle between both directions; exactly zero at a right angle.
     cosine: f64,
-    /// Part of the tool axis at zero along axis 1, across it, and the change of the latter for a small turn.
+    /// The tool axis at zero: its component along axis 1, its component across, and the derivative of the latter by the
+    /// turn.
     along: Vector3<f64>,
     across: Vector3<f64>,
     aside: Vector3<f64>,
@@ -69,30 +71,31 @@ pub struct Chain {
     turning: Turning,
 }
 
-/// Bounds of how the tool axis moves while both rotary axes turn evenly, as factors of powers of [`Chain::turn`].
+/// Upper bounds of the motion of the tool axis while both rotary axes turn evenly, as factors of powers of
+/// [`Chain::turn`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
-    /// Of the second derivative of a direction that turns with the tool, factor of its square: 3/2 at a right angle.
+    /// For the second derivative of a direction that turns with the tool, factor of the square: 3/2 at a right angle.
     pub second: f64,
-    /// Of its third derivative, factor of its cube: 3 at a right angle.
+    /// For its third derivative, factor of the cube: 3 at a right angle.
     pub third: f64,
-    /// Of the second derivative of the turn that takes the tool axis along by the shortest way, factor of its square.
+    /// For the second derivative of the shortest rotation that takes the tool axis along, factor of the square.
     pub shortest: f64,
 }
 
 impl Turning {
-    /// Of axes at a right angle.
+    /// The bounds for axes at a right angle.
     pub const RIGHT_ANGLE: Self = Self { second: 1.5, third: 3.0, shortest: Self::GOLDEN };
 
-    /// (1 + sqrt 5) / 2 and a little: `Twist` in `verify/sweep.rs` says why.
+    /// Slightly more than (1 + sqrt 5) / 2; `Twist` in `verify/proof/piece.rs` gives the reason.
     const GOLDEN: f64 = 1.6181;
 
-    /// For a cosine of the angle between both axes.
+    /// The bounds for a cosine of the angle between both axes.
     ///
-    /// With the angular velocity w and the angular acceleration w', a direction bends by at most w^2 + |w'|. The acceleration is
-    /// the cross product of both angular velocities; for a given rate it is largest where both are equal and work against
-    /// each other: sin / (2 (1 - |cos|)) w^2. The third derivative is at most the cube of the sum of both rates, which is at
-    /// most sqrt(2 / (1 - |cos|)) w.
+    /// With the angular velocity w and the angular acceleration w', the second derivative of a direction is at most w^2
+    /// + |w'|. The acceleration is the cross product of both angular velocities. For a given rate it is largest where
+    /// both are equal and opposed: sin / (2 (1 - |cos|)) w^2. The third derivative is at most the cube of the sum of
+    /// both rates, and this sum is at most sqrt(2 / (1 - |cos|)) w.
     fn new(cosine: f64) -> Self {
         if cosine == 0.0 {
             return Self::RIGHT_ANGLE;
@@ -103,24 +106,24 @@ impl Turning {
         Self {
             second: 1.0 + acceleration,
             third: 3.0 / (narrow * narrow.sqrt()),
-            // The axis across w changes by at most half of w^2 and by the acceleration.
+            // The axis across w changes by at most half of w^2, plus the acceleration.
             shortest: 1.5 + acceleration,
         }
     }
 }
 
-/// Why two axes make no chain.
+/// Why two axes do not form a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChainFault {
-    /// The axes are parallel: the tool could not take any direction.
+    /// The axes are parallel: the tool could not take every direction.
     Parallel,
     /// Axis 1 is parallel to the tool: it would turn the tool about itself.
     AlongTool,
-    /// The part is carried by the axis next to the tool and the tool by the axis next to the part.
+    /// The axis next to the tool carries the part, and the axis next to the part carries the tool.
     Order,
 }
 
-/// A vector turned about a unit vector by an angle.
+/// A vector rotated about a unit vector by an angle.
 fn turned(about: &Vector3<f64>, v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     let along = about * about.dot(v);
@@ -128,7 +131,7 @@ fn turned(about: &Vector3<f64>, v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
 }
 
 impl Chain {
-    /// Chain of the axis next to the tool and the axis next to the part.
+    /// Chain from the axis next to the tool and the axis next to the part.
     ///
     /// # Errors
     /// The axes cannot direct the tool.
@@ -147,7 +150,7 @@ impl Chain {
         Ok(Self::of(axes))
     }
 
-    /// The chain of axes that direct the tool.
+    /// The chain of valid axes.
     fn of(axes: [AxisLine; 2]) -> Self {
         let [first, second] = axes.map(|a| a.direction.into_inner());
         let tool = Vector3::z();
@@ -155,7 +158,7 @@ impl Chain {
         let along = first * first.dot(&tool);
         let across = tool - along;
         let e1 = {
-            // The tool turns aside along this direction first; where that is along axis 2, any direction across it does.
+            // Direction in which a small turn first moves the tool; where it is along axis 2, any direction across it.
             let level = |v: &Vector3<f64>| v - second * second.dot(v);
             let e = level(&aside);
             if e.norm() < PARALLEL { level(&across).normalize() } else { e.normalize() }
@@ -182,7 +185,7 @@ impl Chain {
         Self::of(axes)
     }
 
-    /// The axes, first the one next to the tool.
+    /// The axes; the first is next to the tool.
     pub fn axes(&self) -> &[AxisLine; 2] {
         &self.axes
     }
@@ -192,7 +195,7 @@ impl Chain {
         self.axes[0].carries == Carries::Tool
     }
 
-    /// Tool axis after the turn of axis 1 alone.
+    /// Tool axis after a turn of axis 1 only.
     fn tilted(&self, first: f64) -> Vector3<f64> {
         let (sine, cosine) = libm::sincos(first);
         self.along + self.across * cosine + self.aside * sine
@@ -203,38 +206,38 @@ impl Chain {
         turned(&self.axes[1].direction, &self.tilted(first), second)
     }
 
-    /// Turn that brings the tool axis at zero to the one at the angles, in the part frame.
+    /// Rotation from the tool axis at zero to the tool axis at the angles, in the part frame.
     pub fn rotation(&self, [first, second]: Angles) -> Rotation3<f64> {
         let [k1, k2] = self.axes.map(|a| a.direction);
         Rotation3::from_axis_angle(&k2, second) * Rotation3::from_axis_angle(&k1, first)
     }
 
-    /// Both pairs of angles that give a tool axis, `None` when no pair does. Axis 2 lies in (-pi, pi]. At a pole, where
-    /// axis 2 is free, it takes `free`.
+    /// Both pairs of angles that give a tool axis; `None` when no pair does. Axis 2 lies in (-pi, pi]. At a pole, where
+    /// axis 2 is not determined, it takes the value `free`.
     pub fn inverse(&self, tool_axis: &Vector3<f64>, free: f64) -> Option<[Angles; 2]> {
         let (square, angles) = self.solve(tool_axis, free);
         (square >= -ROUNDING).then_some(angles)
     }
 
-    /// The same; where no angles give the tool axis, those that come nearest to it.
+    /// As [`Self::inverse`]; where no angles give the tool axis, the nearest angles.
     pub fn nearest(&self, tool_axis: &Vector3<f64>, free: f64) -> [Angles; 2] {
         self.solve(tool_axis, free).1
     }
 
-    /// The angles nearest to a tool axis on a branch, axis 2 on the winding that is nearest to where it was.
+    /// The angles nearest to a tool axis on a branch, with axis 2 on the winding nearest to `before`.
     pub fn unwound(&self, tool_axis: &Vector3<f64>, branch: usize, before: f64) -> Angles {
         let [first, second] = self.nearest(tool_axis, before)[branch];
         [first, nearest_turn(second, before)]
     }
 
-    /// Angles for a tool axis on both branches, and the square of the sine that gives axis 1: below zero there are none, and
-    /// these come nearest.
+    /// Angles for a tool axis on both branches, and the square of the sine that gives axis 1. If this is negative, no
+    /// angles give the tool axis, and the result is the nearest.
     fn solve(&self, tool_axis: &Vector3<f64>, free: f64) -> (f64, [Angles; 2]) {
         let second = &self.axes[1].direction;
         let azimuth = |v: &Vector3<f64>| libm::atan2(v.dot(&self.basis[1]), v.dot(&self.basis[0]));
         let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1]));
         let height = second.dot(tool_axis);
-        // swing^2 - (height - mean)^2, in which the square of the sine of a small angle keeps its digits.
+        // swing^2 - (height - mean)^2 in this form, so that the square of the sine of a small angle keeps its digits.
         let rest = self.swing * self.swing - 1.0 - self.mean * self.mean + 2.0 * height * self.mean;
         let square = radial * radial + rest;
         let sine = if rest == 0.0 { radial } else { square.max(0.0).sqrt() };
@@ -259,22 +262,23 @@ impl Chain {
         (square, angles)
     }
 
-    /// The angles of the first branch for a tool axis, and how each changes with the tool axis.
+    /// The angles of the first branch for a tool axis, and the derivative of each by the tool axis.
     pub fn gradients(&self, tool_axis: &Vector3<f64>) -> [(f64, Vector3<f64>); 2] {
-        /// Below this the tool lies along axis 2, which then is free.
+        /// Below this value the tool lies along axis 2, which is then not determined.
         const ALONG: f64 = 1e-6;
         let [[first, second], _] = self.nearest(tool_axis, 0.0);
         let k2 = self.axes[1].direction.into_inner();
         let height = k2.dot(tool_axis);
         let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG);
         let outward = (tool_axis - k2 * height) / radial;
-        // Axis 1 changes the height, whatever axis 2 does; axis 2 turns the rest.
+        // Only axis 1 changes the height; axis 2 turns the rest.
         let lean = outward * height - k2 * radial;
         let around = k2.cross(&outward) / radial;
         if self.swings_straight() {
             return [(first, lean), (second, around)];
         }
-        // d(height) = -swing sin(first - start) d(first), and axis 2 takes back what axis 1 turns the tool around.
+        // d(height) = -swing sin(first - start) d(first), and axis 2 compensates the turn of the tool by axis 1 about
+        // it.
         let slope = -self.swing * libm::sin(first - self.start);
         let slope = if slope.abs() < ALONG { ALONG.copysign(slope) } else { slope };
         let of_first = lean * (-radial / slope);
@@ -284,14 +288,14 @@ impl Chain {
         [(first, of_first), (second, around - of_first * turned)]
     }
 
-    /// True when the tool lies along axis 2 at zero, and axis 1 turns it straight away from there.
+    /// True when the tool lies along axis 2 at zero, and axis 1 turns the tool straight away from it.
     fn swings_straight(&self) -> bool {
         self.mean == 0.0 && self.swing == 1.0 && self.start == 0.0
     }
 
     /// Angle between the tool axis and axis 2 at an angle of axis 1, radians.
     pub fn lean(&self, first: f64) -> f64 {
-        // Where the tool lies along axis 2 at zero and turns straight away from it, the angle is that of axis 1.
+        // Where the tool lies along axis 2 at zero and turns straight away from it, the result is the angle of axis 1.
         if self.swings_straight() && first.abs() <= PI {
             return first.abs();
         }
@@ -300,9 +304,10 @@ impl Chain {
         libm::atan2(axis.cross(second).norm(), axis.dot(second))
     }
 
-    /// Whether the tool passes through the direction of axis 2 or its opposite while axis 1 turns from one angle to another.
+    /// Whether the tool passes through the direction of axis 2 or its opposite while axis 1 turns from one angle to
+    /// another.
     pub fn poles_between(&self, from: f64, to: f64) -> bool {
-        // There `mean + swing cos(q - start)` is 1 or -1.
+        // At a pole `mean + swing cos(q - start)` is 1 or -1.
         let poles = [1.0, -1.0].map(|height| (height - self.mean) / self.swing);
         poles.into_iter().filter(|cosine| cosine.abs() <= 1.0 + POLE).any(|cosine| {
             let apart = libm::acos(cosine.clamp(-1.0, 1.0));
@@ -313,8 +318,8 @@ impl Chain {
         })
     }
 
-    /// By how much the tool turns against the part while both axes turn evenly, radians: exact for the rate, an upper bound
-    /// for the angle between the ends.
+    /// Turn of the tool against the part while both axes turn evenly, radians: exact for the rate, an upper bound for
+    /// the angle between the ends.
     pub fn turn(&self, from: Angles, to: Angles) -> f64 {
         let [first, second] = [to[0] - from[0], to[1] - from[1]];
         if self.cosine == 0.0 {
@@ -323,12 +328,12 @@ impl Chain {
         (first * first + second * second + 2.0 * self.cosine * first * second).max(0.0).sqrt()
     }
 
-    /// Bounds of how the tool axis moves.
+    /// Upper bounds of the motion of the tool axis.
     pub fn turning(&self) -> &Turning {
         &self.turning
     }
 
-    /// Motion of the part at the angles: from the part's place at zero to its place, machine frame.
+    /// Motion of the part at the angles: from the position of the part at zero, machine frame.
     pub(super) fn part(&self, angles: Angles) -> Isometry3<f64> {
         let mut motion: Option<Isometry3<f64>> = None;
         for (axis, angle) in self.axes.iter().zip(angles) {
@@ -340,7 +345,7 @@ impl Chain {
         motion.unwrap_or_else(Isometry3::identity)
     }
 
-    /// Motion of the tool at the angles: from the tool's place at zero to its place, machine frame, linear axes at zero.
+    /// Motion of the tool at the angles: from the position of the tool at zero, machine frame, linear axes at zero.
     pub(super) fn tool(&self, angles: Angles) -> Isometry3<f64> {
         let mut motion: Option<Isometry3<f64>> = None;
         for (axis, angle) in self.axes.iter().zip(angles) {
@@ -354,7 +359,7 @@ impl Chain {
 }
 
 impl AxisLine {
-    /// The turn about the line by an angle.
+    /// Rotation about the line by an angle.
     fn turned(&self, angle: f64) -> Isometry3<f64> {
         let rotation = Rotation3::from_axis_angle(&self.direction, angle);
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
@@ -371,7 +376,7 @@ mod tests {
         AxisLine { carries, direction: Unit::new_normalize(Vector3::from(direction)), point: Point3::from(point) }
     }
 
-    /// A tilted by C: the closed form that textbooks have.
+    /// A tilted by C: the closed form of textbooks.
     #[test]
     fn orthogonal_tables_have_the_known_closed_form() {
         let chain = Chain::new([
@@ -404,7 +409,7 @@ mod tests {
         assert_eq!(fault([(Carries::Part, x), (Carries::Tool, z)]), ChainFault::Order);
     }
 
-    /// Directions of the shops: orthogonal and nutating, and any others that are not nearly parallel.
+    /// Directions of real machines, orthogonal and nutating, and any others that are not nearly parallel.
     fn direction() -> impl Strategy<Value = [f64; 3]> {
         let h = std::f64::consts::FRAC_1_SQRT_2;
         prop_oneof![
@@ -436,7 +441,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Angles of the inverse give the axis back to 1e-12, on both branches; one of the branches is the angles it came from.
+        /// Angles of the inverse reproduce the axis to 1e-12 on both branches; one branch has the original angles.
         #[test]
         fn chains_go_forward_and_back(chain in chain(), angles in [-3.0..3.0_f64, -3.1..3.1]) {
             let axis = chain.tool_axis(angles);
@@ -449,14 +454,14 @@ mod tests {
             }
             let same = |pair: &Angles| [0, 1].iter().all(|k| {
                 let off = (pair[*k] - angles[*k]) / TAU;
-                // Near a turning point of axis 1 the square root takes half of the digits of the angle.
+                // Near a turning point of axis 1 the square root loses half of the digits of the angle.
                 (off - off.round()).abs() < 1e-6
             });
             let pole = axis.cross(&chain.axes()[1].direction).norm() < 1e-4;
             prop_assert!(pole || found.iter().any(same), "{found:?} for {angles:?}");
         }
 
-        /// How the angles change with the tool axis, by differences.
+        /// The derivatives of the angles by the tool axis, compared with differences.
         #[test]
         fn gradients_are_those_of_the_inverse(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0], aside in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0]) {
             let axis = chain.tool_axis(angles);
@@ -473,7 +478,8 @@ mod tests {
             }
         }
 
-        /// The turn is the angular speed, and bounds of the derivatives of the axis hold, by differences of the true rotation.
+        /// The turn is the angular speed, and the bounds of the derivatives of the axis hold; compared with differences
+        /// of the true rotation.
         #[test]
         fn turns_bound_what_the_tool_axis_does(
             chain in chain(), from in [-3.0..3.0_f64, -3.0..3.0], rate in [-1.0..1.0_f64, -1.0..1.0]
@@ -494,7 +500,7 @@ mod tests {
             prop_assert!(third <= bounds.third * turn.powi(3) + 1e-4, "{third}");
         }
 
-        /// The angle to axis 2, by vectors.
+        /// The angle to axis 2, compared with the angle of the vectors.
         #[test]
         fn lean_is_the_angle_to_axis_2(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0]) {
             let angle = chain.tool_axis(angles).angle(&chain.axes()[1].direction);

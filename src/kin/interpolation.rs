@@ -1,13 +1,13 @@
-//! What a control does between two blocks, and how far two rules lie apart.
+//! Motion of a control inside of a block, and the distance between two rules.
 
 use super::{Joints, Machine, Pose, between};
 use crate::geom::angle::great_arc;
 
-/// Rule by which a control fills in between the ends of a block.
+/// Rule by which a control interpolates between the ends of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Tool centre point control: the tip straight on the part, the rotary axes linear with its way (Siemens ORIAXES,
-    /// LinuxCNC under its kinematics). This is what a motion means.
+    /// Tool centre point control: the tip straight on the part, the rotary axes linear with the path of the tip
+    /// (Siemens ORIAXES, LinuxCNC under its kinematics). A motion of the compiler has this meaning.
     RotaryLinear,
     /// Tool centre point control with the tool axis on a great circle (Siemens ORIVECT, Heidenhain vectors).
     GreatCircle,
@@ -32,11 +32,10 @@ impl Interpolation {
         Pose { tip, axis }
     }
 
-    /// Largest distance at equal shares of the block between the tool under this rule and under
-    /// [`Self::RotaryLinear`], for points of the tool axis from the tip to a height over it, mm. Looked at in the
-    /// quarters of the block.
+    /// Largest distance between the tool under this rule and under [`Self::RotaryLinear`], at equal shares of the
+    /// block, for points of the tool axis from the tip to a height over it, mm. Measured at the quarters of the block.
     pub fn deviation(self, machine: &Machine, from: &Joints, to: &Joints, height: f64) -> f64 {
-        // The rules only differ where something turns.
+        // The rules differ only where an axis turns.
         if self == Self::RotaryLinear || from.rotary == to.rotary {
             return 0.0;
         }

@@ -1,15 +1,16 @@
 //! The trajectory planner of LinuxCNC 2.9 (`tp.c`), servo period by servo period, for the lines of one operation.
 //!
-//! Each line runs by itself in a trapezoid of speed and comes to rest at its end; the next line starts while this one
-//! slows down ("parabolic blend"), and what both do in a period is added. Both are planned in the frame of the program:
-//! limits of X, Y, Z hold for the tip on the part. A line that blends into the next one uses half of its acceleration. The
-//! tolerance of G64 P bounds the speed at the start of a blend by the angle between the two directions of the tip alone:
-//! how rotary axes change their rate is not looked at, so that tip and flutes leave the lines by more.
+//! Each line runs by itself in a trapezoid of speed and comes to rest at its end. The next line starts while this line
+//! slows down ("parabolic blend"), and the motions of both are added in each period. Both are planned in the frame of
+//! the program: limits of X, Y, Z hold for the tip on the part. A line that blends into the next line uses half of its
+//! acceleration. The tolerance of G64 P bounds the speed at the start of a blend, from the angle between the two
+//! directions of the tip only. The change of the rates of rotary axes is not considered, so that tip and flutes deviate
+//! from the lines by more.
 //!
-//! Lines that turn nothing are joined without a stop where their directions agree. Sharper corners between two such
-//! lines, which the control rounds by an arc within the tolerance, are blended here as the others are.
+//! Lines without turn are joined without a stop where their directions agree. At sharper corners between two such lines
+//! the control inserts an arc within the tolerance; here these corners are blended like all others.
 //!
-//! G0 is no part of it: the control runs it by the limits of the tip, whatever the joints can do.
+//! G0 is not part of this model: the control runs G0 by the limits of the tip, independent of the joints.
 
 use super::{Joints, Machine};
 use nalgebra::{Point3, Vector3};
@@ -17,35 +18,35 @@ use nalgebra::{Point3, Vector3};
 /// Program coordinates: X Y Z of the tip on the part in mm, both rotary axes in radians.
 type Place = [f64; 5];
 
-/// Displacements of less are none for the control, mm or radians.
+/// Displacements below this count as zero for the control, mm or radians.
 const TINY: f64 = 1e-7;
 
-/// Speed that is standstill.
+/// Speed below this counts as standstill.
 const STILL: f64 = 1e-8;
 
-/// Way and time that are none.
+/// Length and time below this count as zero.
 const NOTHING: f64 = 1e-12;
 
-/// Share of the acceleration that a corner between two lines in about the same direction may take.
+/// Share of the acceleration that a corner between two lines in nearly the same direction may take.
 const KINK: f64 = 0.1;
 
-/// Least sine of half of the angle by which the tip turns for which the tolerance counts.
+/// Least sine of half of the angle between the directions of the tip from which on the tolerance counts.
 const TURNS: f64 = 1e-3;
 
 /// A line of the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it begins: tip on the part and rotary axes.
+    /// Start: tip on the part and rotary axes.
     pub from: Place,
-    /// Where it ends.
+    /// End.
     pub to: Place,
-    /// Time that its feed asks for, s.
+    /// Time from its feed, s.
     pub time: f64,
-    /// The control comes to rest at its end (G61.1).
+    /// True when the control comes to rest at its end (G61.1).
     pub stop: bool,
 }
 
-/// What the planner is told. Its limits are those of the machine, held for the tip in place of X, Y and Z.
+/// Settings of the planner. Its limits are those of the machine; the limits of X, Y and Z hold for the tip.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
     /// The machine. Its `cycle` is the servo period.
@@ -56,16 +57,16 @@ pub struct Settings<'a> {
     pub height: f64,
 }
 
-/// How a line ran.
+/// Run of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ran {
-    /// Time in which it moved faster than its neighbours, s.
+    /// Time in which the line moves faster than its neighbours, s.
     pub time: f64,
-    /// Largest deviation of the tool from this line and the next one while it goes over into that: of tip or flutes, mm,
-    /// and of the axis, radians. At which period the blend begins depends on what ran before: what a period more would
-    /// add is counted.
+    /// Largest deviation of the tool from this line and the next line in the transition between them: of tip or flutes,
+    /// mm, and of the axis, radians. The period in which the blend begins depends on the lines before. The deviation
+    /// therefore includes the effect of a blend that begins one period earlier.
     pub deviation: [f64; 2],
-    /// Largest speed of X, Y, Z and the rotary axes meanwhile, as a share of the limit.
+    /// Largest speed of X, Y, Z and the rotary axes in the transition, as a share of the limit.
     pub speed: [f64; 5],
 }
 
@@ -74,13 +75,13 @@ pub struct Ran {
 enum End {
     Stop,
     Blend,
-    /// Runs on; the speed there.
+    /// Runs on, with the speed there.
     Tangent(f64),
 }
 
 struct Segment {
     line: Line,
-    /// Way of the tip, or of the rotary axes where the tip stands.
+    /// Length of the path of the tip, or of the rotary axes where the tip stands still.
     length: f64,
     direction: [f64; 3],
     turns: bool,
@@ -120,14 +121,14 @@ impl Segment {
     }
 }
 
-/// A line that runs.
+/// State of a line.
 #[derive(Clone, Copy, Default)]
 struct Running {
     way: f64,
     speed: f64,
     slowing: bool,
     blends: bool,
-    /// Its end is reached within the next period.
+    /// True when its end is reached within the next period.
     last: bool,
     done: bool,
     /// Length of its next period, s.
@@ -160,14 +161,14 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
         segments[i].end = end;
     }
     for i in 0..segments.len() {
-        // That the line before blends counts only where neither turns: measured on the controller.
+        // A blend of the previous line counts only where neither line turns: measured on the controller.
         let before = i.checked_sub(1).map(|b| &segments[b]);
         let noted = before.is_some_and(|b| b.end == End::Blend && !b.turns && !segments[i].turns);
         if segments[i].end == End::Blend || noted {
             segments[i].acceleration *= 0.5;
         }
     }
-    // Speeds that can be braked in time.
+    // Speeds from which the lines can brake in time.
     let mut most = 0.0;
     for segment in segments.iter_mut().rev() {
         let end = match &mut segment.end {
@@ -181,7 +182,7 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
     }
 }
 
-/// Speed of a line at which the blend into the next one begins.
+/// Speed of a line at the start of the blend into the next line.
 fn blend_speed(this: &Segment, next: &Segment, tolerance: f64) -> f64 {
     let reachable = |s: &Segment| (s.acceleration * s.length).sqrt().min(s.speed);
     let (here, there) = (reachable(this), reachable(next));
@@ -189,7 +190,7 @@ fn blend_speed(this: &Segment, next: &Segment, tolerance: f64) -> f64 {
     let time = fastest.min((here / this.acceleration).max(there / next.acceleration));
     let speed = here.min(time * this.acceleration);
     let dot: f64 = this.direction.iter().zip(&next.direction).map(|(a, b)| a * b).sum();
-    // Sine of half of the turn of the tip.
+    // Sine of half of the angle between the directions of the tip.
     let turn = ((1.0 - dot.clamp(-1.0, 1.0)) / 2.0).sqrt();
     if tolerance > 0.0 && turn > TURNS { speed.min(2.0 * (this.acceleration * tolerance / turn).sqrt()) } else { speed }
 }
@@ -220,7 +221,7 @@ fn step(segment: &Segment, run: &mut Running, next: Option<&Segment>, full: f64)
     near_end(segment, run, end, full);
 }
 
-/// Whether the end of a line comes within the next period.
+/// Determines whether the end of a line comes within the next period.
 fn near_end(segment: &Segment, run: &mut Running, end: f64, full: f64) {
     run.period = full;
     let left = segment.length - run.way;
@@ -253,19 +254,20 @@ fn near_end(segment: &Segment, run: &mut Running, end: f64, full: f64) {
     }
 }
 
-/// Most periods of one line beside those at an even speed. A line that takes more has no time, and nothing runs behind it.
+/// Most simulated periods of a line, without those at constant speed. A line that takes more gets no time, and no line
+/// runs after it.
 const MOST_PERIODS: usize = 4_000_000;
 
-/// Even periods that are counted one by one.
+/// Periods at constant speed that are simulated one by one.
 const COUNTED: f64 = 10_000.0;
 
-/// Periods that a line runs on evenly before it has to slow down.
+/// Number of periods that a line runs at constant speed before it must slow down.
 fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
     let steady = run.speed == segment.speed && run.speed > 0.0 && !run.blends && !run.last;
     if !steady {
         return 0.0;
     }
-    // The last periods before it slows down are looked at one by one.
+    // The last periods before the line slows down are simulated one by one.
     let way = segment.length - run.way - run.speed * run.speed / (2.0 * segment.acceleration);
     (way / (run.speed * period) - COUNTED).floor().max(0.0)
 }
@@ -273,7 +275,7 @@ fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
 /// Step along a line over which its direction is taken.
 const STEP: f64 = 1e-4;
 
-/// How far the tool at a place is from the nearest place of a line: tip or end of the flutes, mm, and axis, radians.
+/// Distance of the tool at a place from the nearest place of a line: tip or end of the flutes, mm, and axis, radians.
 fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64; 2] {
     let at = |t: f64| -> Place { std::array::from_fn(|k| line.from[k] + (line.to[k] - line.from[k]) * t) };
     let ends = |p: &Place| {
@@ -282,7 +284,7 @@ fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64
         [tip, tip + axis * height, axis]
     };
     let here = ends(place);
-    // Nearest in the sum of squares of both ends: by the chord, then once by the true direction there.
+    // The nearest place minimises the sum of squares of both ends: by the chord, then once by the true direction there.
     let nearer = |t: f64, step: f64| {
         let (a, b) = (ends(&at(t)), ends(&at(t + step)));
         let (mut along, mut size) = (0.0, 0.0);
@@ -298,7 +300,7 @@ fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64
     [off(0).max(off(1)), off(2)]
 }
 
-/// The lines between positions, each with the time of the line that leads there and whether the control stops there.
+/// The lines between positions, each with its time and whether the control stops at its end.
 pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>) -> Vec<Line> {
     let mut lines = Vec::with_capacity(moves.size_hint().0);
     let mut last: Option<Place> = None;
@@ -313,8 +315,8 @@ pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>
     lines
 }
 
-/// Time of a G0 between two positions, s: its planner looks at the speed of the tip along X, Y and Z of the part, and at
-/// those of the rotary axes.
+/// Time of a G0 between two positions, s. The planner of the control limits the speed of the tip along X, Y and Z of
+/// the part, and the speeds of the rotary axes.
 pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joints; 2]) -> f64 {
     let way = tips[1] - tips[0];
     let turns = [0, 1].map(|k| joints[1].rotary[k] - joints[0].rotary[k]);
@@ -394,14 +396,14 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     ran
 }
 
-/// One line goes over into the next.
+/// Transition of a line into the next.
 struct Corner {
-    /// Joints a period ago.
+    /// Joints one period before.
     joints: Option<Place>,
     deviation: [f64; 2],
     speed: [f64; 5],
-    /// By how much the deviation, which grows with the square of the speed, is larger where the blend begins a period
-    /// earlier.
+    /// Factor of the deviation when the blend begins a period earlier: the deviation is proportional to the square of
+    /// the speed.
     late: f64,
 }
 
@@ -411,7 +413,8 @@ impl Corner {
         Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MOST_LATE) }
     }
 
-    /// A period in which both move: the way of the first before and after it, and of the second after it.
+    /// A period in which both lines move. `way` holds the length run on the first line before and after the period, and
+    /// on the second line after it.
     fn passes(&mut self, this: &Segment, next: &Segment, way: [f64; 3], settings: &Settings) {
         let machine = settings.machine;
         let (here, there) = (this.at(way[1]), next.at(way[2]));
@@ -428,7 +431,7 @@ impl Corner {
     }
 }
 
-/// Largest factor for what a period may change.
+/// Largest factor for a blend that begins a period earlier.
 const MOST_LATE: f64 = 4.0;
 
 fn joints_at(machine: &Machine, place: &Place) -> Place {
@@ -482,9 +485,10 @@ mod tests {
         }
     }
 
-    /// Where a rotary axis stops and the tip goes on, both lines add up to a parabola: at its middle each is v^2/(8a) from the corner,
-    /// and the flutes are off by that times half of the change of their direction, whatever the tolerance is. A line that
-    /// stops at its own end starts with twice the acceleration, and is off by more: by a third where it was measured.
+    /// Where a rotary axis stops and the tip goes on, the sum of both lines is a parabola. At its middle each line is
+    /// v^2/(8a) from the corner. The flutes deviate by this length times half of the change of their direction,
+    /// whatever the tolerance. A line that stops at its own end starts with twice the acceleration and deviates by
+    /// more: by a third where this was measured.
     #[test]
     fn a_rotary_axis_that_stops_takes_the_flutes_off_the_lines() {
         let (turn, feed) = (0.01, 4.0);
@@ -492,7 +496,7 @@ mod tests {
         let places = [at(0.0, 0.0), at(10.0, 10.0), at(20.0, 10.0), at(30.0, 20.0)];
         let found = ran(&lines(&places, feed), HEIGHT);
         let corner = feed * feed / (8.0 * 150.0);
-        // The nearest pose lies beside the corner: the way there counts less than at right angles.
+        // The nearest pose lies beside the corner: there the length counts less than at right angles.
         let most = corner * turn * HEIGHT;
         let off = found[0].deviation[0];
         assert!(off > 0.3 * most && off < 1.1 * most, "{off} {most}");
@@ -503,7 +507,7 @@ mod tests {
         assert!(stops > 1.2 * off && stops < 1.7 * off, "{stops} {off}");
     }
 
-    /// A stop at the corner leaves nothing of it, and costs less than slowing down and speeding up by the feed.
+    /// A stop at the corner removes the deviation, and costs less time than braking and accelerating by the feed.
     #[test]
     fn a_stop_leaves_no_deviation() {
         let (turn, feed) = (0.01, 4.0);
@@ -517,8 +521,8 @@ mod tests {
         assert!(stopped < blended + 2.0 * feed / 300.0, "{stopped} {blended}");
     }
 
-    /// A metre with which a week goes by: periods at an even speed are not counted one by one. A line that the machine takes
-    /// longer for than is counted has no time.
+    /// A line of 1 m that takes a week: periods at constant speed are not simulated one by one. A line that exceeds the
+    /// largest number of periods gets no time.
     #[test]
     fn slow_lines_take_their_time() {
         for (length, feed) in [(1000.0, 0.0017), (1000.0, 0.1), (300.0, 4.0)] {
@@ -534,7 +538,7 @@ mod tests {
         assert!(found[0].time == f64::INFINITY);
     }
 
-    /// At a right angle of the tip the tolerance is what the corner is rounded by.
+    /// At a right angle of the tip the tolerance limits the rounding of the corner.
     #[test]
     fn the_tolerance_bounds_corners_of_the_tip() {
         let places = [[0.0; 5], [10.0, 0.0, 0.0, 0.1, 0.0], [10.0, 10.0, 0.0, 0.2, 0.0], [10.0, 20.0, 0.0, 0.1, 0.0]];
@@ -542,8 +546,8 @@ mod tests {
         assert!(off > 0.5e-3 && off < 1.1e-3, "{off}");
     }
 
-    /// Short lines that turn take longer than their feed asks for: each one is braked and started with half of its
-    /// acceleration. Measured on the controller, 24 % for flank milling in lines of 0.24 mm at 16.7 mm/s.
+    /// Short lines that turn take longer than their feed: each line brakes and starts with half of its acceleration.
+    /// Measured on the controller: 24 % for flank milling in lines of 0.24 mm at 16.7 mm/s.
     #[test]
     fn short_lines_that_turn_are_slower_than_their_feed() {
         let places: Vec<Place> = (0..100).map(f64::from).map(|k| [0.24 * k, 0.0, 0.0, 0.002 * k, 0.0]).collect();
@@ -551,7 +555,7 @@ mod tests {
         let way = 0.24 * 99.0;
         assert!(time(16.0) > 1.5 * way / 16.0);
         assert!(time(4.0) < 1.1 * way / 4.0);
-        // Lines that do not turn and go straight on are run through.
+        // Straight lines without turn are run through.
         let straight: Vec<Place> = places.iter().map(|p| [p[0], 0.0, 0.0, 0.0, 0.0]).collect();
         let found: f64 = ran(&lines(&straight, 16.0), HEIGHT).iter().map(|r| r.time).sum();
         assert!((found - way / 16.0 - 16.0 / 300.0).abs() < 0.05 * found, "{found}");

@@ -1,4 +1,4 @@
-//! A machine as numbers: axes, their limits, where the part sits.
+//! A machine as numbers: its axes, their limits, and the position of the part.
 
 use super::{Angles, Carries, Chain};
 use crate::method::Planning;
@@ -16,14 +16,14 @@ pub struct LinearAxis {
     pub speed: f64,
     /// Largest acceleration.
     pub acceleration: f64,
-    /// Largest change of acceleration a second; infinite where the control has no limit.
+    /// Largest jerk; infinite where the control has no limit.
     pub jerk: f64,
 }
 
 /// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2, jerk in rad/s3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RotaryAxis {
-    /// Its word in NC texts, by the machine file.
+    /// Its address in NC texts, from the machine file.
     pub name: String,
     /// Least position.
     pub min: f64,
@@ -33,14 +33,14 @@ pub struct RotaryAxis {
     pub speed: f64,
     /// Largest acceleration.
     pub acceleration: f64,
-    /// Largest change of acceleration a second; infinite where the control has no limit.
+    /// Largest jerk; infinite where the control has no limit.
     pub jerk: f64,
-    /// +1 when the machine's word has the ISO sense, -1 when it has the opposite.
+    /// +1 when the address of the machine has the ISO sense, -1 when it has the opposite sense.
     pub word_sign: f64,
 }
 
-/// A machine with three linear and two rotary axes. Positions of Z, where a travel or a height is given, are those of the gauge
-/// line: the face of the spindle that tool lengths are measured from.
+/// A machine with three linear and two rotary axes. Travel and heights of Z refer to the gauge line: the face of the
+/// spindle that tool lengths are measured from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
     /// Name of its file.
@@ -49,28 +49,28 @@ pub struct Machine {
     pub linear: [LinearAxis; 3],
     /// The rotary axes: next to the tool, and next to the part.
     pub rotary: [RotaryAxis; 2],
-    /// How they lie.
+    /// Positions of the rotary axes.
     pub chain: Chain,
     /// Origin of the part with the rotary axes at zero, machine frame.
     pub part_origin: Vector3<f64>,
-    /// Height of the gauge line, machine frame, at which tools are changed, and at which all axes but Z move with tool centre
-    /// point control off; mm. No program begins with Z above it.
+    /// Retract height: height of the gauge line, machine frame, at which tools change, and at which all axes except Z
+    /// move without tool centre point control; mm. No program begins with Z above it.
     pub retract: f64,
     /// Least and largest spindle speed, rpm.
     pub spindle: [f64; 2],
     /// Speed of rapid moves of the tip that the planner assumes for times, mm/s.
     pub rapid: f64,
-    /// Time between two positions that the control gives to its drives, s; between them each joint runs evenly.
+    /// Time between two positions that the control gives to its drives, s; between them each joint moves evenly.
     pub cycle: f64,
     /// How the control plans speeds.
     pub planning: Planning,
     /// Table and fixtures, which turn with the part.
     pub carried: Vec<Carried>,
-    /// What its file marks as assumed.
+    /// Values that the machine file marks as assumed.
     pub assumed: Vec<String>,
 }
 
-/// Share of the limits of speed that plans for LinuxCNC use.
+/// Share of the speed limits that plans for LinuxCNC use.
 const BLENDED: f64 = 0.97;
 
 /// A solid of revolution about the axis of the table that turns with the part.
@@ -78,8 +78,8 @@ const BLENDED: f64 = 0.97;
 pub struct Carried {
     /// `table` or `fixture`.
     pub name: &'static str,
-    /// Outside as (r, z), straight between the points, from the axis at its top to the axis at its bottom; mm, z in the
-    /// part frame.
+    /// Meridian as (r, z), straight between the points, from the axis at its top to the axis at its bottom; mm, z in
+    /// the part frame.
     pub profile: Vec<[f64; 2]>,
 }
 
@@ -104,8 +104,8 @@ impl RotaryAxis {
 }
 
 impl Machine {
-    /// A machine whose limits matter nowhere, for questions that ask for the chain alone. The origin of the part is that of
-    /// the machine frame.
+    /// A machine without effective limits, for queries that need only the chain. The origin of the part is that of the
+    /// machine frame.
     pub fn wide(chain: Chain) -> Self {
         Self {
             name: String::new(),
@@ -129,14 +129,14 @@ impl Machine {
         [x, y, z, self.rotary[0].speed, self.rotary[1].speed]
     }
 
-    /// The speeds that a plan uses. LinuxCNC adds up the end of a block and the start of the next one, and the sum may be
-    /// faster than both: there, a share of the limits.
+    /// The speeds for plans. LinuxCNC adds the end of a block and the start of the next one, and the sum may be faster
+    /// than both: for LinuxCNC a share of the limits.
     pub fn planned_speeds(&self) -> [f64; 5] {
         let share = if self.planning == Planning::LinuxCnc { BLENDED } else { 1.0 };
         self.speeds().map(|speed| speed * share)
     }
 
-    /// Travel of all axes, mm and radians: of Z for the gauge line.
+    /// Travel of all axes, mm and radians; that of Z for the gauge line.
     pub fn travel(&self) -> [[f64; 2]; 5] {
         let [x, y, z] = [0, 1, 2].map(|k| [self.linear[k].min, self.linear[k].max]);
         let [first, second] = [0, 1].map(|k| [self.rotary[k].min, self.rotary[k].max]);
@@ -153,8 +153,8 @@ impl Machine {
         self.rotary.iter().position(|axis| axis.name == name)
     }
 
-    /// Where the axis of the table meets the x-y plane of the part frame, mm. Of a machine without a table, or with one
-    /// that does not turn about the Z axis of the part, the origin.
+    /// Where the axis of the table meets the x-y plane of the part frame, mm. The origin for a machine without a table,
+    /// or with a table that does not turn about the Z axis of the part.
     pub fn table_axis(&self) -> [f64; 2] {
         let table = &self.chain.axes()[1];
         if table.carries == Carries::Tool || table.direction.z.abs() != 1.0 {
@@ -164,15 +164,15 @@ impl Machine {
         [at.x, at.y]
     }
 
-    /// Largest angle between the tool and rotary axis 2 that the travel of axis 1 has, radians, on either branch.
+    /// Largest angle between the tool and rotary axis 2 within the travel of axis 1, radians, on either branch.
     pub fn most_lean(&self) -> f64 {
         let [first, _] = &self.rotary;
         self.chain.lean(first.max).max(self.chain.lean(first.min))
     }
 
-    /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the rotary
-    /// axes within their travel. `profile` holds its corners as (r, z) in the part frame, mm. For tables of which one turns about
-    /// the vertical and the other about a level axis the height is exact, for others an upper bound.
+    /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the
+    /// rotary axes within their travel. `profile` holds its corners as (r, z) in the part frame, mm. The height is
+    /// exact for two tables that turn about the vertical and about a horizontal axis, and an upper bound for others.
     pub fn highest(&self, profile: &[[f64; 2]]) -> f64 {
         let [first, second] = self.chain.axes();
         let corners = |height: &dyn Fn(f64, f64) -> f64| {
@@ -188,7 +188,7 @@ impl Machine {
         if first.carries == Carries::Part && upright && first.direction.z == 0.0 {
             let [x, y] = self.table_axis();
             let eccentric = libm::hypot(x, y);
-            // Level, across the axis that tilts the table.
+            // Horizontal direction, across the axis that tilts the table.
             let across = Vector3::z().cross(&first.direction);
             let beside = across.dot(&(second.point - first.point));
             let above = self.part_origin.z - first.point.z;
@@ -199,14 +199,15 @@ impl Machine {
                     sides.map(|y| self.risen(y, z + above)).into_iter().fold(f64::NEG_INFINITY, f64::max)
                 });
         }
-        // However the tables stand: as far over the line of the outer one as the corner lies from it.
+        // Upper bound for any angles: the distance of the corner from the axis of the outer table.
         let outer = if first.carries == Carries::Part { first } else { second };
         let (origin, lever) = (self.part_origin, (second.point - outer.point).norm());
         let arm = (origin - second.point.coords).norm();
         outer.point.z + lever + arm + corners(&|r, z| libm::hypot(r, z))
     }
 
-    /// Largest height over the tilting axis of a point beside and above it (at zero) over the travel of that axis.
+    /// Largest height over the tilting axis, over the travel of this axis, of a point with a position beside and above
+    /// the axis at angle zero.
     fn risen(&self, beside: f64, above: f64) -> f64 {
         let tilt = &self.rotary[0];
         let height = |a: f64| above * libm::cos(a) - beside * libm::sin(a);
@@ -216,7 +217,7 @@ impl Machine {
         if top + turns * TAU <= tilt.max { libm::hypot(beside, above) } else { ends }
     }
 
-    /// Bound of the turn of the tool against the part between angles, see [`Chain::turn`].
+    /// Upper bound of the turn of the tool against the part between angles, see [`Chain::turn`].
     pub fn turn(&self, from: Angles, to: Angles) -> f64 {
         self.chain.turn(from, to)
     }
@@ -265,8 +266,7 @@ mod tests {
     }
 
     proptest! {
-        /// No point of the solid comes higher, and some point comes as high, by brute force, for a table that tilts about any
-        /// level axis.
+        /// The height is the maximum by brute force, for a table that tilts about any horizontal axis.
         #[test]
         fn highest_is_reached_and_not_passed(
             low in -2.0..0.0_f64, range in 0.1..3.0_f64, y in -30.0..30.0_f64, z in -30.0..30.0_f64,
@@ -282,7 +282,7 @@ mod tests {
             prop_assert!(most <= bound + 1e-9 && most > bound - 0.05, "{most} {bound}");
         }
 
-        /// Of other tables it is a bound.
+        /// For other tables the height is an upper bound.
         #[test]
         fn highest_is_not_passed_by_any_table(
             first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
@@ -297,7 +297,7 @@ mod tests {
             prop_assert!(reached(&m, [-2.0, 2.0], r, 20.0) <= m.highest(&[[r, 20.0]]) + 1e-9);
         }
 
-        /// With a head, the gauge line and the tool lie as the angles say: the tip is where the joints put it.
+        /// With a head, gauge line and tool follow the angles: the tip is where the joints put it.
         #[test]
         fn positions_carry_the_tool(
             angles in [-1.5..1.5_f64, -3.0..3.0], tip in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0],
@@ -311,7 +311,7 @@ mod tests {
             let tip = Point3::from(tip);
             let joints = m.joints(&tip, angles);
             let [x, y, z, ..] = m.positions(&joints, length);
-            // From the gauge line through the pivot by plain vectors.
+            // From the gauge line through the pivot, by vectors.
             let axis = m.chain.tool_axis(angles);
             let pivoted = Point3::new(x, y, z + pivot) - axis * (pivot + length);
             prop_assert!((pivoted - tip).norm() < 1e-9, "{pivoted} {tip}");

@@ -1,8 +1,8 @@
-//! Kinematics of five-axis machines: three linear axes and two rotary ones, of which each carries tool or part.
+//! Kinematics of five-axis machines: three linear and two rotary axes, each of which carries tool or part.
 //!
-//! Rotary angles are in radians and in the ISO sense: the word describes the tool relative to the part, a table turns the
-//! other way. What the axes are called is known to machine files and to texts; here they are rotary axis 1, next to the
-//! tool, and rotary axis 2, next to the part.
+//! Rotary angles are in radians and in the ISO sense: the angle describes the tool relative to the part, and a table
+//! turns the other way. Only machine files and texts know the letters of the axes; here they are rotary axis 1, next to
+//! the tool, and rotary axis 2, next to the part.
 
 pub mod chain;
 pub mod feedrate;

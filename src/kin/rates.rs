@@ -1,43 +1,43 @@
-//! How fast the joints move within a block, bounded by proof and not by samples.
+//! Speeds of the joints within a block, with proved bounds instead of samples.
 
 use super::{Carries, Joints, Machine};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
-/// Turn of both rotary axes together over which the speed of a joint is taken between two exact values, radians: the proof adds
-/// less than a thousandth of the speeds that those of the tip and of both axes add up from.
+/// Turn of both rotary axes together per cell, radians; speeds are computed exactly at both ends of a cell. The proof
+/// adds less than a thousandth of the sum of the speeds of the tip and of both axes.
 const CELL_TURN: f64 = 0.015;
 
-/// Most cells of a block. Blocks that turn farther are bounded as well, but less closely.
+/// Most cells of a block. Blocks with a larger turn get valid but wider bounds.
 const MOST_CELLS: f64 = 2000.0;
 
-/// An even turn about an axis.
+/// An even rotation about an axis.
 struct Turn {
     direction: Unit<Vector3<f64>>,
     point: Point3<f64>,
-    /// Angle at the start, and by how much it turns, radians.
+    /// Angle at the start, and change of the angle, radians.
     from: f64,
     by: f64,
 }
 
-/// A point that is carried by one or two rotary axes which turn evenly, and that may move straight besides.
+/// A point that moves straight in the frame of one or two rotary axes which turn evenly.
 struct MovingPoint {
-    /// Place from the innermost axis at start and end, mm.
+    /// Position relative to the innermost axis at start and end, mm.
     ends: [Vector3<f64>; 2],
     /// The axes, the innermost first.
     axes: Vec<Turn>,
-    /// From the outer axis to the inner one, mm.
+    /// Vector from the outer axis to the inner one, mm.
     lever: Vector3<f64>,
 }
 
 impl MovingPoint {
-    /// A point that the axes carry, the innermost first, between two places of it with the axes at zero, machine frame.
+    /// A point carried by axes, the innermost first, between two positions with the axes at zero, machine frame.
     fn new(axes: Vec<Turn>, ends: [Vector3<f64>; 2]) -> Self {
         let inner = axes.first().map_or(Vector3::zeros(), |a| a.point.coords);
         let lever = if let [a, b] = &axes[..] { a.point - b.point } else { Vector3::zeros() };
         Self { ends: ends.map(|p| p - inner), axes, lever }
     }
 
-    /// Change of place over the share, at a share.
+    /// Derivative of the position by the share.
     fn rate(&self, s: f64) -> Vector3<f64> {
         let [start, end] = &self.ends;
         let way = end - start;
@@ -50,7 +50,7 @@ impl MovingPoint {
         rotation * (of_u + outer.direction.cross(&(u + self.lever)) * outer.by)
     }
 
-    /// Bound of the third derivative over the share.
+    /// Upper bound of the third derivative by the share.
     fn third(&self) -> f64 {
         let [start, end] = &self.ends;
         let turn = |k: usize| self.axes.get(k).map_or(0.0, |a| a.by.abs());
@@ -66,7 +66,7 @@ impl MovingPoint {
 }
 
 impl Machine {
-    /// The tip as the tables carry it along, and the gauge line as the head swings it, with a tool of a length.
+    /// The tip as the tables carry it, and the gauge line as the head swings it, for a tool of a given length.
     fn moving(&self, from: &Joints, to: &Joints, length: f64) -> [MovingPoint; 2] {
         let turns = |carries: Carries, order: [usize; 2], sense: f64| -> Vec<Turn> {
             let axes = order.into_iter().map(|k| (k, self.chain.axes()[k])).filter(|(_, a)| a.carries == carries);
@@ -78,18 +78,18 @@ impl Machine {
         };
         let tips = [from, to].map(|j| self.forward(j).tip.coords + self.part_origin);
         let gauge = Vector3::new(0.0, 0.0, -length);
-        // A table turns against its word.
+        // A table turns opposite to its angle.
         [
             MovingPoint::new(turns(Carries::Part, [1, 0], -1.0), tips),
             MovingPoint::new(turns(Carries::Tool, [0, 1], 1.0), [gauge; 2]),
         ]
     }
 
-    /// Upper bounds of |dq/ds| of X, Y, Z (mm) and both rotary axes (radians) over a block, s running evenly from 0 to 1: the
-    /// tip straight on the part, the rotary axes linear. With a head, X, Y and Z depend on the length of the tool, mm.
+    /// Upper bounds of |dq/ds| of X, Y, Z (mm) and both rotary axes (radians) over a block, with s from 0 to 1: the tip
+    /// straight on the part, the rotary axes linear. With a head, X, Y and Z depend on the length of the tool, mm.
     ///
-    /// In cells of s the exact speeds at both ends are taken; between them a speed lies over its chord by at most h^2/8
-    /// times the largest third derivative of the joint, which the lever arms bound in closed form.
+    /// Speeds are exact at both ends of each cell of s. Between them a speed exceeds its chord by at most h^2/8 times
+    /// the largest third derivative of the joint, which the lever arms bound in closed form.
     pub fn largest_rates(&self, from: &Joints, to: &Joints, length: f64) -> [f64; 5] {
         let [tip, gauge] = self.moving(from, to, length);
         let turns = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs());
@@ -106,13 +106,13 @@ impl Machine {
         [most.x + between, most.y + between, most.z + between, turns[0], turns[1]]
     }
 
-    /// Least time of a block that runs evenly and keeps the speed of every axis, s. At this time no axis is over its limit
-    /// anywhere in the block. `length` is that of the tool, mm.
+    /// Least time of a block at constant pace within the speed limits of all axes, s. At this time no axis exceeds its
+    /// limit anywhere in the block. `length` is that of the tool, mm.
     pub fn least_time(&self, from: &Joints, to: &Joints, length: f64) -> f64 {
         self.time_within(self.speeds(), from, to, length)
     }
 
-    /// The same within the speeds that a plan uses ([`Machine::planned_speeds`]), s.
+    /// The same within the speeds for plans ([`Machine::planned_speeds`]), s.
     pub fn planned_time(&self, from: &Joints, to: &Joints, length: f64) -> f64 {
         self.time_within(self.planned_speeds(), from, to, length)
     }

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 pub struct Joints {
     /// X, Y, Z of the tool tip in the machine frame.
     pub xyz: Vector3<f64>,
-    /// The rotary axes.
+    /// Angles of the rotary axes.
     pub rotary: Angles,
 }
 
@@ -33,12 +33,12 @@ pub struct Pose {
 pub struct RotaryPose {
     /// Tip, part frame.
     pub tip: Point3<f64>,
-    /// The rotary axes.
+    /// Angles of the rotary axes.
     pub rotary: Angles,
 }
 
 impl RotaryPose {
-    /// At a share of a move to another pose: the tip straight on the part, the rotary axes linear.
+    /// Pose at a share of a move to another pose: the tip straight on the part, the rotary axes linear.
     pub fn towards(&self, to: &Self, share: f64) -> Self {
         Self { tip: self.tip + (to.tip - self.tip) * share, rotary: between(self.rotary, to.rotary, share) }
     }
@@ -66,13 +66,14 @@ impl Machine {
         Pose { tip, axis: self.chain.tool_axis(joints.rotary) }
     }
 
-    /// Joints that put the tip at a point of the part with the rotary axes at angles.
+    /// Joints that put the tip at a point of the part, for given angles of the rotary axes.
     pub fn joints(&self, tip: &Point3<f64>, rotary: Angles) -> Joints {
         Joints { xyz: (self.part_to_machine(rotary) * tip).coords, rotary }
     }
 
-    /// Positions of all axes with a tool of a length, mm and radians: of X, Y and Z where the gauge line of the spindle stands.
-    /// With the linear axes at zero and a head upright, the gauge line stands in the origin of the machine frame.
+    /// Positions of all axes for a tool of a given length, mm and radians; X, Y and Z are those of the gauge line of
+    /// the spindle. With the linear axes at zero and a head upright, the gauge line is at the origin of the machine
+    /// frame.
     pub fn positions(&self, joints: &Joints, length: f64) -> [f64; 5] {
         let [x, y, z, first, second] = joints.all();
         if !self.chain.has_head() {

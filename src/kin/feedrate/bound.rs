@@ -1,14 +1,14 @@
-//! A time below which no run within speeds and accelerations comes, whatever its shape.
+//! A lower bound of the time of every run within speeds and accelerations.
 //!
-//! The square of an axis speed is z = q'^2 y, and z' = 2 q' times its acceleration. Over a way the square of the speed
-//! therefore changes by at most 2 a times the travel of the axis there. That is a necessary condition of every run, in
-//! which more at one end never allows less at the other: one pass forward and one backward give the largest y at every
-//! knot, and with it the least time.
+//! The square of an axis speed is z = q'^2 y, and z' = 2 q' times its acceleration. Over a part of the path the square
+//! of the speed therefore changes by at most 2 a times the travel of the axis there. This condition is necessary for
+//! every run, and a larger speed at one end never reduces the allowed speed at the other. One pass forward and one
+//! backward therefore give the largest y at every knot, and from it the least time.
 
 use super::path::Span;
 use super::{AXES, Limits};
 
-/// Of an axis over a span: largest and least |q'|, and the bound of the change of z.
+/// An axis over a span: largest and least |q'|, and the upper bound of the change of z.
 struct Axis {
     most: f64,
     least: f64,
@@ -22,12 +22,13 @@ fn axis(span: &Span, k: usize, limits: &Limits) -> Axis {
     } else {
         0.0
     };
-    // The travel of a quadratic of one sign is the mean of its coefficients; that of any is at most the mean of theirs.
+    // The travel of a quadratic of one sign is the mean of its coefficients; for any quadratic the mean of their
+    // absolute values is an upper bound.
     let travel = span.width * r.iter().map(|x| x.abs()).sum::<f64>() / 3.0;
     Axis { most: span.most_rate(k), least, change: 2.0 * limits.acceleration[k] * travel }
 }
 
-/// Largest y that is reached at the other end of a span from y.
+/// Largest y at the other end of a span for a y at this end.
 fn reached(span: &Span, limits: &Limits, y: f64, backward: bool) -> f64 {
     let (from, to) = if backward { (2, 0) } else { (0, 2) };
     (0..AXES)
@@ -39,7 +40,7 @@ fn reached(span: &Span, limits: &Limits, y: f64, backward: bool) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Least time over a span between two values of y that cannot be exceeded there.
+/// Least time over a span between two upper bounds of y.
 fn span_time(span: &Span, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 {
     let mut most = 0.0_f64;
     let fastest = |k: usize| limits.speed[k] / axis(span, k, limits).least;
@@ -49,7 +50,7 @@ fn span_time(span: &Span, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 
         if a.least <= 0.0 {
             continue;
         }
-        // y below two straight lines that rise from both ends, and below the cap.
+        // y lies below two straight lines that rise from both ends, and below the cap.
         let square = a.least * a.least;
         let [start, end] = [(span.rate[0][k], from), (span.rate[2][k], to)].map(|(r, y)| r * r * y / square);
         let slope = 2.0 * limits.acceleration[k] * a.most / square;
@@ -59,14 +60,14 @@ fn span_time(span: &Span, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 
         let even = (span.width - up - down).max(0.0);
         let top = peak.sqrt();
         let time = |way: f64, y: f64| if way > 0.0 { 2.0 * way / (y.min(peak).sqrt() + top) } else { 0.0 };
-        // Where both lines end above the peak the shares of the way are less than the whole.
+        // Where both lines end above the peak, they overlap, and their shares of the span are reduced.
         let whole = if up + down > span.width { span.width / (up + down) } else { 1.0 };
         most = most.max(whole * (time(up, start) + time(down, end)) + even / top);
     }
     most.max(span.width / cap.sqrt())
 }
 
-/// The time; `caps` are the largest y of each span by process feed.
+/// The least time; `caps` are the largest y of each span by process feed.
 pub(super) fn least_time(spans: &[Span], limits: &Limits, caps: &[f64]) -> f64 {
     let n = spans.len();
     let pointwise = |i: usize| {

@@ -1,18 +1,18 @@
 //! Fastest run of five axes through stations, within speed, acceleration and jerk of every axis and never above the
 //! process feed.
 //!
-//! **What a feasible feed of a block is.** A block may be given the feed F when the axes can run through all blocks of
-//! the operation, from rest to rest, with corners rounded by no more than the tolerance that the control is given, so
-//! that in this block the tip reaches F and no axis exceeds its speed, acceleration or jerk anywhere. F is the largest
-//! feed of the block in that run; where the run is slower inside of the block, the control slows down by its own
-//! look-ahead.
+//! **Feasible feed of a block.** F is feasible for a block if there is a run through all blocks of the operation, from
+//! rest to rest, with the following properties. Corners are rounded by no more than the tolerance of the control. In
+//! this block the tip reaches F. No axis exceeds its speed, acceleration or jerk anywhere. F is the largest feed of the
+//! block in this run. Where the run is slower inside of the block, the control slows down by its own look-ahead.
 //!
 //! 1. `path`: corners are rounded in a closed form; between knots joints are cubic polynomials.
 //! 2. `passes`: the time-optimal run within speed and acceleration, by two passes over the knots.
-//! 3. [`jerk`]: a run below it that keeps the jerk, proved over each span by Bernstein coefficients.
+//! 3. [`jerk`]: a slower run that keeps the jerk, proved over each span by Bernstein coefficients.
 //!
-//! Methods: Pham and Pham, TOPP-RA, 2018 (two passes); the rows of jerk with sqrt(y) bounded from above as in the feed
-//! scheduling by linear programs of Fan, Gao, Zhang and Erkorkmaz. The time of 2 is a lower bound of that of 3.
+//! Methods: Pham and Pham, TOPP-RA, 2018 (two passes); the rows of jerk with an upper bound of sqrt(y) as in the feed
+//! scheduling by linear programs of Fan, Gao, Zhang and Erkorkmaz. The time of step 2 is a lower bound of that of step
+//! 3.
 
 mod bound;
 pub mod jerk;
@@ -31,10 +31,10 @@ pub const AXES: usize = 5;
 /// A value for each axis: mm or radians, with seconds in speeds, accelerations and jerks.
 pub type Axes = [f64; AXES];
 
-/// Spans that one thread prepares at least.
+/// Least number of spans that one thread prepares.
 const CHUNK: usize = 4096;
 
-/// Share of the jerk that the curvature of a steady run may take at most.
+/// Largest share of the jerk that the curvature of a steady run may take.
 const CURVATURE: f64 = 0.8;
 
 /// A place that the axes run through.
@@ -44,7 +44,7 @@ pub struct Station {
     pub joints: Axes,
     /// Tip on the part, mm.
     pub tip: [f64; 3],
-    /// Least time from the station before, s: that of the process feed.
+    /// Least time from the previous station, s, by the process feed.
     pub time: f64,
 }
 
@@ -59,21 +59,21 @@ pub struct Limits {
     pub jerk: Axes,
 }
 
-/// How far corners may be rounded.
+/// Limits of the rounding of corners.
 #[derive(Clone, Copy, Debug)]
 pub struct Rounding {
-    /// Largest way of tip or flutes from the corner, mm.
+    /// Largest distance of tip or flutes from the corner, mm.
     pub tolerance: f64,
     /// Length of the flutes, mm.
     pub height: f64,
 }
 
-/// How a segment between two stations is run through.
+/// Run of a segment between two stations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Time, s.
     pub time: f64,
-    /// Largest speed, as a share of that of the least time.
+    /// Largest speed, as a share of the speed at the least time.
     pub share: f64,
 }
 
@@ -82,9 +82,9 @@ pub struct Segment {
 pub struct Leg {
     /// Segment: index of the station at its end.
     pub segment: u32,
-    /// Where it begins and its length, in the parameter s of the path.
+    /// Start, in the parameter s of the path.
     pub from: f64,
-    /// As above.
+    /// Length, in the parameter s of the path.
     pub width: f64,
     /// Bernstein coefficients of the first derivatives of the joints by s.
     pub rate: [Axes; 3],
@@ -92,20 +92,20 @@ pub struct Leg {
     pub y: [f64; 3],
 }
 
-/// The run.
+/// Result of [`plan`].
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// By segment; the first is that before the first station and stands still.
+    /// Segments; the first leads to the first station and has no motion.
     pub segments: Vec<Segment>,
-    /// Time in all, s.
+    /// Total time, s.
     pub time: f64,
-    /// Time within speeds and accelerations alone, s: no run with a limit of jerk along this path is faster.
+    /// Time within speeds and accelerations only, s: a lower bound for every run along this path with a limit of jerk.
     pub least: f64,
-    /// Largest share of the limits of speed, acceleration and jerk that is taken by each axis, by bounds over whole spans.
+    /// Largest share of the limits of speed, acceleration and jerk for each axis, by bounds over whole spans.
     pub shares: [Axes; 3],
-    /// Spans in order, without the first and the last part of the way, in which the axes get moving and come to rest.
+    /// Spans in order, without the first and the last part of the path, in which the axes start from and come to rest.
     pub legs: Vec<Leg>,
-    /// Length of those two parts, s of the path, and the time that each takes.
+    /// Length of these two parts, in s of the path, and the time of each, s.
     pub creep: [[f64; 2]; 2],
 }
 
@@ -113,7 +113,7 @@ pub struct Profile {
 struct SpanRows<'a> {
     spans: &'a [Span],
     limits: &'a Limits,
-    /// Of each span and axis: largest |q'|, |q''| and |q'''|.
+    /// For each span and axis the largest |q'|, |q''| and |q'''|.
     most: Vec<Most>,
 }
 
@@ -170,17 +170,17 @@ impl Rows for SpanRows<'_> {
             most[0] = most[0].max(acceleration / self.limits.acceleration[k]);
             most[1] = most[1].max(jerk / self.limits.jerk[k]);
         }
-        // Sums of products that meet their bound do so to the last digits only.
+        // Products that reach their bound may exceed it by rounding.
         most.map(|m| if m < 1.0 + 1e-9 { m.min(1.0) } else { m })
     }
 }
 
-/// Squares of the largest rate of the parameter in a span, by process feed and speeds.
+/// Square of the largest rate of the parameter in a span, by process feed and axis speeds.
 fn cap(span: &Span, feed: f64, speed: &Axes) -> f64 {
     (0..AXES).map(|k| speed[k] / span.most_rate(k)).fold(feed, f64::min).powi(2)
 }
 
-/// Largest y at each knot, from those of the spans beside it.
+/// Largest y at each knot, from the spans beside it.
 fn knot_caps(caps: &[f64]) -> Vec<f64> {
     let side = |j: Option<usize>| j.and_then(|j| caps.get(j)).copied().unwrap_or(f64::INFINITY);
     (0..=caps.len()).map(|i| side(i.checked_sub(1)).min(side(Some(i)))).collect()
@@ -205,7 +205,7 @@ impl Grid {
         self.knots.iter().map(|k| k.0).collect()
     }
 
-    /// Knots with those that changes of speed need, and these.
+    /// The knots with the additional knots for changes of speed, and these changes.
     fn resolved(&self, y: &[f64], limits: &Limits) -> (Vec<(f64, u32)>, Vec<Ramp>) {
         let even = |(span, cap): (&Span, &f64)| {
             let least = |most: &Axes| (0..AXES).map(|k| most[k] / span.most_rate(k)).fold(f64::INFINITY, f64::min);
@@ -219,7 +219,7 @@ impl Grid {
         (knots, ramps)
     }
 
-    /// Lowers the largest y of each span to what acceleration and jerk allow of a steady run.
+    /// Reduces the largest y of each span to the value that acceleration and jerk allow for a steady run.
     fn keep_steady(&mut self, limits: &Limits) {
         let rows = SpanRows::new(&self.spans, limits);
         for (i, cap) in self.caps.iter_mut().enumerate() {
@@ -228,8 +228,8 @@ impl Grid {
     }
 }
 
-/// Plans the fastest run from rest to rest through stations. Stations that lie where the one before lies take their least
-/// time and no way. Every time must be above zero.
+/// Plans the fastest run from rest to rest through stations. A station with the same joints as its predecessor takes
+/// its least time without motion. Every time must be positive.
 pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profile {
     let mut profile = Profile {
         segments: stations.iter().map(|s| Segment { time: s.time, share: 1.0 }).collect(),
@@ -239,7 +239,7 @@ pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profi
         legs: Vec::new(),
         creep: [[0.0; 2]; 2],
     };
-    // A standstill divides the way: the run comes to rest there.
+    // A standstill divides the path: the run comes to rest there.
     let stands = |i: usize| stations[i].joints == stations[i - 1].joints;
     let mut first = 0;
     for i in 1..=stations.len() {
@@ -260,7 +260,7 @@ pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profi
     profile
 }
 
-/// Plans the run through stations of which each differs from the one before.
+/// Plans the run through stations that all differ from their predecessors.
 fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usize, profile: &mut Profile) {
     let path = Path::new(stations, &limits.acceleration, rounding);
     let mut grid = Grid::new(&path, path.knots(), &limits.speed);
@@ -298,10 +298,10 @@ fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usi
     settle(&legs, limits, &path, first, profile);
 }
 
-/// The run with the jerk kept: its legs, and way and time to get moving and to come to rest.
+/// The run within the jerk: adds its legs; returns length and time of its start from rest and of its end to rest.
 fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, legs: &mut Vec<Leg>) -> [[f64; 2]; 2] {
     let n = grid.spans.len();
-    // Both spans at a knot share its bound.
+    // Both spans at a knot share its upper bound.
     let caps = knot_caps(&grid.caps);
     let ceiling: Vec<f64> = (0..n).map(|i| (0.5 * (y[i] + y[i + 1])).min(caps[i]).min(caps[i + 1])).collect();
     let guess = ramp::guess(&grid.places(), &ceiling, ramps);
@@ -312,7 +312,7 @@ fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, l
         let creep = |i: usize, rate: f64| Creep::new(&rows.most[i], limits, rate, half * grid.spans[i].width, still);
         let rate = creep(0, 0.9 * slowest).rate.min(creep(n - 1, 0.9 * slowest).rate);
         let [start, end] = [creep(0, rate), creep(n - 1, rate)];
-        // The ways in which the axes get moving and come to rest are no part of the spline.
+        // The parts in which the axes start from and come to rest are not part of the spline.
         let (knots, mut spans) = (&grid.knots, grid.spans.clone());
         let (from, to) = (knots[0].0 + start.way, knots[n].0 - end.way);
         spans[0] = path.span(knots[1].1, from, if n == 1 { to } else { knots[1].0 });
@@ -328,14 +328,14 @@ fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, l
             let from = if i == 0 { from } else { knots[i].0 };
             legs.push(Leg { segment: knots[i + 1].1, from, width: span.width, rate: span.rate, y });
         }
-        // Slower than asked for where the whole run had to slow down: the way stays, the time grows.
+        // Where the whole run had to slow down, these parts keep their length and take more time.
         let slower = rate / c[0].sqrt();
         return [[start.way, start.time * slower], [end.way, end.time * slower]];
     }
     [[0.0; 2]; 2]
 }
 
-/// Times, speeds and shares of legs.
+/// Computes times, speeds and shares of legs.
 fn settle(legs: &[Leg], limits: &Limits, path: &Path, first: usize, profile: &mut Profile) {
     let spans: Vec<Span> = legs.iter().map(|l| path.span(l.segment, l.from, l.from + l.width)).collect();
     let rows = SpanRows::new(&spans, limits);

@@ -1,9 +1,9 @@
 //! Time-optimal run within speed and acceleration: one pass backward and one forward over the knots of a path.
 //!
-//! With y the square of the rate of the parameter, straight over a span, the acceleration q'' y + q' y'/2 of an axis is a
-//! quadratic polynomial there. It keeps a limit when its three Bernstein coefficients do: six half-planes of (y at the
-//! start, y at the end) for each axis. The backward pass finds the largest y at each knot from which the end can be
-//! reached, the forward pass takes the largest y that stays below.
+//! Let y be the square of the rate of the parameter, linear over a span. The acceleration q'' y + q' y'/2 of an axis is
+//! then a quadratic polynomial over the span. It keeps a limit when its three Bernstein coefficients do: six
+//! half-planes of (y at the start, y at the end) per axis. The backward pass finds the largest y at each knot from
+//! which the end can be reached; the forward pass takes the largest y below these values.
 
 use super::path::Span;
 use super::{AXES, Axes};
@@ -15,14 +15,14 @@ fn rows(span: &Span, k: usize) -> [[f64; 2]; 3] {
     [[start - a, a], [0.5 * end - b, 0.5 * start + b], [-c, end + c]]
 }
 
-/// A half-plane with the other value as its bound: value = `offset` + `slope` * y at the start.
+/// The border of a half-plane: y at the end = `offset` + `slope` * y at the start.
 #[derive(Clone, Copy)]
 struct Edge {
     offset: f64,
     slope: f64,
 }
 
-/// Largest and least y at the end of a span for a y at its start, with the half-planes that say so.
+/// Largest and least y at the end of a span for a y at its start, with the half-planes that limit them.
 fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
     let mut upper = (most, Edge { offset: most, slope: 0.0 });
     let mut lower = (0.0, Edge { offset: 0.0, slope: 0.0 });
@@ -45,10 +45,10 @@ fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
     [upper, lower]
 }
 
-/// Largest y at the start of a span, at most `cap`, from which some y of at most `most` at its end can be reached.
+/// Largest y at the start of a span, up to `cap`, from which some y up to `most` at its end can be reached.
 fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
     let mut y = cap;
-    // Half-planes that do not ask for the end.
+    // Half-planes that do not depend on the end.
     for (k, limit) in limit.iter().enumerate() {
         for [start, end] in rows(span, k) {
             if end == 0.0 && start != 0.0 {
@@ -56,8 +56,8 @@ fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
             }
         }
     }
-    // What lacks between the bounds of the end is convex over y and not above zero at y = 0: Newton's steps from above
-    // go down to the place where nothing lacks, one pair of half-planes a step.
+    // The gap between lower and upper bound of the end is convex in y and not positive at y = 0. Newton's method from
+    // above therefore converges to the y with zero gap, with one pair of half-planes per step.
     for _ in 0..2 * AXES * 3 {
         let [upper, lower] = ends(span, limit, y, most);
         if lower.0 <= upper.0 {
@@ -70,7 +70,7 @@ fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
         }
         y = next.max(0.0);
     }
-    // The last digits of two half-planes that cross at a flat angle.
+    // Reserve for rounding where two half-planes cross at a small angle.
     y * (1.0 - 1e-12)
 }
 

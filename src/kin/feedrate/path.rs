@@ -2,36 +2,38 @@
 
 use super::{AXES, Axes, Rounding, Station};
 
-/// Distances below this share of a segment are one knot.
+/// Knots closer than this share of a segment count as one knot.
 const SAME_KNOT: f64 = 1e-9;
 
-/// The rounded path. Its parameter s is the length of the joint polygon, each axis weighed by its acceleration limit.
+/// The rounded path. Its parameter s is the length of the joint polygon, with each axis weighted by its acceleration
+/// limit.
 ///
-/// At a corner the derivative jumps by D. The jump is spread over l before and r behind the corner by a triangle of the
-/// second derivative, 2 D/(l + r) at the corner, so that first and second derivative are continuous. Where the tolerance
-/// allows it, l and r are the whole of both segments: then the second derivative is straight between stations, as with
-/// the cubic B-spline of even stations. Elsewhere l = r, and the path leaves the corner by |D| l/6. Where segments differ in
-/// length the path of the triangles goes beside the polygon by up to |D| (r - l)/3, less than the chords leave the curve
-/// that they stand for; only its derivatives are used.
+/// At a corner the derivative jumps by D. A triangle of the second derivative spreads the jump over a length l before
+/// and r behind the corner, with the value 2 D/(l + r) at the corner, so that first and second derivative are
+/// continuous. Where the tolerance allows it, l and r are the whole lengths of both segments. The second derivative is
+/// then linear between stations, as for the cubic B-spline of equally spaced stations. Elsewhere l = r, and the path
+/// deviates from the corner by |D| l/6. Where segments differ in length, the integrated path deviates from the polygon
+/// by up to |D| (r - l)/3. This is less than the deviation of the chords from the curve that they represent; only the
+/// derivatives of the path are used.
 pub(super) struct Path {
     /// Parameter of every station.
     pub(super) at: Vec<f64>,
     /// Derivative of the joints on the segment that ends at a station; the first is unused.
     slope: Vec<Axes>,
-    /// Lengths before and behind a station over which its corner is rounded; zero at both ends.
+    /// Lengths before and behind a station over which its corner is rounded; zero at both ends of the path.
     sides: Vec<[f64; 2]>,
-    /// Largest rate of the parameter on the segment that ends at a station, from its own time.
+    /// Largest rate of the parameter on the segment that ends at a station, from the time of the segment.
     pub(super) rate: Vec<f64>,
 }
 
-/// Derivatives of the joints over a span of the path, in which they are polynomials.
+/// Derivatives of the joints over a span of the path, in which the joints are polynomials.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     /// Length of the parameter.
     pub(super) width: f64,
     /// Bernstein coefficients of the first derivative, which is quadratic.
     pub(super) rate: [Axes; 3],
-    /// Second derivative at both ends; between them it is straight.
+    /// Second derivative at both ends; linear between them.
     bend: [Axes; 2],
     /// Third derivative.
     twist: Axes,
@@ -59,7 +61,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Path {
-    /// The path through stations that differ from one to the next; `weight` divides each axis in the length.
+    /// The path through stations that differ from their predecessors; `weight` divides each axis in the length.
     pub(super) fn new(stations: &[Station], weight: &Axes, rounding: &Rounding) -> Self {
         let n = stations.len();
         let mut path =
@@ -81,7 +83,7 @@ impl Path {
             let [short, long] = [lengths[0].min(lengths[1]), lengths[0].max(lengths[1])];
             path.sides[i] = if allowed >= long { lengths } else { [allowed.min(short); 2] };
         }
-        // Half of the derivative of a neighbour comes into a segment at its corner: the tip keeps the feed there too.
+        // At a corner, half of the derivative of the neighbour enters a segment: the tip keeps its feed there too.
         let speed = |tip: &[f64; 3]| distance(tip, &[0.0; 3]);
         let own: Vec<f64> = path.rate.clone();
         for i in 1..n {
@@ -94,7 +96,8 @@ impl Path {
         path
     }
 
-    /// Places between which the derivatives are polynomials, each with the segment that ends there; the first is the start.
+    /// Places between which the derivatives are polynomials, each with the segment that ends there; the first place is
+    /// the start.
     pub(super) fn knots(&self) -> Vec<(f64, u32)> {
         let mut knots = Vec::with_capacity(2 * self.at.len());
         knots.push((0.0, 1));
@@ -113,16 +116,16 @@ impl Path {
         knots
     }
 
-    /// First, second and third derivative at a place of a segment; the third towards `inside`.
+    /// First, second and third derivative at a place of a segment; the third is that on the side of `inside`.
     fn derivatives(&self, segment: usize, s: f64, inside: f64) -> [Axes; 3] {
         let mut found = [self.slope[segment], [0.0; AXES], [0.0; AXES]];
-        // The corner behind takes from the derivative, the one ahead gives to it.
+        // The corner behind reduces the derivative, the corner ahead adds to it.
         let corners = [(segment - 1, 1, self.at[segment - 1], -1.0), (segment, 0, self.at[segment], 1.0)];
         for (corner, side, at, sign) in corners {
             let [before, behind] = self.sides[corner];
             let (length, away) = (self.sides[corner][side], (s - at).abs());
             let peak = 2.0 / (before + behind);
-            // At the very end of the triangle the place inside decides.
+            // At the end of the triangle the place `inside` decides.
             let within = (inside - at).abs() < length;
             if within {
                 let rest = (1.0 - away / length).max(0.0);
@@ -137,7 +140,7 @@ impl Path {
         found
     }
 
-    /// The span between two places of one segment without a knot between them.
+    /// The span between two places of one segment, without a knot between them.
     pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> Span {
         let (width, inside) = (to - from, 0.5 * (from + to));
         let [start, bend, twist] = self.derivatives(segment as usize, from, inside);

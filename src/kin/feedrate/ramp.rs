@@ -1,37 +1,37 @@
-//! Changes of speed as S-curves alone: where a run has to be resolved, and about how fast it is there.
+//! Changes of speed as isolated S-curves: where a run needs more knots, and its approximate speed there.
 
 use super::{AXES, CURVATURE, Limits};
 
-/// Steps of time in which a change of speed is resolved.
+/// Time steps in which a change of speed is resolved.
 const RAMP: usize = 32;
 
-/// Steps behind such a change, each half as long again as the one before.
+/// Steps behind such a change; each is half as long again as its predecessor.
 const LEVEL: usize = 8;
 
-/// How far a guess of the square of the speed lies over that of an S-curve.
+/// Factor by which a guess of the square of the speed exceeds that of an S-curve.
 const LOOSE: f64 = 1.2;
 
-/// A change of the square of the speed below this is none.
+/// Ratio of squares of the speed below which a change is ignored.
 const SLIGHT: f64 = 1.05;
 
-/// Knots nearer to each other than this share of a span are one.
+/// Knots closer than this share of a span count as one knot.
 const NEAR: f64 = 1e-5;
 
-/// Places of the knots, as shares of a span from its end, where a whole change of speed is too short for knots of its own.
-/// Without a knot inside a span from rest to rest has no speed.
+/// Places of the knots, as shares of a span from its end, where a whole change of speed is too short for its own knots.
+/// Without a knot inside, a span from rest to rest would have zero speed.
 const SHORT: [f64; 4] = [2.0 * NEAR, 4.0 * NEAR, 8.0 * NEAR, 16.0 * NEAR];
 
-/// A change of speed alone: an S-curve within an acceleration and a jerk.
+/// An isolated change of speed: an S-curve within an acceleration and a jerk.
 #[derive(Clone, Copy)]
 pub struct Ramp {
-    /// Where it begins, and whether it runs against the way.
+    /// Place of its start, and whether it runs against the direction of the path.
     at: f64,
     backward: bool,
     /// Rate of the parameter at its start and end.
     from: f64,
     to: f64,
     jerk: f64,
-    /// Times in which the acceleration grows, and in which it is even.
+    /// Time in which the acceleration grows, and time in which it is constant.
     rise: f64,
     even: f64,
 }
@@ -48,7 +48,7 @@ impl Ramp {
         Self { at: 0.0, backward: false, from, to, jerk, rise, even }
     }
 
-    /// To the highest speed that is reached over a way.
+    /// Ramp to the highest speed that is reached over a length.
     fn within(from: f64, to: f64, acceleration: f64, jerk: f64, way: f64) -> Self {
         let ramp = |to: f64| Self::new(from, to, acceleration, jerk);
         let fits = |r: &Self| r.after(r.time())[0] <= way;
@@ -64,13 +64,13 @@ impl Ramp {
         ramp(high)
     }
 
-    /// Way and speed after a time.
+    /// Length and speed after a time.
     fn after(&self, t: f64) -> [f64; 2] {
         if self.rise <= 0.0 {
             let gained = (self.to - self.from) * t / self.even;
             return [(self.from + 0.5 * gained) * t, self.from + gained];
         }
-        // The jerk changes where the acceleration begins and ends to be even.
+        // The jerk changes at the start and at the end of the constant acceleration.
         let since = [t, t - self.rise, t - self.rise - self.even].map(|t| t.max(0.0));
         let sum = |power: i32| since[0].powi(power) - since[1].powi(power) - since[2].powi(power);
         [self.from * t + self.jerk * sum(3) / 6.0, self.from + self.jerk * sum(2) / 2.0]
@@ -80,12 +80,12 @@ impl Ramp {
         2.0 * self.rise + self.even
     }
 
-    /// Ways from its start at even steps of its time, and then at growing steps up to `most`.
+    /// Lengths from its start at equal time steps, and then at growing steps up to `most`.
     fn places(&self, mut place: impl FnMut(f64), most: f64) {
         let (steps, level) = if self.to > 2.0 * self.from { (RAMP, LEVEL) } else { (RAMP / 8, LEVEL / 4) };
         let mut before = 0.0;
         let mut way = 0.0;
-        // Getting moving from rest takes the first of them.
+        // From rest, the start from standstill covers the first steps.
         let first = if self.from > 0.0 { 1 } else { steps / 8 };
         for step in first..=steps {
             before = way;
@@ -104,7 +104,7 @@ impl Ramp {
     }
 }
 
-/// Spans in which bounds are even, for [`resolve`]: the largest y, half of the largest |y'|, and the largest third
+/// A span with constant bounds, for [`resolve`]: the largest y, half of the largest |y'|, and the largest third
 /// derivative of the parameter by time.
 #[derive(Clone, Copy, Debug)]
 pub struct Even {
@@ -116,13 +116,13 @@ pub struct Even {
     pub jerk: f64,
 }
 
-/// Further knots where a run speeds up or slows down: at even steps of time of an S-curve alone. `at` are the knots, `y`
-/// the run there. Gives all knots, each with the span that ends there (the first with span 0), and the S-curves.
+/// Additional knots where a run accelerates or brakes: at equal time steps of an isolated S-curve. `at` are the knots,
+/// `y` the run there. Returns all knots, each with the span that ends there (the first with span 0), and the S-curves.
 pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<Ramp>) {
     let n = spans.len();
     let (mut places, mut ramps): (Vec<f64>, Vec<Ramp>) = (Vec::new(), Vec::new());
     for backward in [false, true] {
-        // Knot and span in the order of the way.
+        // Knot and span in the direction of the pass.
         let knot = |i: usize| if backward { n - i } else { i };
         let span = |i: usize| if backward { n - 1 - i } else { i };
         let width = |i: usize| (at[knot(i + 1)] - at[knot(i)]).abs();
@@ -131,7 +131,7 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
         let mut i = 0;
         while i < n {
             let (from, start) = (y[knot(i)], at[knot(i)]);
-            // Speed is gained from here to the place where it is highest.
+            // The speed grows from here to the place where it is highest.
             let (mut top, mut to, mut room) = (i, from, 0.0);
             while top < n {
                 let [a, b] = [y[knot(top)], y[knot(top + 1)]];
@@ -171,7 +171,7 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
             }
             ends = [ends[0] || place - from <= near && place > from, ends[1] || to - place <= near];
         }
-        // Knots of a change of speed that is hardly longer are too few: these take their place.
+        // A change of speed that is hardly longer than the short knots has too few knots: the short knots replace them.
         let begins = inside.partition_point(|p| p - from <= short[3]);
         if ends[0] && begins < SHORT.len() {
             inside.splice(..begins, short.map(|way| from + way));
@@ -187,7 +187,7 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
     (all, ramps)
 }
 
-/// About the largest y of each span between knots `at`: the ceiling, or what S-curves let of it.
+/// Approximate largest y of each span between knots `at`: the upper bound `ceiling`, reduced by the S-curves.
 pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
     let mut most = ceiling.to_vec();
     let n = most.len();
@@ -221,26 +221,27 @@ pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
 /// Largest |q'|, |q''| and |q'''| of each axis over a span, by the parameter.
 pub type Most = [[f64; AXES]; 3];
 
-/// Getting moving from rest: the rate and the acceleration of the parameter at its end, way and time.
+/// Start from rest: rate and acceleration of the parameter at its end, its length and its time.
 #[derive(Clone, Copy, Debug)]
 pub struct Creep {
     /// Rate.
     pub rate: f64,
     /// Acceleration.
     pub acceleration: f64,
-    /// Way.
+    /// Length.
     pub way: f64,
     /// Time, s.
     pub time: f64,
 }
 
 impl Creep {
-    /// Within a span with these derivatives, at most at a rate and over a way. The jerk is even up to the end, or, to be
-    /// `still` there, positive in the first half of the time and negative in the second.
+    /// Start from rest within a span with these derivatives, up to a rate and a length. The jerk is constant up to the
+    /// end. For `still`, the jerk is positive in the first half of the time and negative in the second, so that the
+    /// acceleration at the end is zero.
     pub fn new(most: &Most, limits: &Limits, rate: f64, way: f64, still: bool) -> Self {
         let [first, bend, twist] = most;
         let jerk = (0..AXES).map(|k| limits.jerk[k] / first[k]).fold(f64::INFINITY, f64::min);
-        // Curvature takes its share besides.
+        // Curvature takes the rest of the jerk.
         let straight = bend.iter().chain(twist).all(|x| *x == 0.0);
         let jerk = if straight { jerk } else { CURVATURE * jerk };
         let reach = |rate: f64| {
@@ -259,7 +260,7 @@ impl Creep {
                         <= limits.jerk[k] * (1.0 + 1e-12)
             })
         };
-        // Fits at last, since all but the first term of the jerk fall with the rate.
+        // The loop ends, since all but the first term of the jerk fall with the rate.
         for _ in 0..100 {
             if fits(rate) {
                 break;
