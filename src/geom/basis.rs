@@ -3,10 +3,10 @@
 /// Largest degree of the kernel; stack arrays have one more place.
 pub const MAX_DEGREE: usize = 3;
 
-/// Basis functions that do not vanish at a parameter, with first and second derivatives.
+/// Nonzero basis functions at a parameter, with first and second derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Basis {
-    /// Index of the first control point that they weight.
+    /// Index of the first control point with a weight.
     pub first: usize,
     /// `values[k][j]`: derivative of order k of function `first + j`.
     pub values: [[f64; MAX_DEGREE + 1]; 3],
@@ -19,7 +19,7 @@ pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
         return last;
     }
     let inner = &knots[degree..=last];
-    // The first knot above u, less one; at least the first span.
+    // The index of the first knot above u, minus one; at least the first span.
     degree + inner.partition_point(|k| *k <= u).saturating_sub(1)
 }
 
@@ -58,7 +58,7 @@ fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1])
     d
 }
 
-/// Basis functions at `u` with derivatives up to `order` (at most 2); higher ones stay zero.
+/// Basis functions at `u` with derivatives up to `order` (at most 2); higher derivatives are zero.
 pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     let i = span(knots, degree, u);
     let mut values = [[0.0; MAX_DEGREE + 1]; 3];
@@ -73,8 +73,8 @@ pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     Basis { first: i - degree, values }
 }
 
-/// True for ascending knots of the right count for `count` control points, clamped to [0, 1], no inner knot more
-/// than `degree` times (the curve would fall apart there).
+/// True for knots that ascend, have the right number for `count` control points, are clamped to [0, 1], and contain no
+/// inner knot more than `degree` times (there the curve would be discontinuous).
 pub fn valid_knots(knots: &[f64], degree: usize, count: usize) -> bool {
     knots.len() == count + degree + 1
         && count > degree

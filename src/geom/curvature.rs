@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 /// Fundamental forms and curvatures at a point of a surface.
 ///
-/// Signs follow the normal S_u x S_v: a curvature is positive where the surface bends towards it.
+/// Signs follow the normal S_u x S_v: a curvature is positive where the surface is curved towards the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceCurvature {
     /// Unit normal along S_u x S_v (Xu 3).
@@ -20,7 +20,7 @@ pub struct SurfaceCurvature {
     pub mean: f64,
     /// Principal curvatures, the larger first, 1/mm (Xu 6).
     pub principal: [f64; 2],
-    /// Unit tangents of the principal curvatures; at an umbilic any two that are perpendicular.
+    /// Unit tangents of the principal curvatures; at an umbilic any two perpendicular tangents.
     pub directions: [Vector3<f64>; 2],
 }
 
@@ -35,8 +35,8 @@ impl SurfaceDerivatives {
         let normal = self.normal()?;
         let [e, f, g] = [self.su.norm_squared(), self.su.dot(&self.sv), self.sv.norm_squared()];
         let [l, m, n] = [self.suu.dot(&normal), self.suv.dot(&normal), self.svv.dot(&normal)];
-        // Orthonormal tangent frame: there the shape operator is a symmetric matrix, whose eigenvalues come without
-        // the cancellation of H^2 - K near an umbilic.
+        // In an orthonormal tangent frame the shape operator is a symmetric matrix. Its eigenvalues avoid the
+        // cancellation of H^2 - K near an umbilic.
         let x = self.su / e.sqrt();
         let y = normal.cross(&x);
         let (sx, sy) = (self.sv.dot(&x), self.sv.dot(&y));
@@ -61,7 +61,7 @@ impl SurfaceDerivatives {
 }
 
 impl SurfaceCurvature {
-    /// Normal curvature along a tangent, 1/mm (Euler); the tangent need not be a unit vector.
+    /// Normal curvature along a tangent of any length, 1/mm (Euler).
     pub fn along(&self, tangent: &Vector3<f64>) -> f64 {
         let [a, b] = self.directions.map(|d| d.dot(tangent));
         let square = a * a + b * b;

@@ -4,7 +4,7 @@ use super::GeomError;
 use super::basis::{self, MAX_DEGREE};
 use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
-/// Positive nodes and weights of the rule of Gauss and Legendre with eight nodes on [-1, 1].
+/// Positive nodes and weights of Gauss-Legendre quadrature with eight nodes on [-1, 1].
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -37,7 +37,7 @@ impl NurbsCurve {
     /// A curve from control points, weights and knots.
     ///
     /// # Errors
-    /// Anything that would make evaluation undefined, see [`GeomError`].
+    /// Any input for which evaluation is undefined, see [`GeomError`].
     pub fn try_new(
         degree: usize,
         knots: Vec<f64>,
@@ -73,7 +73,7 @@ impl NurbsCurve {
         Ok(Self::from_homogeneous(degree, knots, control))
     }
 
-    /// A curve from parts that are known to fit: valid knots, finite control points, positive weights.
+    /// A curve from valid parts: valid knots, finite control points, positive weights.
     pub(super) fn from_homogeneous(degree: usize, knots: Vec<f64>, control: Vec<Vector4<f64>>) -> Self {
         let rational = control.iter().any(|c| c.w != 1.0);
         Self { degree, knots, control, rational }
@@ -92,7 +92,7 @@ impl NurbsCurve {
         Self { degree: self.degree, knots: self.knots.clone(), control, rational: self.rational }
     }
 
-    /// Length in mm between two parameters, by Gauss and Legendre with eight nodes on each knot span.
+    /// Length in mm between two parameters, by Gauss-Legendre quadrature with eight nodes per knot span.
     pub fn length(&self, from: f64, to: f64) -> f64 {
         let (lo, hi, sign) = if from <= to { (from, to, 1.0) } else { (to, from, -1.0) };
         let mut stops = vec![lo];
@@ -158,7 +158,7 @@ impl NurbsCurve {
         CurveDerivatives { point: Point3::from(point), first, second }
     }
 
-    /// The same, continued along the end tangents outside of the domain.
+    /// As [`Self::derivatives`], continued along the end tangents outside of the domain.
     pub fn derivatives_extended(&self, u: f64) -> CurveDerivatives {
         let [lo, hi] = self.domain();
         let inside = u.clamp(lo, hi);

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 /// Degree of both curves.
 const DEGREE: usize = 3;
 
-/// Two cubic B-splines on common knots: a point of the tool axis near the tip, and one further up.
+/// Two cubic B-splines on common knots: a point of the tool axis near the tip, and a point further up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DualCurve {
     knots: Vec<f64>,
@@ -19,15 +19,15 @@ pub struct DualCurve {
 pub struct AxisAt {
     /// Point of the lower curve.
     pub lower: Point3<f64>,
-    /// Unit vector from there to the point of the upper curve.
+    /// Unit vector from the lower point to the point of the upper curve.
     pub axis: Vector3<f64>,
-    /// Distance of both points.
+    /// Distance between both points.
     pub length: f64,
 }
 
 impl DualCurve {
-    /// The curves on even knots that come nearest to pairs of points at evenly spaced parameters in [0, 1], by least
-    /// squares. `None` for fewer pairs than control points, or fewer than four of these.
+    /// The curves on uniform knots nearest to pairs of points at equally spaced parameters in [0, 1], by least squares.
+    /// `None` for fewer pairs than control points, or fewer than four control points.
     pub fn through(pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
         let last = pairs.len().saturating_sub(1).max(1) as f64;
         if control <= DEGREE || pairs.len() < control {
@@ -75,17 +75,17 @@ impl DualCurve {
         &self.upper
     }
 
-    /// Control points of one curve.
+    /// Number of control points of one curve.
     pub fn control_count(&self) -> usize {
         self.lower.len()
     }
 
-    /// Numbers that say where the curves run: six for each pair of control points.
+    /// Number of unknowns: six for each pair of control points.
     pub fn unknowns(&self) -> usize {
         6 * self.lower.len()
     }
 
-    /// Index of the first control point that counts at `t`, and the weights of the four.
+    /// Index of the first control point with a weight at `t`, and the weights of four control points.
     pub fn weights(&self, t: f64) -> (usize, [f64; MAX_DEGREE + 1]) {
         let basis = basis::evaluate(&self.knots, DEGREE, t, 0);
         (basis.first, basis.values[0])
@@ -109,7 +109,7 @@ impl DualCurve {
         )
     }
 
-    /// Weights of three neighbouring control points that make each control point of the second derivative by t.
+    /// For each control point of the second derivative by t, the weights of three neighbouring control points.
     pub fn second_derivative(&self) -> Vec<[f64; 3]> {
         let k = &self.knots;
         let first = |i: usize| DEGREE as f64 / (k[i + DEGREE + 1] - k[i + 1]);
@@ -118,13 +118,13 @@ impl DualCurve {
         (0..self.control_count() - 2).map(weights).collect()
     }
 
-    /// The same curves on knots of which half of each span is one.
+    /// The same curves with an additional knot in the middle of each span.
     #[must_use]
     pub fn refined(&self) -> Self {
         let mut out = self.clone();
         let inner = self.knots.windows(2).filter(|k| k[1] > k[0]).map(|k| 0.5 * (k[0] + k[1]));
         for knot in inner {
-            // Boehm: the points whose functions reach over the knot move towards their neighbours.
+            // Boehm: the control points whose functions contain the knot move towards their neighbours.
             let span = basis::span(&out.knots, DEGREE, knot);
             let insert = |points: &[Point3<f64>]| -> Vec<Point3<f64>> {
                 let share = |i: usize| (knot - out.knots[i]) / (out.knots[i + DEGREE] - out.knots[i]);
@@ -156,8 +156,8 @@ impl DualCurve {
         Pieces { breaks: inner.to_vec(), pieces: inner.windows(2).map(piece).collect() }
     }
 
-    /// The curves with their control points shifted: for each pair of points three numbers for the lower one and three
-    /// for the upper one.
+    /// The curves with shifted control points: for each pair three numbers for the lower point and three for the upper
+    /// point.
     #[must_use]
     pub fn shifted(&self, by: &[f64], share: f64) -> Self {
         let mut out = self.clone();
@@ -168,7 +168,7 @@ impl DualCurve {
         out
     }
 
-    /// The curves turned.
+    /// The curves after a rotation.
     #[must_use]
     pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
         Self {
@@ -179,14 +179,14 @@ impl DualCurve {
     }
 }
 
-/// Both curves over one span, as polynomials of the share of it.
+/// Both curves over one span, as polynomials of the share of the span.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     lower: [Vector3<f64>; 4],
     upper: [Vector3<f64>; 4],
 }
 
-/// A [`DualCurve`] as polynomials, one for each span of the knots: several times as fast to evaluate.
+/// A [`DualCurve`] as polynomials, one per knot span: several times as fast to evaluate.
 #[derive(Clone, Debug)]
 pub struct Pieces {
     breaks: Vec<f64>,
@@ -194,7 +194,7 @@ pub struct Pieces {
 }
 
 impl Pieces {
-    /// Share of its span at `t` in [0, 1], one over the width of the span, and the polynomials.
+    /// Share of the span at `t` in [0, 1], the inverse of the width of the span, and the polynomials.
     fn local(&self, t: f64) -> (f64, f64, &Piece) {
         let last = self.pieces.len() - 1;
         let i = self.breaks[1..=last].partition_point(|b| *b <= t);

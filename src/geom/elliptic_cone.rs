@@ -1,8 +1,8 @@
-//! The oblique elliptic cone whose vertex lies at the contact point (Xu 3): a set of tool axes in exact form.
+//! The oblique elliptic cone with its vertex at the contact point (Xu 3): a set of tool axes in exact form.
 //!
-//! In the plane at height one over the vertex, along a reference direction, the cone cuts an ellipse; oblique is the cone
-//! whose ellipse does not lie about the reference direction. A direction d belongs to it when the point where it meets
-//! that plane lies in the ellipse, which for directions with d . w > 0 is a quadratic form in d.
+//! The plane at height one over the vertex, along a reference direction, cuts the cone in an ellipse. The cone is
+//! oblique when the ellipse is not centred on the reference direction. A direction d belongs to the cone when its
+//! intersection with the plane lies in the ellipse. For directions with d . w > 0 this is a quadratic form in d.
 
 use super::NurbsSurface;
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3, Vector4};
@@ -14,13 +14,14 @@ pub struct EllipticCone {
     pub frame: [Vector3<f64>; 3],
     /// Middle of the ellipse in the plane w = 1.
     pub centre: Vector2<f64>,
-    /// Half axes of the ellipse in the plane w = 1: half the larger one first, as tangents of angles from the vertex.
+    /// Half axes of the ellipse in the plane w = 1, the larger first, as tangents of angles from the vertex.
     pub half_axes: [f64; 2],
     /// Angle from x to the first half axis, radians.
     pub roll: f64,
 }
 
-/// A right-handed frame about a unit vector; x is across `across` where that is not along it.
+/// A right-handed frame about a unit vector; x is perpendicular to `across` where `across` is not parallel to the
+/// vector.
 pub fn frame_about(w: &Vector3<f64>, across: &Vector3<f64>) -> [Vector3<f64>; 3] {
     let mut least = Vector3::zeros();
     least[w.iamin()] = 1.0;
@@ -29,7 +30,7 @@ pub fn frame_about(w: &Vector3<f64>, across: &Vector3<f64>) -> [Vector3<f64>; 3]
 }
 
 impl EllipticCone {
-    /// Where a direction meets the plane w = 1; `None` for directions that do not.
+    /// Intersection of a direction with the plane w = 1; `None` for directions that do not meet the plane.
     pub fn project(&self, d: &Vector3<f64>) -> Option<Vector2<f64>> {
         project(&self.frame, d)
     }
@@ -52,14 +53,14 @@ impl EllipticCone {
         Matrix2::new(cos / a, sin / a, -sin / b, cos / b)
     }
 
-    /// The point of the plane w = 1 at a point of the unit disc.
+    /// The point of the plane w = 1 for a point of the unit disc.
     pub fn from_disc(&self, at: &Vector2<f64>) -> Vector2<f64> {
         let (sin, cos) = libm::sincos(self.roll);
         let (p, q) = (at.x * self.half_axes[0], at.y * self.half_axes[1]);
         self.centre + Vector2::new(cos * p - sin * q, sin * p + cos * q)
     }
 
-    /// How far out a direction lies: 0 on the axis, 1 on the cone; infinite for directions that do not meet the plane.
+    /// Level of a direction: 0 on the axis, 1 on the cone; infinite for directions that do not meet the plane.
     pub fn level(&self, d: &Vector3<f64>) -> f64 {
         self.project(d).map_or(f64::INFINITY, |p| (self.to_circle() * (p - self.centre)).norm())
     }
@@ -89,9 +90,9 @@ impl EllipticCone {
         turn * local * turn.transpose()
     }
 
-    /// The cone from its vertex to the plane at a height, mm, as a rational surface: the generatrix (17), a straight
-    /// line as a curve of degree two, by the circle of nine control points with weights 1, sqrt(1/2), ... (15), each
-    /// scaled to the ellipse and sheared to its middle (16). u runs from the vertex, v around.
+    /// The cone from its vertex to the plane at a height, mm, as a rational surface. The generatrix (17) is a straight
+    /// line as a curve of degree two. The directrix is the circle of nine control points with weights 1, sqrt(1/2), ...
+    /// (15), each scaled to the ellipse and sheared to its centre (16). u runs from the vertex, v around.
     pub fn to_surface(&self, vertex: &Point3<f64>, height: f64) -> NurbsSurface {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let [x, y, w] = &self.frame;
@@ -119,13 +120,14 @@ impl EllipticCone {
         NurbsSurface::from_homogeneous([2, 2], [line, circle], control)
     }
 
-    /// Solid angle of the cone in the plane w = 1, pi a b: what fitting maximises.
+    /// Area of the ellipse in the plane w = 1, pi a b: the quantity that fitting maximises.
     pub fn area(&self) -> f64 {
         std::f64::consts::PI * self.half_axes[0] * self.half_axes[1]
     }
 }
 
-/// Where a direction meets the plane at height one of a frame; `None` for directions that do not.
+/// Intersection of a direction with the plane at height one of a frame; `None` for directions that do not meet the
+/// plane.
 pub fn project(frame: &[Vector3<f64>; 3], d: &Vector3<f64>) -> Option<Vector2<f64>> {
     let [x, y, w] = frame;
     let height = d.dot(w);

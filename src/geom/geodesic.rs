@@ -1,40 +1,41 @@
 //! Geodesic distance from a line on a chart.
 //!
-//! A chart has coordinates (x, y) and lengths ds^2 = (along dx)^2 + (across (dy + skew dx))^2, each of which may change
-//! with x and y. On a surface of revolution, with x along the meridian and y the azimuth, they do not depend on y and
-//! there is no skew. The front at a distance c ahead of a line y(x) is by Huygens
+//! A chart has coordinates (x, y) and lengths ds^2 = (along dx)^2 + (across (dy + skew dx))^2, where each coefficient
+//! may depend on x and y. On a surface of revolution, with x along the meridian and y the azimuth, they do not depend
+//! on y and the skew is zero. By Huygens, the front at a distance c ahead of a line y(x) is
 //!
 //! ```text
 //! front(x) = max over t of  y(t) + height of the disk of radius c around t, over x
 //! ```
 //!
-//! which is the first arrival, whatever waves cross behind it: no order of updates, no limit of the step, and the front
-//! of a graph is a graph. Disks are taken as ellipses with the metric half way to their border. Their error is of third
-//! order in c: on a plane in polar coordinates a step c at the radius r is wrong by c^3 / 24 r^2.
+//! This is the first arrival; waves that cross behind it do not matter. The result depends on no order of updates, the
+//! step has no limit, and the front of a graph is a graph. Disks are taken as ellipses with the metric half way to
+//! their border. Their error is of third order in c: on a plane in polar coordinates a step c at the radius r has the
+//! error c^3 / 24 r^2.
 
-/// Metric of a chart over a range of x; beyond its ends it stays as it is there.
+/// Metric of a chart over a range of x; beyond both ends the metric is constant.
 #[derive(Clone, Debug)]
 pub struct BandMetric {
     from: f64,
     step: f64,
-    /// y of the first layer, and from layer to layer.
+    /// y of the first layer, and the distance between layers.
     layers: [f64; 2],
     /// Length per unit of x, per unit of y, and skew: layer by layer, station by station.
     forms: Vec<Vec<[f64; 3]>>,
 }
 
-/// Places over a disk at which the best one is looked for, before it is refined.
+/// Places over a disk at which the maximum is searched, before its refinement.
 const LOOKS: usize = 12;
 
-/// Sections of the golden ratio: the place is then known to 1e-6 of the disk, its height to the square of that.
+/// Golden section steps: they give the place to 1e-6 of the disk, and the height to the square of that.
 const SECTIONS: usize = 24;
 
 /// (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl BandMetric {
-    /// Tabulates a metric, which gives the lengths per unit of x and of y (both positive) at x, at `count` (at least 4)
-    /// even stations from `from` to `to`.
+    /// Tabulates a metric with the lengths per unit of x and of y (both positive) as functions of x, at `count` (at
+    /// least 4) equally spaced stations from `from` to `to`.
     pub fn new(from: f64, to: f64, count: usize, metric: impl Fn(f64) -> [f64; 2]) -> Self {
         let form = |x: f64, _: f64| {
             let [along, across] = metric(x);
@@ -43,9 +44,9 @@ impl BandMetric {
         Self::over(([from, to], count), ([0.0, 0.0], 1), form)
     }
 
-    /// Tabulates a metric that changes with both coordinates: along, across (both positive) and skew at (x, y), at
-    /// `count` (at least 4) even stations over a range of x and on some even layers over a range of y. Between layers it
-    /// is linear, beyond them it stays as it is there.
+    /// Tabulates a metric that depends on both coordinates: along, across (both positive) and skew at (x, y), at
+    /// `count` (at least 4) equally spaced stations over a range of x and on equally spaced layers over a range of y.
+    /// Between layers the metric is linear, beyond them constant.
     pub fn over(
         ([from, to], count): ([f64; 2], usize),
         ([low, high], layers): ([f64; 2], usize),
@@ -69,14 +70,14 @@ impl BandMetric {
         (0..self.count()).map(|i| self.from + self.step * i as f64)
     }
 
-    /// First of four stations around x, and the place of x from it in steps.
+    /// First of four stations around x, and the distance of x from it in steps.
     fn four(&self, x: f64) -> (usize, f64) {
         let at = (x - self.from) / self.step;
         let first = (at.floor().max(1.0) as usize - 1).min(self.count() - 4);
         (first, at - first as f64)
     }
 
-    /// Value at x of what is given at the stations: a cubic through four of them, straight on beyond the ends.
+    /// Value at x of values at the stations: a cubic through four of them, linear beyond the ends.
     pub fn at(&self, values: &[f64], x: f64) -> f64 {
         let last = self.count() - 1;
         let end = self.from + self.step * last as f64;
@@ -108,19 +109,19 @@ impl BandMetric {
         std::array::from_fn(|k| lower[k] + (upper[k] - lower[k]) * share)
     }
 
-    /// The front at a distance ahead of a line, given by its y at the stations: towards greater y for a positive
-    /// distance, towards smaller y for a negative one.
+    /// The front at a distance ahead of a line, which is given by its y at the stations: towards greater y for a
+    /// positive distance, towards smaller y for a negative distance.
     pub fn front(&self, line: &[f64], distance: f64) -> Vec<f64> {
         let (sign, radius) = (distance.signum(), distance.abs());
         if radius == 0.0 {
             return line.to_vec();
         }
-        // With layers the metric half way to the border of the disk is known only when the border is.
+        // With layers, the metric half way to the border of the disk depends on the border: a second round is needed.
         let rounds = if self.forms.len() > 1 { 2 } else { 1 };
         self.stations()
             .map(|x| {
                 let half = radius / self.form(x, self.at(line, x))[0];
-                // How far a disk around t, which the line meets, brings the front over x.
+                // y over x of a disk around the point of the line at t.
                 let height = |t: f64| {
                     let start = self.at(line, t);
                     let (mut middle, mut reached) = (start, f64::NEG_INFINITY);
@@ -155,7 +156,7 @@ pub(crate) fn cubic_weights(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Greatest value of a function with one summit between two places.
+/// Greatest value of a function with one maximum between two places.
 fn highest(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let mut left = high - GOLDEN * (high - low);
     let mut right = low + GOLDEN * (high - low);

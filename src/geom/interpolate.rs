@@ -40,7 +40,7 @@ pub fn chord_parameters(points: &[Point3<f64>]) -> Result<Vec<f64>, GeomError> {
     Ok(parameters)
 }
 
-/// Averaged knots for interpolation at parameters (Wei 16).
+/// Averaged knots for interpolation at given parameters (Wei 16).
 pub fn averaged_knots(parameters: &[f64], degree: usize) -> Vec<f64> {
     let n = parameters.len();
     let mut knots = vec![0.0; degree + 1];
@@ -68,8 +68,8 @@ pub fn interpolate(points: &[Point3<f64>], degree: usize) -> Result<NurbsCurve, 
     NurbsCurve::try_new(degree, knots, &control, None)
 }
 
-/// Solves N P = Q by elimination inside the band. The matrix of a B-spline interpolation with averaged knots is
-/// totally positive, so elimination without pivoting is stable (de Boor and Pinkus 1977).
+/// Solves N P = Q by elimination inside the band. The matrix of a B-spline interpolation with averaged knots is totally
+/// positive, so that elimination without pivoting is stable (de Boor and Pinkus 1977).
 fn solve_banded(
     knots: &[f64],
     degree: usize,

@@ -1,10 +1,10 @@
-//! Knot insertion, merging of knot vectors and degree elevation, none of which change the curve.
+//! Knot insertion, merging of knot vectors and degree elevation; they do not change the curve.
 
 use super::NurbsCurve;
 use super::basis::{self, MAX_DEGREE};
 use nalgebra::Vector4;
 
-/// The smallest knot vector that holds both, each knot as often as in the one that has it more often.
+/// The smallest knot vector that contains both, each knot with the larger of both multiplicities.
 pub fn merge_knots(a: &[f64], b: &[f64]) -> Vec<f64> {
     let (mut i, mut j) = (0, 0);
     let mut merged = Vec::with_capacity(a.len() + b.len());
@@ -30,8 +30,8 @@ pub fn merge_knots(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 impl NurbsCurve {
-    /// The same curve with one more knot at `u` (Boehm 1980). A knot at an end of the domain, or one that is there
-    /// `degree` times already, adds nothing.
+    /// The same curve with an additional knot at `u` (Boehm 1980). A knot at an end of the domain, or with multiplicity
+    /// `degree` already, is not added.
     #[must_use]
     pub fn with_knot(&self, u: f64) -> Self {
         let p = self.degree();
@@ -45,7 +45,7 @@ impl NurbsCurve {
         let mut control = Vec::with_capacity(old.len() + 1);
         control.extend_from_slice(&old[..=k - p]);
         for i in k - p + 1..=k - times {
-            // Convex combination, in the homogeneous space.
+            // Convex combination in the homogeneous space.
             let t = (u - knots[i]) / (knots[i + p] - knots[i]);
             control.push(old[i] * t + old[i - 1] * (1.0 - t));
         }
@@ -55,7 +55,8 @@ impl NurbsCurve {
         Self::from_homogeneous(p, more, control)
     }
 
-    /// The same curve on a finer knot vector: every knot of `target` that the curve has less often is inserted.
+    /// The same curve on a finer knot vector: inserts every knot of `target` with a higher multiplicity than in the
+    /// curve.
     #[must_use]
     pub fn refined(&self, target: &[f64]) -> Self {
         let mut curve = self.clone();
@@ -68,8 +69,8 @@ impl NurbsCurve {
         curve
     }
 
-    /// The same curve one degree higher; a cubic stays as it is. Each new control point is the mean of blossom values
-    /// at the new knots that it depends on, one left out in turn (Ramshaw 1987).
+    /// The same curve with a degree higher by one; a cubic remains unchanged. Each new control point is the mean of
+    /// blossom values at the new knots that it depends on, with one knot left out in turn (Ramshaw 1987).
     #[must_use]
     pub fn elevated(&self) -> Self {
         let p = self.degree();
@@ -101,7 +102,7 @@ impl NurbsCurve {
         Self::from_homogeneous(q, knots, control)
     }
 
-    /// Polar form of the polynomial piece at `inside`, for as many arguments as the degree.
+    /// Polar form of the polynomial piece that contains `inside`, for as many arguments as the degree.
     fn blossom(&self, args: &[f64], inside: f64) -> Vector4<f64> {
         let p = self.degree();
         let knots = self.knots();

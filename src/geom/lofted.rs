@@ -6,10 +6,10 @@ use super::proximity::{Patch, Projection};
 use super::{GeomError, NurbsCurve, SurfaceDerivatives};
 use nalgebra::{DMatrix, Point3, Vector3};
 
-/// S(u, v) = sum over k of `L_k(v)` `C_k(u)`: the sections `C_k` at the places `v_k`, and the splines `L_k` of degree 3 (lower
-/// where there are fewer than four sections) that are 1 at `v_k` and 0 at all other places.
+/// S(u, v) = sum over k of `L_k(v)` `C_k(u)`. The `C_k` are the sections at the places `v_k`. The `L_k` are splines of
+/// degree 3 (lower for fewer than four sections) that are 1 at `v_k` and 0 at all other places.
 ///
-/// Between two sections this is a ruled surface.
+/// With two sections this is a ruled surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoftedSurface {
     sections: Vec<NurbsCurve>,
@@ -21,18 +21,18 @@ pub struct LoftedSurface {
     weights: DMatrix<f64>,
 }
 
-/// Mean distance below which two sections are one, mm.
+/// Mean distance below which two sections count as coincident, mm.
 const SAME_SECTION: f64 = 1e-5;
 
-/// Stations along a section at which its distance to the next is taken.
+/// Stations along a section at which its distance to the next section is measured.
 const STATIONS: u32 = 16;
 
 impl LoftedSurface {
-    /// The surface through sections, the first at v = 0 and the last at v = 1. Places between them follow the mean
-    /// distance of neighbouring sections.
+    /// The surface through sections, the first at v = 0 and the last at v = 1. The places between them follow the mean
+    /// distances of neighbouring sections.
     ///
     /// # Errors
-    /// Fewer than two sections, or neighbouring ones that coincide.
+    /// Fewer than two sections, or coincident neighbours.
     pub fn through(sections: Vec<NurbsCurve>) -> Result<Self, GeomError> {
         let count = sections.len();
         if count < 2 {
@@ -75,7 +75,7 @@ impl LoftedSurface {
         &self.places
     }
 
-    /// Values of the spline of section k, and their first and second derivatives; outside of [0, 1] they go on straight.
+    /// Values of the spline of section k with first and second derivatives; linear outside of [0, 1].
     fn spline(&self, v: f64) -> impl Fn(usize) -> [f64; 3] + '_ {
         let inside = v.clamp(0.0, 1.0);
         let basis = basis::evaluate(&self.knots, self.degree, inside, 2.min(self.degree));
@@ -89,8 +89,8 @@ impl LoftedSurface {
         }
     }
 
-    /// Point with first and second derivatives. Outside of u in [0, 1] the sections go on along their tangents, outside of
-    /// v in [0, 1] the surface goes on straight.
+    /// Point with first and second derivatives. Outside of u in [0, 1] the sections continue along their tangents;
+    /// outside of v in [0, 1] the surface continues straight.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
         let spline = self.spline(v);
         let zero = Vector3::zeros();
@@ -115,7 +115,8 @@ impl LoftedSurface {
         Self { sections: self.sections.iter().map(|c| c.rotated(angle)).collect(), ..self.clone() }
     }
 
-    /// Closest point of a patch: distances on a grid, then Newton from each local minimum of the grid, inside the patch.
+    /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
+    /// the patch.
     pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
         /// Seeds along u, as for ruled surfaces.
         const ALONG: usize = 48;
@@ -162,10 +163,10 @@ impl LoftedSurface {
         Projection { u, v, point, distance: (p - point).norm() }
     }
 
-    /// Newton on half the squared distance, Gauss-Newton where its matrix has no minimum; steps that do not come nearer
-    /// are halved.
+    /// Newton's method on half the squared distance; Gauss-Newton where its matrix has no minimum. Steps that do not
+    /// reduce the distance are halved.
     fn refine(&self, p: &Point3<f64>, start: [f64; 2], patch: Patch) -> Projection {
-        /// Steps at most; from a seed some six are enough.
+        /// Largest number of steps; from a seed about six are enough.
         const STEPS: usize = 40;
         let mut best = self.projection(p, start);
         for _ in 0..STEPS {
@@ -174,7 +175,7 @@ impl LoftedSurface {
             let (gu, gv) = (gap.dot(&s.su), gap.dot(&s.sv));
             let gauss = [s.su.norm_squared(), s.su.dot(&s.sv), s.sv.norm_squared()];
             let full = [gauss[0] + gap.dot(&s.suu), gauss[1] + gap.dot(&s.suv), gauss[2] + gap.dot(&s.svv)];
-            // At a border of the patch the other parameter alone moves.
+            // At a border of the patch only the other parameter moves.
             let held = |x: f64, range: [f64; 2], g: f64| (x <= range[0] && g > 0.0) || (x >= range[1] && g < 0.0);
             let (u_held, v_held) = (held(best.u, patch.u, gu), held(best.v, patch.v, gv));
             let step = |[a, b, c]: [f64; 3]| match (u_held, v_held) {
@@ -267,7 +268,8 @@ mod tests {
         }
     }
 
-    /// The nearest point of a fine grid is never nearer, and a point off along the normal comes back to its foot.
+    /// No point of a fine grid is nearer than the closest point, and a point moved along the normal returns to its
+    /// foot.
     #[test]
     fn closest_points_against_a_grid() {
         let surface = twisted(5);

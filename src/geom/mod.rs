@@ -1,5 +1,5 @@
-//! NURBS curves and surfaces and what the compiler builds from them. Pure geometry in mm and radians: knows nothing
-//! of jobs, tools or diagnostics.
+//! NURBS curves and surfaces, and constructions of the compiler with them. Pure geometry in mm and radians, independent
+//! of jobs, tools and diagnostics.
 
 pub mod angle;
 pub mod basis;
@@ -30,7 +30,7 @@ pub use ruled::RuledSurface;
 pub use surface::{NurbsSurface, SurfaceDerivatives};
 pub use triangulation::Triangulation;
 
-/// Why a geometric entity cannot be made.
+/// Why a geometric entity cannot be constructed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GeomError {
     /// Fewer points than the degree needs.
@@ -44,7 +44,7 @@ pub enum GeomError {
     CoincidentPoints(usize),
     /// A coordinate, weight or knot is not a finite number (index).
     NotFinite(usize),
-    /// Knots decrease, have the wrong count, are not clamped to [0, 1] or leave a gap in the curve.
+    /// Knots decrease, have the wrong number, are not clamped to [0, 1] or make the curve discontinuous.
     Knots,
     /// A weight is not positive (index).
     Weight(usize),

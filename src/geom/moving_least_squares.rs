@@ -1,28 +1,29 @@
 //! Curvature of a triangulated surface by moving least squares (Xu 4, formula 18).
 //!
-//! At each point a patch over its tangent plane is fitted to its neighbourhood with weights exp(-r^2 / h^2), and its
-//! first and second derivatives at the point give normal and curvatures as those of any surface do. The paper's patch is
-//! z = a x^2 + b y^2 + c x y + d x + e y + f. Over a neighbourhood with points on one side only, at the rim, change of
-//! the curvature would count as curvature: where there are points enough, the patch has the four cubic terms as well.
+//! At each point a patch over its tangent plane is fitted to its neighbourhood with weights exp(-r^2 / h^2). The first
+//! and second derivatives of the patch at the point give normal and curvatures as for any surface. The patch of the
+//! paper is z = a x^2 + b y^2 + c x y + d x + e y + f. At the rim the neighbourhood lies on one side only, and a change
+//! of the curvature would act as curvature. Where there are enough points, the patch therefore has the four cubic terms
+//! as well.
 
 use super::triangulation::Triangulation;
 use super::{SurfaceCurvature, SurfaceDerivatives};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-/// Width h of the weights in mean edges of the point. Points of a design carry no noise that a wider one would take
-/// out, and a cubic spline changes its curvature with a kink at its knots, which the width blurs.
+/// Width h of the weights, in mean edges of the point. A larger width would remove noise, which points of a design do
+/// not have. It would blur the kinks that the curvature of a cubic spline has at its knots.
 const WIDTH: f64 = 0.85;
 
-/// Radius of the neighbourhood in widths: farther points weigh less than a ten-thousandth.
+/// Radius of the neighbourhood in widths: points farther away have weights below 1e-4.
 const RADIUS: f64 = 3.2;
 
-/// Most that width and radius grow at rims and corners, where fewer points lie near.
+/// Largest growth of width and radius at rims and corners, where fewer points are near.
 const GROWTH: f64 = 2.0;
 
 /// Terms of the quadratic patch, and of the cubic one.
 const TERMS: [usize; 2] = [6, 10];
 
-/// Points that a cubic patch needs: at a corner the terms are told apart by far points alone.
+/// Points that a cubic patch needs: at a corner only far points distinguish its terms.
 const CUBIC_POINTS: usize = 24;
 
 /// Order of the patch.
@@ -30,12 +31,12 @@ const CUBIC_POINTS: usize = 24;
 pub enum Patch {
     /// Formula 18.
     Quadratic,
-    /// With the cubic terms where the neighbourhood bears them.
+    /// With the cubic terms where the neighbourhood has enough points.
     Cubic,
 }
 
-/// Normal and curvatures at a point; the normal is on the side from which the triangles run counter-clockwise.
-/// `None` where the neighbourhood does not fix a patch.
+/// Normal and curvatures at a point; the normal is on the side from which the triangles run counter-clockwise. `None`
+/// where the neighbourhood does not determine a patch.
 pub fn curvature(
     mesh: &Triangulation,
     normals: &[Vector3<f64>],
@@ -65,7 +66,7 @@ pub fn curvature(
     for (row, index) in near.iter().enumerate() {
         let d = (mesh.points()[*index] - origin) / width;
         let (u, v, w) = (d.dot(&x), d.dot(&y), d.dot(&normal));
-        // Square root of the weight: it is squared in the normal equations.
+        // Square root of the weight, since the normal equations square it.
         let weight = libm::exp(-0.5 * d.norm_squared());
         let row_terms = [u * u, v * v, u * v, u, v, 1.0, u * u * u, u * u * v, u * v * v, v * v * v];
         for (column, term) in row_terms.iter().take(terms).enumerate() {
@@ -92,7 +93,7 @@ pub fn curvatures(mesh: &Triangulation, patch: Patch) -> Vec<Option<SurfaceCurva
     (0..mesh.points().len()).map(|i| curvature(mesh, &normals, i, patch)).collect()
 }
 
-/// The coordinate axis that is least along a vector.
+/// The coordinate axis with the least component along a vector.
 fn least_axis(v: &Vector3<f64>) -> Vector3<f64> {
     let mut axis = Vector3::zeros();
     axis[v.iamin()] = 1.0;

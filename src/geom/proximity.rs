@@ -3,7 +3,7 @@
 use super::RuledSurface;
 use nalgebra::Point3;
 
-/// A rectangle of the parameter plane of a surface. It may reach over [0, 1]: guides and rulings go on straight.
+/// A rectangle of the parameter plane of a surface. It may extend beyond [0, 1]: guides and rulings continue straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Ends of u.
@@ -13,7 +13,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// The surface between its guides.
+    /// The whole surface between its guides.
     pub const WHOLE: Self = Self { u: [0.0, 1.0], v: [0.0, 1.0] };
 }
 
@@ -41,8 +41,8 @@ pub struct ClosestPair {
     pub distance: f64,
 }
 
-/// Seeds along u. A face turns by about a right angle from inlet to outlet: one or two degrees between seeds, far
-/// below what would hide a second minimum between two of them.
+/// Seeds along u. A face turns by about a right angle from inlet to outlet, by 1 or 2 deg between seeds. This is far
+/// less than a second minimum between two seeds would need.
 const SEEDS: usize = 48;
 
 /// Seeds along u of each surface in the search of a closest pair.
@@ -64,8 +64,8 @@ impl RuledSurface {
         Projection { u, v, point, distance: (p - point).norm() }
     }
 
-    /// Closest point of a patch. Distances of all seeds, then Newton inside the brackets of the local minima on the
-    /// derivative of the distance to the ruling, halving where Newton leaves them.
+    /// Closest point of a patch: distances of all seeds, then Newton's method inside the brackets of the local minima,
+    /// on the derivative of the distance to the ruling, with bisection where Newton's method leaves the bracket.
     pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
         let seeds: [f64; SEEDS + 1] =
             std::array::from_fn(|i| self.on_ruling(p, at(patch.u, i, SEEDS), patch.v).distance);
@@ -102,7 +102,7 @@ impl RuledSurface {
             }
             let mut bend = s.su.norm_squared() + gap.dot(&s.suu);
             if v_range[0] < v && v < v_range[1] {
-                // v follows u along the bottom of the valley.
+                // v follows u along the minimum over v.
                 let mixed = s.su.dot(&s.sv) + gap.dot(&s.suv);
                 bend -= mixed * mixed / s.sv.norm_squared();
             }
@@ -117,8 +117,8 @@ impl RuledSurface {
         self.on_ruling(p, u, v_range)
     }
 
-    /// Closest pair of points of two patches: exact distances of ruling segments on a grid of both u, then from each
-    /// local minimum a pattern search that halves its step down to 1e-10.
+    /// Closest pair of points of two patches: exact distances of ruling segments on a grid of both u, then a pattern
+    /// search from each local minimum, which halves its step down to 1e-10.
     pub fn closest_pair(&self, patch: Patch, other: &Self, other_patch: Patch) -> ClosestPair {
         let distance = |a: f64, b: f64| segment_pair(self, a, patch.v, other, b, other_patch.v).distance;
         let n = PAIR_SEEDS;
@@ -159,7 +159,7 @@ impl RuledSurface {
     }
 }
 
-/// Closest points of two rulings, each cut to its range of v.
+/// Closest points of two rulings, each within its range of v.
 fn segment_pair(a: &RuledSurface, ua: f64, va: [f64; 2], b: &RuledSurface, ub: f64, vb: [f64; 2]) -> ClosestPair {
     let (pa, ra) = (a.point(ua, 0.0), a.point(ua, 1.0));
     let (pb, rb) = (b.point(ub, 0.0), b.point(ub, 1.0));
@@ -178,7 +178,7 @@ fn segment_pair(a: &RuledSurface, ua: f64, va: [f64; 2], b: &RuledSurface, ub: f
     };
     let on_b = |s: f64| if bb > 0.0 { ((ab * s + cb) / bb).clamp(vb[0], vb[1]) } else { vb[0] };
     let on_a = |t: f64| if aa > 0.0 { ((ab * t - ca) / aa).clamp(va[0], va[1]) } else { va[0] };
-    // The free minimum where it lies inside of both ranges, else the best of the four ends.
+    // The minimum without limits if it lies inside of both ranges, else the best of the four ends.
     let det = aa * bb - ab * ab;
     let mut best: Option<ClosestPair> = None;
     let mut take = |x: ClosestPair| {

@@ -1,15 +1,15 @@
-//! Surfaces of revolution about Z, as the meridian of a generating curve.
+//! Surfaces of revolution about Z, by the meridian of a generating curve.
 
 use super::{NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector2, Vector3, Vector4};
 
-/// A curve turned about Z. The parameter u runs along the curve; in the meridian plane (r, z) the surface is a curve
+/// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Revolution {
     generator: NurbsCurve,
     orientation: f64,
-    /// Meridian points at equal steps of u, seeds of the closest point search.
+    /// Meridian points at equal steps of u: seeds of the closest point search.
     seeds: Vec<Vector2<f64>>,
 }
 
@@ -24,12 +24,12 @@ pub struct Meridian {
     pub second: Vector2<f64>,
 }
 
-/// Seeds of the closest point search: the meridian of a blade turns by about a right angle, so that each of 64 pieces
-/// turns by one or two degrees and hides no second minimum.
+/// Seeds of the closest point search. The meridian of a blade turns by about a right angle. Each of 64 pieces turns by
+/// 1 or 2 deg, and contains no second minimum.
 const SEEDS: usize = 64;
 
 impl Revolution {
-    /// The surface of a generating curve. `outside` is a point (r, z) on the side that the normal points to.
+    /// The surface of a generating curve. `outside` is a point (r, z) on the side to which the normal points.
     pub fn new(generator: NurbsCurve, outside: Vector2<f64>) -> Self {
         let mut surface = Self { generator, orientation: 1.0, seeds: Vec::new() };
         surface.seeds = (0..=SEEDS).map(|i| surface.meridian(i as f64 / SEEDS as f64).point).collect();
@@ -41,12 +41,12 @@ impl Revolution {
         surface
     }
 
-    /// The curve that is turned.
+    /// The generating curve.
     pub fn generator(&self) -> &NurbsCurve {
         &self.generator
     }
 
-    /// Meridian at u; outside of [0, 1] it goes on along its tangent.
+    /// Meridian at u; outside of [0, 1] it continues along its tangent.
     pub fn meridian(&self, u: f64) -> Meridian {
         let [lo, hi] = self.generator.domain();
         let inside = u.clamp(lo, hi);
@@ -57,7 +57,7 @@ impl Revolution {
             let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
             (dr, (along - dr * dr) / r)
         } else {
-            // On the axis the radius grows with the speed across it.
+            // On the axis the derivative of the radius is the speed across the axis.
             (libm::hypot(d.first.x, d.first.y), 0.0)
         };
         let mut m = Meridian {
@@ -88,7 +88,7 @@ impl Revolution {
         -m.second.dot(&self.normal_2d(&m)) / (speed * speed)
     }
 
-    /// Curvature 1/mm of the surface across the meridian at u, positive where it bulges out of the material.
+    /// Curvature 1/mm of the surface across the meridian at u, positive where the surface bulges out of the material.
     pub fn ring_curvature(&self, u: f64) -> f64 {
         let m = self.meridian(u);
         self.normal_2d(&m).x / m.point.x
@@ -106,7 +106,7 @@ impl Revolution {
         Vector3::new(n.x * libm::cos(azimuth), n.x * libm::sin(azimuth), n.y)
     }
 
-    /// Parameter of the meridian point that is closest to (r, z), ends continued along their tangents, and the signed
+    /// Parameter of the meridian point closest to (r, z), with both ends continued along their tangents, and the signed
     /// distance, positive out of the material.
     pub fn closest(&self, at: Vector2<f64>) -> (f64, f64) {
         let square = |i: usize| (at - self.seeds[i]).norm_squared();
@@ -117,7 +117,7 @@ impl Revolution {
                 best = (u, d);
             }
         };
-        // Each seed that is nearer than its neighbours starts a search between them.
+        // Each seed that is nearer than its neighbours starts a search between these neighbours.
         let mut before = f64::INFINITY;
         let mut here = square(0);
         for i in 0..=SEEDS {
@@ -127,7 +127,7 @@ impl Revolution {
             }
             (before, here) = (here, after);
         }
-        // The feet on both tangents that continue the ends.
+        // The feet on both tangents beyond the ends.
         for end in [0.0, 1.0] {
             let m = self.meridian(end);
             let foot = end + (at - m.point).dot(&m.first) / m.first.norm_squared();
@@ -141,8 +141,8 @@ impl Revolution {
         (best.0, gap.norm() * if side < 0.0 { -1.0 } else { 1.0 })
     }
 
-    /// Parameter near a seed where the gap to a point is perpendicular to the meridian, or the end of the curve:
-    /// Newton inside the bracket of the neighbouring seeds, halving where it leaves it.
+    /// Parameter near a seed where the vector to a point is perpendicular to the meridian, or the end of the curve.
+    /// Newton's method inside the bracket of the neighbouring seeds, with bisection where it leaves the bracket.
     fn stationary_near(&self, at: Vector2<f64>, seed: usize) -> f64 {
         let step = 1.0 / SEEDS as f64;
         let mut u = seed as f64 * step;
@@ -174,8 +174,8 @@ impl Revolution {
     }
 
     /// The whole surface as a NURBS surface: u along the generator, v once around, counter-clockwise from the
-    /// generator itself. The circle is the quadratic one with nine control points and weights 1, sqrt(1/2), ...
-    /// (Xu 15), turned about Z through each control point of the generator, which may be a space curve.
+    /// generator. The circle is the quadratic one with nine control points and weights 1, sqrt(1/2), ... (Xu 15). It is
+    /// rotated about Z through each control point of the generator, which may be a space curve.
     pub fn to_surface(&self) -> NurbsSurface {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let mut control = Vec::with_capacity(self.generator.control().len() * 9);

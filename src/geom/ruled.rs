@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 /// S(u, v) = (1 - v) root(u) + v tip(u).
 ///
-/// The paper writes the tip first; here v runs from root to tip, as the tool stands on the hub.
+/// The paper writes the tip first; here v runs from root to tip, in the direction of the tool axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RuledSurface {
     /// Curve at v = 0.
@@ -16,7 +16,8 @@ pub struct RuledSurface {
 }
 
 impl RuledSurface {
-    /// Point; outside of u in [0, 1] the guides go on along their tangents, outside of v in [0, 1] the ruling does.
+    /// Point; outside of u in [0, 1] the guides continue along their tangents, outside of v in [0, 1] the ruling
+    /// continues.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let root = self.root.derivatives_extended(u).point;
         let tip = self.tip.derivatives_extended(u).point;
@@ -63,7 +64,7 @@ impl RuledSurface {
         Self { root: self.root.rotated(angle), tip: self.tip.rotated(angle) }
     }
 
-    /// The same surface as a NURBS surface, degree 1 by v, on the merged knots of its guides (Wei 17).
+    /// The same surface as a NURBS surface, degree 1 in v, on the merged knots of its guides (Wei 17).
     ///
     /// # Errors
     /// [`GeomError::GuideWeights`] when the guides have different weight functions.

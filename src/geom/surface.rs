@@ -34,7 +34,7 @@ impl NurbsSurface {
     /// A surface from control points and weights, row after row of equal u, and the knots of both directions.
     ///
     /// # Errors
-    /// Anything that would make evaluation undefined, see [`GeomError`].
+    /// Any input for which evaluation is undefined, see [`GeomError`].
     pub fn try_new(
         degree: [usize; 2],
         knots: [Vec<f64>; 2],
@@ -68,17 +68,17 @@ impl NurbsSurface {
         Ok(Self { degree, knots, control })
     }
 
-    /// A surface from parts that are known to fit.
+    /// A surface from valid parts.
     pub(super) fn from_homogeneous(degree: [usize; 2], knots: [Vec<f64>; 2], control: Vec<Vector4<f64>>) -> Self {
         Self { degree, knots, control }
     }
 
-    /// Degrees by u and v.
+    /// Degrees in u and v.
     pub fn degree(&self) -> [usize; 2] {
         self.degree
     }
 
-    /// Knots by u and v.
+    /// Knots in u and v.
     pub fn knots(&self) -> &[Vec<f64>; 2] {
         &self.knots
     }
@@ -88,13 +88,13 @@ impl NurbsSurface {
         &self.control
     }
 
-    /// Numbers of control points by u and v.
+    /// Numbers of control points in u and v.
     pub fn counts(&self) -> [usize; 2] {
         [self.knots[0].len() - self.degree[0] - 1, self.knots[1].len() - self.degree[1] - 1]
     }
 
-    /// Weighted sums of the control points by the derivatives of the basis: entry `[i][j]` is the homogeneous
-    /// derivative of order i by u and j by v, for i + j <= order.
+    /// Weighted sums of the control points with the derivatives of the basis: entry `[i][j]` is the homogeneous
+    /// derivative of order i in u and j in v, for i + j <= order.
     fn sums(&self, u: f64, v: f64, order: usize) -> [[Vector4<f64>; 3]; 3] {
         let bu = basis::evaluate(&self.knots[0], self.degree[0], u, order);
         let bv = basis::evaluate(&self.knots[1], self.degree[1], v, order);

@@ -1,7 +1,7 @@
 //! Triangles between points of a surface (Xu 2): the Delaunay triangulation of their places in a chart.
 //!
-//! Points go in one after the other, each where the triangulation so far holds it, and edges are flipped until no
-//! circle about a triangle holds a point (Xu 10, 11); the predicates are exact, so that rows of a grid do no harm.
+//! Points are inserted one after the other, each into the triangulation so far. Edges are flipped until no circle about
+//! a triangle contains a point (Xu 10, 11). The predicates are exact, so that rows of a grid cause no failure.
 
 use super::GeomError;
 use nalgebra::{Point3, Vector3};
@@ -16,7 +16,7 @@ pub struct Triangulation {
     neighbours: Vec<Vec<usize>>,
 }
 
-/// A point of the triangles that is nearest to another one.
+/// The point of the triangles nearest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
     /// The nearest point.
@@ -27,7 +27,7 @@ pub struct Foot {
     pub face: usize,
 }
 
-/// A place in the chart that knows its point.
+/// A place in the chart with the index of its point.
 struct Place {
     at: Point2<f64>,
     index: usize,
@@ -42,9 +42,10 @@ impl HasPosition for Place {
 }
 
 impl Triangulation {
-    /// The triangulation of points by their places in a chart, mm: a chart that keeps lengths on the whole gives well
-    /// shaped triangles. Triangles run counter-clockwise in the chart. Where the rim of the surface is hollow, the
-    /// triangles over its chord are none of it: those with an edge in space over `longest`, mm, are left out.
+    /// The triangulation of points by their places in a chart, mm. A chart that approximately preserves lengths gives
+    /// well shaped triangles. Triangles run counter-clockwise in the chart. Where the rim of the surface is hollow,
+    /// triangles over its chord do not belong to the surface: triangles with an edge longer than `longest` in space,
+    /// mm, are left out.
     ///
     /// # Errors
     /// Fewer than three points, a number that is not finite, two points at one place, or no triangle.
@@ -85,7 +86,7 @@ impl Triangulation {
         Ok(Self { points, faces, neighbours })
     }
 
-    /// The points, in the order given.
+    /// The points in their original order.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
@@ -105,14 +106,14 @@ impl Triangulation {
         self.faces[face].map(|i| self.points[i])
     }
 
-    /// Normal of a triangle, twice its area long, mm2.
+    /// Normal of a triangle; its length is twice the area, mm2.
     fn area_normal(&self, face: usize) -> Vector3<f64> {
         let [a, b, c] = self.corners(face);
         (b - a).cross(&(c - a))
     }
 
-    /// Unit normal of every point: the sum of the normals of its triangles, each weighed by its area (Xu 19). Zero
-    /// where triangles cancel out.
+    /// Unit normal of every point: the sum of the normals of its triangles, weighted by area (Xu 19). Zero where the
+    /// normals cancel out.
     pub fn normals(&self) -> Vec<Vector3<f64>> {
         let mut sums = vec![Vector3::zeros(); self.points.len()];
         for (face, corners) in self.faces.iter().enumerate() {
@@ -124,14 +125,14 @@ impl Triangulation {
         sums.into_iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect()
     }
 
-    /// Mean length of the edges at a point, mm; zero without any.
+    /// Mean length of the edges at a point, mm; zero without edges.
     pub fn mean_edge(&self, point: usize) -> f64 {
         let lengths = self.neighbours[point].iter().map(|n| (self.points[*n] - self.points[point]).norm());
         lengths.sum::<f64>() / self.neighbours[point].len().max(1) as f64
     }
 
-    /// Points within a radius of one, itself first, found along edges: a sheet that comes near without being connected
-    /// within the radius is not seen.
+    /// Points within a radius of a point, with this point first, found along edges: a nearby sheet that is not
+    /// connected within the radius is not found.
     pub fn within(&self, point: usize, radius: f64) -> Vec<usize> {
         let mut found = vec![point];
         let mut next = 0;
@@ -161,14 +162,14 @@ impl Triangulation {
         Some(Foot { point, normal: self.area_normal(face).try_normalize(0.0)?, face })
     }
 
-    /// True when a point lies over the surface: the way to it from its foot on the triangles goes with the normal
-    /// there (Xu 9 and 21).
+    /// True when a point lies over the surface: the vector from its foot on the triangles points to the side of the
+    /// normal there (Xu 9 and 21).
     pub fn lies_under(&self, p: &Point3<f64>) -> bool {
         self.nearest(p).is_some_and(|foot| (p - foot.point).dot(&foot.normal) > 0.0)
     }
 }
 
-/// Point of a triangle that is nearest to another one: inside where the foot of the plane falls in, else on an edge.
+/// Point of a triangle nearest to a given point: inside where its foot on the plane lies inside, else on an edge.
 fn nearest_on_triangle(p: &Point3<f64>, corners: &[Point3<f64>; 3]) -> Point3<f64> {
     let [a, b, c] = corners;
     let normal = (b - a).cross(&(c - a));
