@@ -1,7 +1,7 @@
-//! Sampled surfaces with a hierarchy, for the least distance of a tool to them.
+//! Sampled surfaces with a hierarchy, for the least distance of a tool to the samples.
 //!
-//! The hierarchy is parry's; bound and leaf are ours, because a tool is bounded far better by its own signed distance
-//! at the middle of a box than by its bounding box. This is the only file that names parry.
+//! The hierarchy is that of parry; the bound and the leaves are our own. The signed distance of a tool at the middle of
+//! a box gives a far better bound than the bounding box of the tool. This is the only file that names parry.
 
 use super::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
@@ -16,14 +16,14 @@ pub struct CloudPoint {
     pub position: Point3<f64>,
     /// Unit normal out of the material.
     pub normal: Vector3<f64>,
-    /// Whatever the maker wants to know of a found point.
+    /// Free value for the caller, to identify a found point.
     pub tag: u32,
 }
 
-/// Points that one leaf of the hierarchy holds: about as long to test as one box.
+/// Points per leaf of the hierarchy: their test takes about as long as that of a box.
 const LEAF: usize = 8;
 
-/// Points that one thread orders sooner than another takes over half of them.
+/// Number of points below which one thread orders them alone.
 const ALONE: usize = 4096;
 
 /// Samples of surfaces, ordered in space.
@@ -56,7 +56,7 @@ impl Cloud {
     }
 
     /// Least value below `cutoff` of a signed tool distance over all samples, and the sample. `distance` takes the
-    /// distance from the tool axis and the height over the tip; it must not change faster than the point moves.
+    /// distance from the tool axis and the height over the tip. It must change no faster than the point moves.
     pub fn nearest(
         &self,
         tip: &Point3<f64>,
@@ -73,7 +73,7 @@ impl Cloud {
         )
     }
 
-    /// Least value below `cutoff` of a function of the position that changes no faster than the position.
+    /// Least value below `cutoff` of a function of the position; it must change no faster than the position.
     pub fn least(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> Option<(f64, usize)> {
         let bound = |node: &BvhNode, _: f64| {
             let centre = (node.mins() + node.maxs()) * 0.5;
@@ -107,7 +107,7 @@ impl parry3d_f64::partitioning::BvhLeafCost for Found {
     }
 }
 
-/// Orders points so that each run of [`LEAF`] lies close together: halves along the longest side, again and again.
+/// Orders points so that each run of [`LEAF`] points is compact: repeated bisection along the longest side.
 fn order(points: &mut [CloudPoint]) {
     if points.len() <= LEAF {
         return;
@@ -118,7 +118,7 @@ fn order(points: &mut [CloudPoint]) {
         high = high.sup(&p.position);
     }
     let axis = (high - low).imax();
-    // Whole leaves on the left, so that leaves never straddle a cut.
+    // Whole leaves on the left, so that no leaf spans a cut.
     let middle = (points.len() / 2).div_ceil(LEAF) * LEAF;
     points.select_nth_unstable_by(middle.min(points.len() - 1), |a, b| {
         a.position[axis].total_cmp(&b.position[axis]).then(a.tag.cmp(&b.tag))
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn equals_brute_force() {
-        // Points of a twisted sheet, a slanted ball-ended cylinder in front of it.
+        // Points of a twisted sheet, and an inclined cylinder with a ball end in front of it.
         let points: Vec<CloudPoint> = (0..60 * 45)
             .map(|k| (f64::from(k % 60) * 0.5, f64::from(k / 60) * 0.5))
             .map(|(x, y)| CloudPoint {

@@ -1,9 +1,9 @@
 //! The cutting part of a tool as a convex body of revolution.
 //!
 //! A point is given by its distance `rho` from the axis and its height `s` over the tip. The signed distance to a
-//! convex body is convex, which the verifier's proof between samples rests on.
+//! convex body is convex; the proof of the verifier between samples relies on this.
 
-/// Cutting part; it goes up to the end of the flutes.
+/// Cutting part, up to the end of the flutes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutter {
     /// Flat end mill.
@@ -30,7 +30,7 @@ pub enum Cutter {
         /// Angle between axis and side, radians, in (0, pi/4).
         half_angle: f64,
     },
-    /// Barrel: a ball tip, tangent to it an arc that bulges to the largest radius, a cylinder above.
+    /// Barrel: a ball tip, a tangent arc that bulges to the largest radius, and a cylinder above.
     Barrel {
         /// Largest radius.
         radius: f64,
@@ -51,9 +51,9 @@ pub enum Cutter {
 pub struct Slope {
     /// Signed distance.
     pub value: f64,
-    /// Change with the distance from the axis.
+    /// Derivative by the distance from the axis.
     pub rho: f64,
-    /// Change with the height.
+    /// Derivative by the height.
     pub s: f64,
 }
 
@@ -69,8 +69,8 @@ pub struct ProfilePoint {
 }
 
 impl Cutter {
-    /// The point of the rounded profile whose outward normal leans from the radial direction towards the tip by an angle,
-    /// radians in (0, pi/2]; `None` for a flat end, which has none.
+    /// The point of the rounded profile whose outward normal is inclined from the radial direction towards the tip by
+    /// an angle, radians in (0, pi/2]; `None` for a flat end, which has no such point.
     pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
         let (sin, cos) = libm::sincos(angle);
         let on_arc =
@@ -90,8 +90,8 @@ impl Cutter {
         }
     }
 
-    /// Angle of the normal, from the radial direction towards the tip, at which the arc of a barrel goes over into its
-    /// ball tip; `None` for other cutters.
+    /// Angle of the normal, from the radial direction towards the tip, at which the arc of a barrel meets its ball tip;
+    /// `None` for other cutters.
     pub fn barrel_angle(&self) -> Option<f64> {
         match *self {
             Self::Barrel { radius, barrel, tip } => {
@@ -101,12 +101,12 @@ impl Cutter {
         }
     }
 
-    /// True when the rounded part is a ball about the axis, about whose centre the tool may turn at a contact.
+    /// True when the rounded part is a ball on the axis: the tool may turn about its centre at a contact.
     pub fn ends_in_ball(&self) -> bool {
         matches!(self, Self::Ball { .. } | Self::Lollipop { .. } | Self::TaperedBall { .. })
     }
 
-    /// Signed distance to the cutter, its side continued upward without end. Exact inside and outside.
+    /// Signed distance to the cutter with its side continued upward without end. Exact inside and outside.
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         match *self {
             Self::Flat { radius } => rounded_box(rho, s, radius, 0.0),
@@ -122,7 +122,7 @@ impl Cutter {
         }
     }
 
-    /// [`Self::distance`] with its gradient; at a kink one of the slopes beside it.
+    /// [`Self::distance`] with its gradient; at a kink the gradient of one side.
     pub fn slope(&self, rho: f64, s: f64) -> Slope {
         let side = |value: f64| Slope { value, rho: 1.0, s: 0.0 };
         match *self {
@@ -145,7 +145,7 @@ impl Cutter {
                 if s >= height {
                     side(rho - radius)
                 } else if (rho + inward) * (tip - height) < (s - height) * inward {
-                    // Above the line from the centre of the arc through that of the ball, where both are tangent.
+                    // Above the line through the centres of arc and ball, on which both are tangent.
                     from_centre(rho + inward, s - height, barrel)
                 } else {
                     from_centre(rho, s - tip, tip)
@@ -195,7 +195,7 @@ impl Cutter {
         }
     }
 
-    /// Radius that a tool of this shape is called by: the largest one, or that of the ball of a tapered one.
+    /// Nominal radius of the tool: its largest radius, or that of the ball of a tapered tool.
     pub fn nominal_radius(&self) -> f64 {
         match *self {
             Self::Flat { radius }
@@ -207,7 +207,7 @@ impl Cutter {
         }
     }
 
-    /// Radius of the rounding that meets the floor: the ball radius, or the corner radius; zero for a flat end.
+    /// Radius of the rounding that touches the floor: the ball radius, or the corner radius; zero for a flat end.
     pub fn tip_radius(&self) -> f64 {
         match *self {
             Self::Flat { .. } => 0.0,
@@ -218,12 +218,13 @@ impl Cutter {
         }
     }
 
-    /// Least radius of curvature anywhere on the cutter below the end of the flutes, zero with a sharp edge.
+    /// Least radius of curvature of the cutter below the end of the flutes; zero with a sharp edge.
     pub fn least_curvature_radius(&self) -> f64 {
         self.tip_radius()
     }
 
-    /// Height at which a neck of a radius leaves the ball of a lollipop; `None` for other cutters or too thick a neck.
+    /// Height at which a neck of a given radius meets the ball of a lollipop; `None` for other cutters or for a neck
+    /// that is too thick.
     pub fn neck_height(&self, neck: f64) -> Option<f64> {
         match *self {
             Self::Lollipop { radius } if neck > 0.0 && neck < radius => {
@@ -241,7 +242,7 @@ impl Cutter {
         }
     }
 
-    /// The same cutter of another size: all lengths times `by`, angles as they are.
+    /// The cutter in another size: all lengths times `by`, the same angles.
     #[must_use]
     pub fn scaled(&self, by: f64) -> Self {
         match *self {
@@ -269,26 +270,26 @@ impl Cutter {
     }
 }
 
-/// Length of a vector of moderate size: several times as fast as `hypot`, which guards against overflow.
+/// Length of a vector of moderate size: several times as fast as `hypot`, which avoids overflow.
 pub(super) fn norm(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Radius of a ball of this radius at height s over its lowest point, its own radius above the centre.
+/// Radius of a ball at the height s over its lowest point; above its centre the radius of the ball.
 fn cap(radius: f64, s: f64) -> f64 {
     if s < radius { (s * (2.0 * radius - s)).max(0.0).sqrt() } else { radius }
 }
 
-/// Height of the centre of the arc of a barrel: arc and ball touch from inside.
+/// Height of the centre of the arc of a barrel: the arc touches the ball from inside.
 fn barrel_height(radius: f64, barrel: f64, tip: f64) -> f64 {
     let (between, inward) = (barrel - tip, barrel - radius);
     tip + ((between - inward) * (between + inward)).max(0.0).sqrt()
 }
 
-/// Distance to a circle about a centre, by the position relative to it.
+/// Distance to a circle, by the position relative to its centre.
 fn from_centre(rho: f64, height: f64, radius: f64) -> Slope {
     let length = norm(rho, height);
-    // At the centre itself any direction is a slope.
+    // At the centre any direction is valid.
     let (r, s) = if length > 0.0 { (rho / length, height / length) } else { (0.0, -1.0) };
     Slope { value: length - radius, rho: r, s }
 }
@@ -331,11 +332,11 @@ mod tests {
         ]
     }
 
-    /// Dense points of the outline of a solid in the half plane, from its radius alone.
+    /// Dense points of the outline of a solid in the half plane, from its radius only.
     fn outline(solid: &ToolSolid) -> Vec<(f64, f64)> {
         let n = 60_000;
         let top = solid.flute_length;
-        // Heights crowd at the tip, where the radius grows fastest.
+        // Heights are denser at the tip, where the radius grows fastest.
         let side = (0..=n).map(|i| top * (f64::from(i) / f64::from(n)).powi(2)).map(|s| (solid.cutter.radius_at(s), s));
         let lid = (0..=n).map(|i| (solid.radius() * f64::from(i) / f64::from(n), top));
         let floor = (0..=n).map(|i| (solid.cutter.radius_at(0.0) * f64::from(i) / f64::from(n), 0.0));
@@ -403,14 +404,14 @@ mod tests {
                 if (dr - at.rho).abs() < 1e-4 && (ds - at.s).abs() < 1e-4 {
                     checked += 1;
                 }
-                // Convex: the tangent lies below everywhere.
+                // Convex: the tangent lies below the function everywhere.
                 for j in 0..400 {
                     let (r2, s2) = (f64::from(j % 20) * 0.47, f64::from(j / 20) * 0.9 - 1.9);
                     let tangent = at.value + at.rho * (r2 - rho) + at.s * (s2 - s);
                     assert!(solid.cutter_distance(r2, s2) >= tangent - 1e-12, "{:?}", solid.cutter);
                 }
             }
-            // Kinks of the inside have no slope of their own.
+            // Kinks inside of the body have no gradient.
             assert!(checked > 380, "{:?} {checked}", solid.cutter);
         }
     }

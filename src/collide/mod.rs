@@ -1,4 +1,4 @@
-//! Distances between tool solids and part surfaces. Knows nothing of jobs, IR or diagnostics.
+//! Distances between tool solids and part surfaces. Independent of jobs, IR and diagnostics.
 
 pub mod cloud;
 pub mod cutter;

@@ -1,6 +1,7 @@
-//! How far a part of a tool reaches along a direction.
+//! Extent of a part of a tool along a direction.
 //!
-//! A direction is told by its length along the tool axis (towards the holder) and across it, both in the same unit.
+//! A direction is given by its component along the tool axis (towards the holder) and its component across, in the same
+//! unit.
 
 use super::cutter::Cutter;
 use super::tool::{Section, ToolSolid};
@@ -15,8 +16,8 @@ pub enum Body {
 }
 
 impl Body {
-    /// Least of `along` s - `across` rho over the body: how far it reaches against a direction, from the tip.
-    /// `across` is not negative.
+    /// Least value of `along` s - `across` rho over the body: how far the body extends from the tip against a
+    /// direction. `across` is not negative.
     pub fn least(&self, along: f64, across: f64) -> f64 {
         let ring = |rho: f64, s: f64| along * s - across * rho;
         match *self {
@@ -28,7 +29,7 @@ impl Body {
                     Cutter::Flat { radius } => rounded(radius, 0.0),
                     Cutter::Bull { radius, corner } => rounded(radius - corner, corner),
                     Cutter::Ball { radius } => rounded(0.0, radius),
-                    // The plane at the end of the flutes may cut the ball off below the place that reaches farthest.
+                    // The plane at the end of the flutes may cut off the ball below the farthest point.
                     Cutter::Lollipop { radius } => {
                         let height = radius - radius * along / libm::hypot(along, across);
                         if height <= top { rounded(0.0, radius) } else { f64::INFINITY }
@@ -37,7 +38,7 @@ impl Body {
                     Cutter::Barrel { radius, tip, .. } => {
                         let height = cutter.barrel_height().filter(|h| *h < top);
                         let widest = height.map_or(f64::INFINITY, |h| ring(radius, h));
-                        // The arc, where its normal points against the direction.
+                        // The arc, if its normal points against the direction.
                         let angle = libm::atan2(along, across);
                         let arc = cutter.barrel_angle().filter(|end| (0.0..*end).contains(&angle));
                         let arc = arc.and_then(|_| cutter.profile_at(angle)).filter(|p| p.s < top);
@@ -71,7 +72,7 @@ impl ToolSolid {
 mod tests {
     use super::*;
 
-    /// The least over points of the outline that the signed distance of the cutter finds.
+    /// Agrees with the least value over points of the outline found by the signed distance of the cutter.
     #[test]
     fn agrees_with_the_distances() {
         let cutters = [
@@ -90,7 +91,7 @@ mod tests {
                 let angle = f64::from(k - 20) / 20.0 * std::f64::consts::FRAC_PI_2;
                 let (along, across) = (angle.sin(), angle.cos());
                 let least = body.least(along, across);
-                // Far out in that direction the nearest point of the body is the one that reaches farthest.
+                // Far away in this direction, the nearest point of the body is the one that extends farthest.
                 let far = 1e7;
                 let (rho, s) = (across * far, -along * far);
                 let distance = solid.cutter_distance(rho, s);

@@ -24,18 +24,18 @@ impl Section {
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         let square = |(r, h): (f64, f64)| r * r + h * h;
         let [bottom, top, side] = self.offsets(rho, s).map(square);
-        // One root for all: planner and verifier ask this more than anything else.
+        // One root for all three: planner and verifier call this function most often.
         let gap = bottom.min(top).min(side).sqrt();
         if self.holds(rho, s) { -gap } else { gap }
     }
 
-    /// [`Self::distance`] with its gradient; at a kink one of the slopes beside it.
+    /// [`Self::distance`] with its gradient; at a kink the gradient of one side.
     pub fn slope(&self, rho: f64, s: f64) -> Slope {
         let mut nearest = Slope { value: f64::INFINITY, rho: 1.0, s: 0.0 };
         for (r, h) in self.offsets(rho, s) {
             let gap = norm(r, h);
             if gap < nearest.value {
-                // On the outline itself any direction is a slope.
+                // On the outline itself any direction is valid.
                 let (r, h) = if gap > 0.0 { (r / gap, h / gap) } else { (1.0, 0.0) };
                 nearest = Slope { value: gap, rho: r, s: h };
             }
@@ -44,7 +44,7 @@ impl Section {
         Slope { value: sign * nearest.value, rho: sign * nearest.rho, s: sign * nearest.s }
     }
 
-    /// Ways to a point from the three edges of the half section: bottom, top, side.
+    /// Vectors to a point from the three edges of the half section: bottom, top, side.
     fn offsets(&self, rho: f64, s: f64) -> [(f64, f64); 3] {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
         let (out, up) = (rho - self.radius_from, s - self.from);
@@ -53,7 +53,7 @@ impl Section {
         [(out.max(0.0), up), ((rho - self.radius_to).max(0.0), s - self.to), (out - t * dr, up - t * ds)]
     }
 
-    /// True inside.
+    /// True inside of the frustum.
     fn holds(&self, rho: f64, s: f64) -> bool {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
         let (out, up) = (rho - self.radius_from, s - self.from);
@@ -80,10 +80,10 @@ impl ToolSolid {
         self.cutter.radius_at(self.flute_length)
     }
 
-    /// Signed distance to the cutting part, closed by a plane at the end of the flutes. Exact inside and outside, so
-    /// that it is convex and changes no faster than the point moves.
+    /// Signed distance to the cutting part, closed by a plane at the end of the flutes. Exact inside and outside,
+    /// therefore convex, and changing no faster than the point moves.
     pub fn cutter_distance(&self, rho: f64, s: f64) -> f64 {
-        // Far below the end of the flutes the side decides, which is nearly every call.
+        // Far below the end of the flutes only the side matters; this is nearly always the case.
         let side = self.cutter.distance(rho, s);
         if s + side.abs() < self.flute_length { side } else { self.capped(self.cutter.slope(rho, s), rho, s).value }
     }
@@ -124,10 +124,10 @@ impl ToolSolid {
     }
 }
 
-/// Distance from the tool axis and height over the tip of a point, for a tool at a tip and a unit axis.
+/// Distance from the tool axis and height over the tip of a point, for a tool with a given tip and unit axis.
 pub fn tool_coordinates(p: &Point3<f64>, tip: &Point3<f64>, axis: &Vector3<f64>) -> (f64, f64) {
     let d = p - tip;
     let s = d.dot(axis);
-    // Cross product instead of the difference of squares: exact near the axis.
+    // The cross product instead of a difference of squares: exact near the axis.
     (d.cross(axis).norm(), s)
 }
