@@ -3,6 +3,7 @@
 mod axes;
 mod clearance;
 pub mod plan;
+mod refusals;
 mod sweep;
 
 pub(crate) use axes::{flank_points, path_points};

@@ -5,11 +5,11 @@
 //! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
+use super::refusals::{MOST_STRIPS, NEARLY, fitting, lacking, never, no_ball};
 use super::sweep::{self, NO_LACK, Sweep, Task};
 use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
-use crate::analysis::flank_room::{SLACK, kept};
 use crate::collide::Cutter;
-use crate::diag::{Aborted, Diag, codes::planning};
+use crate::diag::Aborted;
 use crate::geom::DualCurve;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Program};
 use crate::method::{Flank, FlankMethod};
@@ -19,14 +19,8 @@ use crate::progress::Progress;
 use crate::units::length;
 use rayon::prelude::*;
 
-/// Largest number of strips that `strips auto` tries.
-const MOST_STRIPS: u32 = 8;
-
 /// Rounds that even out the errors of strips by their heights.
 const EVENINGS: usize = 3;
-
-/// Ratio by which a quick search may miss the tolerance budget; the full search still succeeds.
-const NEARLY: f64 = 1.1;
 
 /// Ratio of error to tolerance budget above which neither further evening of heights nor the number of strips by the
 /// cube law will succeed.
@@ -63,18 +57,6 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         path: band.sweep.map(|s| s.path),
     };
     Ok(CcOperation { operation: id, passes: bands.into_iter().map(pass).collect(), notes })
-}
-
-fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {
-    cx.sink.push(
-        Diag::error(
-            planning::NO_FILLET,
-            format!("a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling", side.name()),
-        )
-        .label(operation.span, "this operation rolls the ball in the fillet")
-        .help("take a smaller ball, or a smaller fillet"),
-    );
-    Aborted
 }
 
 /// Strips of one face.
@@ -173,19 +155,6 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutte
     Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
 }
 
-/// For each number of strips the largest cutter that keeps an error, as a share of its size.
-fn fitting(
-    around: &Surroundings<'_>,
-    side: FaceId,
-    cutter: Cutter,
-    strips: &[u32],
-    error: f64,
-) -> Vec<(u32, Option<f64>)> {
-    // The factor leaves a reserve for easing and for the full search.
-    let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
-    if error > SLACK { found.collect() } else { Vec::new() }
-}
-
 /// Strips of both faces with paths that keep the contracts or violate them least.
 fn optimised(
     cx: &mut PassContext<'_>,
@@ -251,94 +220,6 @@ fn optimised(
         }
     }
     if failed { Err(Aborted) } else { Ok((bands, notes)) }
-}
-
-/// The law behind the help of both diagnostics.
-const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
-
-/// Describes the sizes of the cutter that would keep the contracts.
-fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
-    let size = |(strips, share): &(u32, Option<f64>)| {
-        // Rounded down to tenths of a millimetre.
-        let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
-        Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
-    };
-    let all: Vec<String> = fitting.iter().filter_map(size).collect();
-    (!all.is_empty())
-        .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
-}
-
-/// Reports that no number of strips keeps the contracts.
-fn never(
-    cx: &mut PassContext<'_>,
-    operation: &Operation,
-    side: FaceId,
-    worst: &Worst,
-    needed: f64,
-    fitting: &[(u32, Option<f64>)],
-) {
-    let program = cx.program;
-    let tool = &program.tools[operation.tool];
-    let [u, v] = worst.placed.parameters;
-    let place = match worst.placed.kind {
-        SurfaceKind::Face(_) => format!("{} face at u = {u:.3}, v = {v:.3}", side.name()),
-        _ => format!("beside the {} face", side.name()),
-    };
-    let diag = Diag::error(
-        planning::NOT_FLANK_MILLABLE,
-        format!(
-            "{MOST_STRIPS} bands of {} leave {} on the {} face; the bounds leave {} to the plan on each side",
-            tool.name,
-            length(worst.error),
-            side.name(),
-            length(needed)
-        ),
-    )
-    .label(operation.span, "in this operation")
-    .label(tool.span, "with this cutter")
-    .place(place, worst.placed.target.point)
-    .note(LAW)
-    .note(format!("of each bound {} are kept: the chord tolerance, and room for the proof", length(kept(program))));
-    let help = match sizes(&tool.solid.cutter, fitting) {
-        Some(sizes) => format!("{sizes}; or wider contracts on this face, or point milling"),
-        None if needed < SLACK => "a finer `tolerance chord`, or wider contracts on this face".to_owned(),
-        None => "wider contracts on this face, or point milling; no smaller cutter of this shape keeps them".to_owned(),
-    };
-    cx.sink.push(diag.help(help));
-}
-
-/// Reports by how much the contracts are violated with the number of strips from the job.
-fn lacking(
-    cx: &mut PassContext<'_>,
-    operation: &Operation,
-    task: &Task<'_>,
-    around: &Surroundings<'_>,
-    side: FaceId,
-    strips: u32,
-    lacks: f64,
-) {
-    let tool = &cx.program.tools[operation.tool];
-    let cutter = tool.solid.cutter;
-    let found = task
-        .room(SurfaceKind::Face(side), side)
-        .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
-    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
-    cx.sink.push(
-        Diag::warning(
-            planning::NOT_FLANK_MILLABLE,
-            format!(
-                "{strips} band{} of {} miss the bounds on the {} face by {}",
-                if strips == 1 { "" } else { "s" },
-                tool.name,
-                side.name(),
-                length(lacks)
-            ),
-        )
-        .help(format!("more bands (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
-        .label(operation.span, "in this operation")
-        .label(tool.span, "with this cutter")
-        .note(LAW),
-    );
 }
 
 /// Contact stations of an optimised strip, with the ends of both leads.

@@ -1,0 +1,131 @@
+//! What flank milling refuses, with what would do.
+
+use super::sweep::Task;
+use crate::analysis::flank::{self, Surroundings, Worst};
+use crate::analysis::flank_room::{SLACK, kept};
+use crate::collide::Cutter;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::ir::Operation;
+use crate::part::{FaceId, SurfaceKind};
+use crate::passes::context::PassContext;
+use crate::units::length;
+use rayon::prelude::*;
+
+/// Ratio by which a quick search may miss the tolerance budget; the full search still succeeds.
+pub(crate) const NEARLY: f64 = 1.1;
+
+/// Largest number of strips that `strips auto` tries.
+pub(crate) const MOST_STRIPS: u32 = 8;
+
+/// The law behind the help of both diagnostics.
+const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
+
+pub(crate) fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {
+    cx.sink.push(
+        Diag::error(
+            planning::NO_FILLET,
+            format!("a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling", side.name()),
+        )
+        .label(operation.span, "this operation rolls the ball in the fillet")
+        .help("take a smaller ball, or a smaller fillet"),
+    );
+    Aborted
+}
+
+/// Describes the sizes of the cutter that would keep the contracts.
+fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
+    let size = |(strips, share): &(u32, Option<f64>)| {
+        // Rounded down to tenths of a millimetre.
+        let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
+        Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
+    };
+    let all: Vec<String> = fitting.iter().filter_map(size).collect();
+    (!all.is_empty())
+        .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
+}
+
+/// Reports that no number of strips keeps the contracts.
+pub(crate) fn never(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    side: FaceId,
+    worst: &Worst,
+    needed: f64,
+    fitting: &[(u32, Option<f64>)],
+) {
+    let program = cx.program;
+    let tool = &program.tools[operation.tool];
+    let [u, v] = worst.placed.parameters;
+    let place = match worst.placed.kind {
+        SurfaceKind::Face(_) => format!("{} face at u = {u:.3}, v = {v:.3}", side.name()),
+        _ => format!("beside the {} face", side.name()),
+    };
+    let diag = Diag::error(
+        planning::NOT_FLANK_MILLABLE,
+        format!(
+            "{MOST_STRIPS} bands of {} leave {} on the {} face; the bounds leave {} to the plan on each side",
+            tool.name,
+            length(worst.error),
+            side.name(),
+            length(needed)
+        ),
+    )
+    .label(operation.span, "in this operation")
+    .label(tool.span, "with this cutter")
+    .place(place, worst.placed.target.point)
+    .note(LAW)
+    .note(format!("of each bound {} are kept: the chord tolerance, and room for the proof", length(kept(program))));
+    let help = match sizes(&tool.solid.cutter, fitting) {
+        Some(sizes) => format!("{sizes}; or wider contracts on this face, or point milling"),
+        None if needed < SLACK => "a finer `tolerance chord`, or wider contracts on this face".to_owned(),
+        None => "wider contracts on this face, or point milling; no smaller cutter of this shape keeps them".to_owned(),
+    };
+    cx.sink.push(diag.help(help));
+}
+
+/// Reports by how much the contracts are violated with the number of strips from the job.
+pub(crate) fn lacking(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    task: &Task<'_>,
+    around: &Surroundings<'_>,
+    side: FaceId,
+    strips: u32,
+    lacks: f64,
+) {
+    let tool = &cx.program.tools[operation.tool];
+    let cutter = tool.solid.cutter;
+    let found = task
+        .room(SurfaceKind::Face(side), side)
+        .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
+    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
+    cx.sink.push(
+        Diag::warning(
+            planning::NOT_FLANK_MILLABLE,
+            format!(
+                "{strips} band{} of {} miss the bounds on the {} face by {}",
+                if strips == 1 { "" } else { "s" },
+                tool.name,
+                side.name(),
+                length(lacks)
+            ),
+        )
+        .help(format!("more bands (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
+        .label(operation.span, "in this operation")
+        .label(tool.span, "with this cutter")
+        .note(LAW),
+    );
+}
+
+/// For each number of strips the largest cutter that keeps an error, as a share of its size.
+pub(crate) fn fitting(
+    around: &Surroundings<'_>,
+    side: FaceId,
+    cutter: Cutter,
+    strips: &[u32],
+    error: f64,
+) -> Vec<(u32, Option<f64>)> {
+    // The factor leaves a reserve for easing and for the full search.
+    let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
+    if error > SLACK { found.collect() } else { Vec::new() }
+}
