@@ -16,7 +16,7 @@ use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, PostChoice, Program};
 use crate::job::{Fault, Files, Job};
 use crate::output::Outputs;
-use crate::passes::pipeline;
+use crate::passes::pipeline::{self, Plan};
 use crate::post::{self, NcProgram, Post};
 use crate::source::{Origin, SourceFile, SourceMap};
 use crate::syntax::ast::{File, ItemKind};
@@ -104,36 +104,18 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted, contracts } = outcome;
-    let emit = options.emit;
-    if emit == Some(Emit::Ir) {
+    if options.emit == Some(Emit::Ir) {
         *emitted = Some(print::program(&program));
         return Ok(());
     }
 
-    analysis::machine_kind::check(&program, sink)?;
-    analysis::part_kind::check(&program, sink)?;
-    let post = find_post(&program, sink)?;
-    // Told before the minute that planning takes, not after it.
-    let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
-    let outputs = before_work(Outputs::default(), &options.run, &own, sources, &program).map_err(|d| sink.push(d));
-    let Ok(mut outputs) = outputs else { return Err(Aborted) };
-    analysis::cost::check(&program, sink)?;
-    // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
-    stages.run("facts", || analysis::check(&program, sink));
-    if sink.has_errors() {
-        return Err(Aborted);
-    }
+    let (post, mut outputs) = check_before_planning(options, &program, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
-    let planned = match emit {
-        Some(Emit::Cc) => Some(print::cc(&program, &plan.cc, Detail::Full)),
-        Some(Emit::Cl) => Some(print::cl(&program, &plan.cl, Detail::Full)),
-        Some(Emit::Motion) => Some(print::motion(&program, &plan.motion, Detail::Full)),
-        _ => None,
-    };
-    if planned.is_some() {
-        *emitted = planned;
+    if let Some(text) = print_plan(options.emit, &program, &plan) {
+        *emitted = Some(text);
         return Ok(());
     }
+
     let mut stock = Vec::new();
     let (judged, certificate) = stages.watched("verify", |progress| {
         rest_stock::examine(&options.run, &program, plan.motion, (&mut stock, &mut outputs), progress, sink)
@@ -143,7 +125,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {
         program: &program,
-        motion: judged.as_ref().map_or_else(|refused| refused, crate::verify::Verified::get),
+        motion: judged.as_ref().map_or_else(|refused| refused, Verified::get),
         certificate: &certificate,
         notes: &notes,
         stock: &stock,
@@ -152,43 +134,22 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         hash: &inputs.sha256,
     };
     post.check(&program, shown.motion, sink);
-    let Ok(motion) =
-        judged.as_ref().map_err(|_| Aborted).and_then(|m| if sink.has_errors() { Err(Aborted) } else { Ok(m) })
-    else {
-        // What failed is what the reader wants to see.
-        if let Some(path) = &options.run.report {
-            let html = report::html(&shown, stages, sink);
-            outputs.stage("--report", path, html.as_bytes()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-        }
-        outputs.commit().map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-        let meshes = meshes_written(&options.run, shown.motion);
-        *emitted = (!meshes.is_empty()).then(|| format!("{meshes}no NC text written\n"));
-        if let Some(path) = &options.run.report {
-            *emitted = Some(format!("{meshes}wrote {}; no NC text\n", shown_path(path)));
-        }
+    let Some(motion) = judged.as_ref().ok().filter(|_| !sink.has_errors()) else {
+        *emitted = save_refused(&options.run, &shown, outputs, stages, sink)?;
         return Err(Aborted);
     };
-    let (written, file) = stages.run("write", || written(&program, motion, &certificate, post, inputs.clone()));
-    let file = file.map_err(|reason| {
-        sink.push(
-            Diag::error(files::INTERNAL, format!("the certificate cannot be written: {reason}"))
-                .help("report the job file: this is a fault of the compiler"),
-        );
-        Aborted
-    })?;
-    let nc = written.text();
-    let read = stages.run("read back", || post::read_back(post, &program, motion, &nc)).map_err(|d| sink.push(d));
-    let Ok(read) = read else { return Err(Aborted) };
-    if emit == Some(Emit::Nc) {
-        *emitted = Some(nc);
+
+    let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
+    let written = told(written, sink)?;
+    let read = told(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
+    if options.emit == Some(Emit::Nc) {
+        *emitted = Some(written.text);
         return Ok(());
     }
     let mut text = certificate.text(&program, motion.get());
     text.push_str("\nhow the operations were planned\n");
-    for planned in &plan.cl.operations {
-        for note in &planned.notes {
-            text.push_str(&format!("  {:<12} {note}\n", program.operations[planned.operation].name));
-        }
+    for (operation, note) in &notes {
+        text.push_str(&format!("  {operation:<12} {note}\n"));
     }
     text.push_str(&format!(
         "\n{} text read back: {} moves, tip within {:.6} mm, tool axis within {:.1e} rad of the motion\n",
@@ -197,28 +158,67 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         read.tip,
         read.axis
     ));
-    let picture = options.picture.as_ref().map(|_| stages.run("picture", || picture::picture(&program, motion.get())));
-    let nc_lines = Some(report::NcLines::written(&written));
-    let html =
-        options.run.report.as_ref().map(|_| report::html(&report::Shown { nc: nc_lines, ..shown }, stages, sink));
-    let texts = [
-        ("-o", &options.output, Some(nc.as_bytes())),
-        ("--certificate", &options.certificate, Some(file.as_bytes())),
-        ("--picture", &options.picture, picture.as_deref()),
-        ("--report", &options.run.report, html.as_deref().map(str::as_bytes)),
-    ];
-    let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
-    stages.run("save", || save(outputs, files)).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
-    match &options.output {
-        Some(path) => text.push_str(&format!("wrote {}: {} lines\n", shown_path(path), nc.lines().count())),
-        None => text.push_str("no NC text written: no `-o FILE`\n"),
-    }
-    text.push_str(&meshes_written(&options.run, motion.get()));
-    for path in [&options.certificate, &options.picture, &options.run.report].into_iter().flatten() {
-        text.push_str(&format!("wrote {}\n", shown_path(path)));
-    }
+    text.push_str(&written.save(options, shown, outputs, stages, sink)?);
     *emitted = Some(text);
     Ok(())
+}
+
+/// Tells the fault that stops a run.
+fn told<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> {
+    made.map_err(|fault| {
+        sink.push(fault);
+        Aborted
+    })
+}
+
+/// Everything that can be refused before the minute that planning takes. What remains is the dialect, and the outputs,
+/// which nothing hinders.
+fn check_before_planning(
+    options: &Options,
+    program: &Program,
+    sources: &SourceMap,
+    stages: &mut Stages,
+    sink: &mut Sink,
+) -> Result<(&'static dyn Post, Outputs), Aborted> {
+    analysis::machine_kind::check(program, sink)?;
+    analysis::part_kind::check(program, sink)?;
+    let post = find_post(program, sink)?;
+    let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
+    let outputs = told(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
+    analysis::cost::check(program, sink)?;
+    // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
+    stages.run("facts", || analysis::check(program, sink));
+    if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
+}
+
+/// The value of planning that is to be printed.
+fn print_plan(emit: Option<Emit>, program: &Program, plan: &Plan) -> Option<String> {
+    match emit? {
+        Emit::Cc => Some(print::cc(program, &plan.cc, Detail::Full)),
+        Emit::Cl => Some(print::cl(program, &plan.cl, Detail::Full)),
+        Emit::Motion => Some(print::motion(program, &plan.motion, Detail::Full)),
+        _ => None,
+    }
+}
+
+/// Writes what there is of a program that was refused: what failed is what the reader wants to see. Says what it wrote.
+fn save_refused(
+    run: &RunOptions,
+    shown: &report::Shown<'_>,
+    mut outputs: Outputs,
+    stages: &mut Stages,
+    sink: &mut Sink,
+) -> Result<Option<String>, Aborted> {
+    if let Some(path) = &run.report {
+        let html = report::html(shown, stages, sink);
+        told(outputs.stage("--report", path, html.as_bytes()), sink)?;
+    }
+    told(outputs.commit(), sink)?;
+    let meshes = meshes_written(run, shown.motion);
+    Ok(match &run.report {
+        Some(path) => Some(format!("{meshes}wrote {}; no NC text\n", shown_path(path))),
+        None => (!meshes.is_empty()).then(|| format!("{meshes}no NC text written\n")),
+    })
 }
 
 /// A path in what is printed.
@@ -292,7 +292,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     }
 
     let files = DiskFiles::new(&options.job, options.run.library.as_deref(), options.run.curves.as_deref());
-    let mut files = files.map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    let mut files = told(files, sink)?;
     if let Some(name) = &options.run.machine {
         take_machine(name, &mut ast, &mut files, sink)?;
     }
@@ -362,28 +362,75 @@ fn inputs(sources: &SourceMap) -> Inputs {
     Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.text.as_str())))
 }
 
-/// The NC program and the text of its certificate, each with the hash of the other.
-fn written(
-    program: &Program,
-    motion: &Verified<Motion>,
-    certificate: &Certificate,
-    post: &dyn Post,
-    inputs: Inputs,
-) -> (NcProgram, Result<String, String>) {
-    let mut nc = post.emit(program, motion, &header(program, certificate, &inputs));
-    // The body is known first, then the head but for the line of the certificate, then the certificate.
-    let [_, of_body, of_certificate] = HEAD;
-    let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
-        nc.lines.iter_mut().any(|line| certificate_file::fill(&mut line.text, word, hash))
-    };
-    let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
-    fill(&mut nc, of_body, &body);
-    let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
-    let file = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
-    if let Ok(file) = &file {
-        fill(&mut nc, of_certificate, &sha256(file.as_bytes()));
+/// What is written of a program that was accepted.
+struct Written {
+    nc: NcProgram,
+    /// The NC text.
+    text: String,
+    /// Text of the certificate.
+    certificate: String,
+}
+
+impl Written {
+    /// The NC program and its certificate, each with the hash of the other.
+    fn new(
+        program: &Program,
+        motion: &Verified<Motion>,
+        certificate: &Certificate,
+        post: &dyn Post,
+        inputs: Inputs,
+    ) -> Result<Self, Diag> {
+        let mut nc = post.emit(program, motion, &header(program, certificate, &inputs));
+        // The body is known first, then the head but for the line of the certificate, then the certificate.
+        let [_, of_body, of_certificate] = HEAD;
+        let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
+            nc.lines.iter_mut().any(|line| certificate_file::fill(&mut line.text, word, hash))
+        };
+        let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
+        fill(&mut nc, of_body, &body);
+        let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
+        let certificate = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
+        let certificate = certificate.map_err(|reason| {
+            Diag::error(files::INTERNAL, format!("the certificate cannot be written: {reason}"))
+                .help("report the job file: this is a fault of the compiler")
+        })?;
+        fill(&mut nc, of_certificate, &sha256(certificate.as_bytes()));
+        Ok(Self { text: nc.text(), nc, certificate })
     }
-    (nc, file)
+
+    /// Writes every file that was asked for. Says which.
+    fn save(
+        &self,
+        options: &Options,
+        shown: report::Shown<'_>,
+        outputs: Outputs,
+        stages: &mut Stages,
+        sink: &mut Sink,
+    ) -> Result<String, Aborted> {
+        let Options { output, picture, certificate, run, .. } = options;
+        let image = picture.as_ref().map(|_| stages.run("picture", || picture::picture(shown.program, shown.motion)));
+        let motion = shown.motion;
+        let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc)), ..shown };
+        let html = run.report.as_ref().map(|_| report::html(&shown, stages, sink));
+        let texts = [
+            ("-o", output, Some(self.text.as_bytes())),
+            ("--certificate", certificate, Some(self.certificate.as_bytes())),
+            ("--picture", picture, image.as_deref()),
+            ("--report", &run.report, html.as_deref().map(str::as_bytes)),
+        ];
+        let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
+        told(stages.run("save", || save(outputs, files)), sink)?;
+
+        let mut said = match output {
+            Some(path) => format!("wrote {}: {} lines\n", shown_path(path), self.text.lines().count()),
+            None => "no NC text written: no `-o FILE`\n".to_owned(),
+        };
+        said.push_str(&meshes_written(run, motion));
+        for path in [certificate, picture, &run.report].into_iter().flatten() {
+            said.push_str(&format!("wrote {}\n", shown_path(path)));
+        }
+        Ok(said)
+    }
 }
 
 /// Where the operations stand in the text: their moves with the transformation on.

@@ -2,7 +2,7 @@
 
 use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, reading, report, rest_stock,
-    save, shown_path,
+    save, shown_path, told,
 };
 use crate::analysis;
 use crate::diag::codes::post as codes;
@@ -95,8 +95,7 @@ fn measure(
     if let Some(path) = &check.certificate {
         outputs.protect(format!("the certificate `{}`", path.display()), path);
     }
-    let outputs = before_work(outputs, &check.run, &[], sources, program).map_err(|d| sink.push(d));
-    let Ok(mut outputs) = outputs else { return Err(Aborted) };
+    let mut outputs = told(before_work(outputs, &check.run, &[], sources, program), sink)?;
     let shown = check.nc.display().to_string();
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     // The dialect is the one on the command line, or the job's, unless the text clearly has the words of another.
@@ -144,7 +143,7 @@ fn measure(
     });
     let file = check.run.report.as_deref().zip(html.as_deref());
     let file = file.map(|(path, html)| ("--report", path, html.as_bytes()));
-    save(outputs, file.into_iter()).map_err(|d| sink.push(d)).map_err(|()| Aborted)?;
+    told(save(outputs, file.into_iter()), sink)?;
     let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
@@ -169,97 +168,21 @@ struct Belonging<'a> {
 impl Belonging<'_> {
     /// Whether body, head, compiler and inputs are those of the certificate. Says so, or puts what differs into the sink.
     fn check(&self, inputs: Option<&Inputs>, sink: &mut Sink) -> String {
-        let Self { sources, nc, shown, bytes, file } = *self;
-        let Some(text) = sources.get(nc) else { return String::new() };
-        let mut same = true;
-        let mut differs = |diag: Diag| {
-            same = false;
-            sink.push(diag.help(
-                "`impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew",
-            ));
-        };
-        let line = |line: usize| sources.line_span(nc, line).unwrap_or(Span::new(nc, 0..0));
-        let body = certificate_file::body(&text.text).1;
-        let of_text = certificate_file::sha256(body.as_bytes());
-        if let Some((first, last, operation)) = file.nc.first_difference(&text.text) {
-            let place = operation.map_or(String::new(), |o| format!(", `{o}` in the text of the certificate"));
-            let lines = if first == last {
-                format!("line {first} is the first that differs")
-            } else {
-                format!("lines {first} to {last} are the first that differ")
-            };
-            differs(
-                Diag::error(codes::CERTIFICATE_OTHER, format!("{shown} was written for another text: {lines}{place}"))
-                    .label(line(first), "the first difference is here or below")
-                    .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
-                    .note(format!("body sha256 {of_text} of the text"))
-                    .note(format!(
-                        "{} lines in the certificate, {} in the text",
-                        file.nc.body_lines,
-                        body.lines().count()
-                    )),
-            );
-        }
-        if let Some(edited) = file.nc.head_difference(&text.text) {
-            differs(
-                Diag::error(
-                    codes::CERTIFICATE_OTHER,
-                    format!("the head of the text is not the one that {shown} was written for: line {edited} differs"),
-                )
-                .label(line(edited), "here or below")
-                .note("the comments before the first block name tools, zero, machine and figures"),
-            );
-        }
-        let named = |word| certificate_file::named(&text.text, word);
-        let [of_inputs, of_body, of_certificate] = HEAD;
-        let own = certificate_file::sha256(bytes.as_bytes());
-        let missing: Vec<&str> = HEAD.into_iter().filter(|word| named(word).is_none()).map(str::trim).collect();
-        if !missing.is_empty() {
-            differs(
-                Diag::error(
-                    codes::CERTIFICATE_OTHER,
-                    format!("the head of the text does not name its {}", missing.join(", ")),
-                )
-                .label(line(1), "in the comments from here on")
-                .note("without them nobody can tell whether the certificate was edited"),
-            );
-        }
-        if let Some(other) = named(of_body).filter(|n| **n != *of_text) {
-            differs(
-                Diag::error(codes::CERTIFICATE_OTHER, "the text is not the one that its own head names: it was edited")
-                    .label(line(1), "in the comments from here on")
-                    .note(format!("body sha256 {other} in the head"))
-                    .note(format!("body sha256 {of_text} of the text")),
-            );
-        }
-        if let Some(other) = named(of_certificate).filter(|n| **n != *own) {
-            differs(
-                Diag::error(
-                    codes::CERTIFICATE_OTHER,
-                    format!("the head of the text names another certificate than {shown}"),
-                )
-                .label(line(1), "in the comments from here on")
-                .note(format!("certificate sha256 {other} in the head"))
-                .note(format!("certificate sha256 {own} of the file: it was edited, or is from another run")),
-            );
-        }
-        if let Some(other) = named(of_inputs).filter(|n| **n != *file.inputs.sha256) {
-            differs(
-                Diag::error(codes::CERTIFICATE_OTHER, "the text was made from other inputs than the certificate")
-                    .label(line(1), "in the comments from here on")
-                    .note(format!("inputs sha256 {other} in the head"))
-                    .note(format!("inputs sha256 {} in the certificate", file.inputs.sha256)),
-            );
-        }
-        let changed = inputs.map_or_else(Vec::new, |now| file.inputs.differences(now));
-        if !changed.is_empty() {
-            let diag = Diag::error(
-                codes::CERTIFICATE_OTHER,
-                format!("{shown} was made from another job or library than given"),
-            );
-            differs(changed.into_iter().fold(diag, Diag::note));
-        }
-        if !same {
+        let Self { shown, file, .. } = *self;
+        let Some(text) = self.sources.get(self.nc) else { return String::new() };
+        let of_text = certificate_file::sha256(certificate_file::body(&text.text).1.as_bytes());
+        let mut differences = Vec::new();
+        differences.extend(self.other_body(&text.text, &of_text));
+        differences.extend(self.other_head(&text.text));
+        differences.extend(self.nameless_head(&text.text));
+        differences.extend(self.other_hashes(&text.text, &of_text));
+        differences.extend(self.other_inputs(inputs));
+        if !differences.is_empty() {
+            for diag in differences {
+                sink.push(diag.help(
+                    "`impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew",
+                ));
+            }
             return String::new();
         }
         format!(
@@ -272,6 +195,98 @@ impl Belonging<'_> {
             file.compiler,
             if inputs.is_some() { "; job and library are those of the certificate" } else { "" }
         )
+    }
+
+    /// The span of a line of the NC text.
+    fn line(&self, line: usize) -> Span {
+        self.sources.line_span(self.nc, line).unwrap_or(Span::new(self.nc, 0..0))
+    }
+
+    /// The first lines of the body, whose hash is `of_text`, that differ from the body of the certificate.
+    fn other_body(&self, text: &str, of_text: &str) -> Option<Diag> {
+        let Self { shown, file, .. } = *self;
+        let (first, last, operation) = file.nc.first_difference(text)?;
+        let place = operation.map_or(String::new(), |o| format!(", `{o}` in the text of the certificate"));
+        let lines = if first == last {
+            format!("line {first} is the first that differs")
+        } else {
+            format!("lines {first} to {last} are the first that differ")
+        };
+        Some(
+            Diag::error(codes::CERTIFICATE_OTHER, format!("{shown} was written for another text: {lines}{place}"))
+                .label(self.line(first), "the first difference is here or below")
+                .note(format!("body sha256 {} in the certificate", file.nc.body_sha256))
+                .note(format!("body sha256 {of_text} of the text"))
+                .note(format!(
+                    "{} lines in the certificate, {} in the text",
+                    file.nc.body_lines,
+                    certificate_file::body(text).1.lines().count()
+                )),
+        )
+    }
+
+    /// The first line of the head that differs from the head of the certificate.
+    fn other_head(&self, text: &str) -> Option<Diag> {
+        let edited = self.file.nc.head_difference(text)?;
+        let shown = self.shown;
+        Some(
+            Diag::error(
+                codes::CERTIFICATE_OTHER,
+                format!("the head of the text is not the one that {shown} was written for: line {edited} differs"),
+            )
+            .label(self.line(edited), "here or below")
+            .note("the comments before the first block name tools, zero, machine and figures"),
+        )
+    }
+
+    /// The hashes that the head does not name.
+    fn nameless_head(&self, text: &str) -> Option<Diag> {
+        let missing = HEAD.into_iter().filter(|word| certificate_file::named(text, word).is_none());
+        let missing: Vec<&str> = missing.map(str::trim).collect();
+        (!missing.is_empty()).then(|| {
+            Diag::error(
+                codes::CERTIFICATE_OTHER,
+                format!("the head of the text does not name its {}", missing.join(", ")),
+            )
+            .label(self.line(1), "in the comments from here on")
+            .note("without them nobody can tell whether the certificate was edited")
+        })
+    }
+
+    /// The hashes that the head names, but that are not those of body, certificate and inputs.
+    fn other_hashes(&self, text: &str, of_text: &str) -> Vec<Diag> {
+        let Self { shown, bytes, file, .. } = *self;
+        let [of_inputs, of_body, of_certificate] = HEAD;
+        let own = certificate_file::sha256(bytes.as_bytes());
+        let other = |word: &str, due: &str| certificate_file::named(text, word).filter(|named| **named != *due);
+        let differs = |message: String| {
+            Diag::error(codes::CERTIFICATE_OTHER, message).label(self.line(1), "in the comments from here on")
+        };
+        let body = other(of_body, of_text).map(|other| {
+            differs("the text is not the one that its own head names: it was edited".to_owned())
+                .note(format!("body sha256 {other} in the head"))
+                .note(format!("body sha256 {of_text} of the text"))
+        });
+        let certificate = other(of_certificate, &own).map(|other| {
+            differs(format!("the head of the text names another certificate than {shown}"))
+                .note(format!("certificate sha256 {other} in the head"))
+                .note(format!("certificate sha256 {own} of the file: it was edited, or is from another run"))
+        });
+        let inputs = other(of_inputs, &file.inputs.sha256).map(|other| {
+            differs("the text was made from other inputs than the certificate".to_owned())
+                .note(format!("inputs sha256 {other} in the head"))
+                .note(format!("inputs sha256 {} in the certificate", file.inputs.sha256))
+        });
+        [body, certificate, inputs].into_iter().flatten().collect()
+    }
+
+    /// The inputs that are given and were others when the certificate was made.
+    fn other_inputs(&self, now: Option<&Inputs>) -> Option<Diag> {
+        let Self { shown, file, .. } = *self;
+        let changed = file.inputs.differences(now?);
+        let message = format!("{shown} was made from another job or library than given");
+        let diag = Diag::error(codes::CERTIFICATE_OTHER, message);
+        (!changed.is_empty()).then(|| changed.into_iter().fold(diag, Diag::note))
     }
 }
 
