@@ -160,6 +160,7 @@ impl Interpreter<'_> {
         false
     }
 
+    /// The moves of an operation, and the line of each.
     fn section(
         &mut self,
         section: &NcSection,
@@ -168,85 +169,61 @@ impl Interpreter<'_> {
     ) -> (MotionOperation, Vec<usize>) {
         let machine = &self.program.machine;
         let length = self.program.tools[operation.tool].length();
-        let start = &section.start;
-        let names = machine.names();
-        let mut made =
-            MotionOperation { operation: id, labels: Vec::new(), moves: Vec::with_capacity(section.moves.len() + 2) };
-        let mut lines = Vec::with_capacity(section.moves.len() + 2);
-        let station = |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false };
-        let xyz = start.xyz - Vector3::z() * length;
-        made.moves.push(station(Joints { xyz, rotary: start.rotary }));
-        lines.push(start.line);
-        let mut before = start.rotary;
-        let mut last: Option<&NcMove> = None;
+        let mut course = Course::new(section, id, machine, length);
         let mut widest = 0.0;
-        // Where its planner comes to rest is looked at for this control alone.
-        let stops = machine.planning == Planning::LinuxCnc;
         for m in &section.moves {
-            let rotary = match m.direction {
-                Direction::Rotary(angles) => angles,
-                Direction::Axis(axis) => match nearest(&machine.chain, &axis, before) {
-                    Some(angles) => angles,
-                    None => {
-                        let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
-                        self.fatal(post::NC_POSITIONING, m.line, text, "a direction that the rotary axes reach");
-                        before
-                    }
-                },
-            };
-            // A block that moves nothing.
-            if last.is_some_and(|l| l.tip == m.tip && rotary == before) {
+            let rotary = self.rotary(m, course.rotary);
+            if course.stays(m, rotary) {
                 continue;
             }
-            self.check_turn(m, last.is_none(), before, rotary);
-            if last.is_none_or(|l| m.rapid && !l.rapid) {
-                made.labels.push(format!("blocks from line {}", m.line));
-            }
+            let first = course.last.is_none();
+            self.check_turn(m, first, course.rotary, rotary);
             if m.smoothing > widest {
                 self.check_smoothing(m, operation);
                 widest = m.smoothing;
             }
-            let joints = machine.joints(&m.tip, rotary);
-            let start = made.moves.last().map_or(joints, |from| from.joints);
-            let tips = [last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
-            let way = Way { machine, length_of_tool: length, tips, joints: [start, joints] };
-            let (kind, mut feed) = self.kind(m, operation, last.is_none(), &way);
-            let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
+            let way = course.way(m, rotary);
+            let (kind, mut feed) = self.kind(m, operation, first, &way);
             let time = match (m.time, feed) {
                 (Some(time), _) => time,
                 (None, Some(feed)) => way.time(feed),
                 (None, None) => way.rapid_time(),
             };
-            let turn = most_turn(start.rotary, rotary);
-            if kind != MoveKind::Rapid && way.length() < STILL.1 && turn > STILL.0 {
-                let text = "a block at feed turns the tool without moving its tip".to_owned();
-                let diag = self.fault(
-                    post::STANDSTILL,
-                    m.line,
-                    text,
-                    "move the tip with the turn, or turn at rapid outside of the stock",
-                );
-                self.tell(diag);
+            if kind != MoveKind::Rapid && way.turns_on_the_spot() {
+                self.tell_standstill(m);
                 // In inverse time a tip at rest has no feed of its own.
                 feed = Some(operation.feed.get());
             }
-            if let (Some(before), Some(l)) = (made.moves.last_mut(), last) {
-                before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);
-            }
-            made.moves.push(JointMove { kind, joints, feed, time, pass, stop: stops });
-            lines.push(m.line);
-            before = rotary;
-            last = Some(m);
+            course.go(m, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
         }
-        if let (Some((line, z)), Some(from)) = (section.retract, made.moves.last().copied()) {
-            let mut joints = from.joints;
-            joints.xyz.z = z - length;
-            // With the transformation off each axis keeps its own speed.
-            let time = machine.least_time(&from.joints, &joints, length);
-            made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
-            lines.push(line);
+        if let Some(retract) = section.retract {
+            course.retract(retract);
         }
-        (made, lines)
+        (course.made, course.lines)
+    }
+
+    /// Where the control turns the rotary axes in a block. They stand at `before`.
+    fn rotary(&mut self, m: &NcMove, before: Angles) -> Angles {
+        let machine = &self.program.machine;
+        match m.direction {
+            Direction::Rotary(angles) => angles,
+            Direction::Axis(axis) => match nearest(&machine.chain, &axis, before) {
+                Some(angles) => angles,
+                None => {
+                    let names = machine.names();
+                    let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
+                    self.fatal(post::NC_POSITIONING, m.line, text, "a direction that the rotary axes reach");
+                    before
+                }
+            },
+        }
+    }
+
+    fn tell_standstill(&mut self, m: &NcMove) {
+        let text = "a block at feed turns the tool without moving its tip".to_owned();
+        let help = "move the tip with the turn, or turn at rapid outside of the stock";
+        let diag = self.fault(post::STANDSTILL, m.line, text, help);
+        self.tell(diag);
     }
 
     /// Rotary positions that nobody can be sure of, and turns while the tool comes down.
@@ -339,6 +316,81 @@ fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles>
     Some(if way(&other) < way(&one) { other } else { one })
 }
 
+/// An operation as far as its blocks are read.
+struct Course<'a> {
+    machine: &'a Machine,
+    length_of_tool: f64,
+    made: MotionOperation,
+    /// Line of every move.
+    lines: Vec<usize>,
+    /// Where the rotary axes stand.
+    rotary: Angles,
+    /// The block before; `None` before the first one.
+    last: Option<&'a NcMove>,
+}
+
+impl<'a> Course<'a> {
+    /// Begins at the station where the transformation is switched on.
+    fn new(section: &'a NcSection, operation: OperationId, machine: &'a Machine, length_of_tool: f64) -> Self {
+        let start = &section.start;
+        let count = section.moves.len() + 2;
+        let mut made = MotionOperation { operation, labels: Vec::new(), moves: Vec::with_capacity(count) };
+        let mut lines = Vec::with_capacity(count);
+        let xyz = start.xyz - Vector3::z() * length_of_tool;
+        made.moves.push(station(Joints { xyz, rotary: start.rotary }));
+        lines.push(start.line);
+        Self { machine, length_of_tool, made, lines, rotary: start.rotary, last: None }
+    }
+
+    /// Whether a block moves nothing.
+    fn stays(&self, m: &NcMove, rotary: Angles) -> bool {
+        self.last.is_some_and(|l| l.tip == m.tip && rotary == self.rotary)
+    }
+
+    /// The way to the end of a block.
+    fn way(&self, m: &NcMove, rotary: Angles) -> Way<'a> {
+        let machine = self.machine;
+        let joints = machine.joints(&m.tip, rotary);
+        let start = self.made.moves.last().map_or(joints, |from| from.joints);
+        let tips = [self.last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
+        Way { machine, length_of_tool: self.length_of_tool, tips, joints: [start, joints] }
+    }
+
+    /// Adds the move of a block, with its pass. A pass begins with the first rapid after feed.
+    fn go(&mut self, m: &'a NcMove, step: JointMove) {
+        let made = &mut self.made;
+        if self.last.is_none_or(|l| m.rapid && !l.rapid) {
+            made.labels.push(format!("blocks from line {}", m.line));
+        }
+        let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
+        // Where its planner comes to rest is looked at for this control alone.
+        let stops = self.machine.planning == Planning::LinuxCnc;
+        if let (Some(before), Some(l)) = (made.moves.last_mut(), self.last) {
+            before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);
+        }
+        made.moves.push(JointMove { pass, stop: stops, ..step });
+        self.lines.push(m.line);
+        self.rotary = step.joints.rotary;
+        self.last = Some(m);
+    }
+
+    /// Adds the retract to a height of the gauge line.
+    fn retract(&mut self, (line, z): (usize, f64)) {
+        let Some(from) = self.made.moves.last().copied() else { return };
+        let mut joints = from.joints;
+        joints.xyz.z = z - self.length_of_tool;
+        // With the transformation off each axis keeps its own speed.
+        let time = self.machine.least_time(&from.joints, &joints, self.length_of_tool);
+        self.made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
+        self.lines.push(line);
+    }
+}
+
+/// A move that does no work.
+fn station(joints: Joints) -> JointMove {
+    JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }
+}
+
 /// The way of one move.
 struct Way<'a> {
     machine: &'a Machine,
@@ -350,6 +402,11 @@ struct Way<'a> {
 impl Way<'_> {
     fn length(&self) -> f64 {
         (self.tips[1] - self.tips[0]).norm()
+    }
+
+    /// Whether the tool turns and its tip stands still.
+    fn turns_on_the_spot(&self) -> bool {
+        self.length() < STILL.1 && most_turn(self.joints[0].rotary, self.joints[1].rotary) > STILL.0
     }
 
     /// Least time at rapid within the speeds of the axes, s.
