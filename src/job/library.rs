@@ -329,6 +329,46 @@ impl Reader<'_> {
         }
     }
 
+    /// Control cycle, s.
+    fn cycle(&mut self, text: &Option<Text>, assumed: &mut Vec<String>) -> f64 {
+        match text {
+            Some(text) => self.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
+            None => {
+                assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
+                DEFAULT_CYCLE
+            }
+        }
+    }
+
+    /// How the control plans speeds.
+    fn planning(&mut self, text: &Option<Text>) -> Planning {
+        match text {
+            None => Planning::Joints,
+            Some(text) if text.get_ref() == LINUXCNC => Planning::LinuxCnc,
+            Some(text) => {
+                self.fault(
+                    self.span(text),
+                    format!("the planning of speeds by `{}` is not known", text.get_ref()),
+                    format!("\"{LINUXCNC}\" is the one that exists"),
+                    "leave the line out for a control that looks ahead and keeps the limits of every joint",
+                );
+                Planning::Joints
+            }
+        }
+    }
+
+    /// Retract height, within the travel of Z.
+    fn retract(&mut self, table: &Option<RetractTable>, [low, top]: [Mm; 2], assumed: &mut Vec<String>) -> Mm {
+        match table {
+            Some(t) => Mm(self.quantity(&t.z, Dimension::LENGTH, low.get(), top.get())),
+            None => {
+                let top_text = trim(top.get(), 6);
+                assumed.push(format!("retract to the upper end of the travel of Z, {top_text} mm, the default"));
+                top
+            }
+        }
+    }
+
     fn rotary(&mut self, name: &str, table: &RotaryTable) -> RotarySpec {
         let iso = match table.sense.get_ref().as_str() {
             "iso" => true,
@@ -376,6 +416,33 @@ fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
         .help("compare it with the files in jobs/_lib; `impellerc explain IMP0217` lists the keys")
 }
 
+/// Says that a machine does not have two rotary axes.
+fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
+    let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
+    let has: Vec<&str> = [has(&axes.a, "A"), has(&axes.b, "B"), has(&axes.c, "C")].into_iter().flatten().collect();
+    let count = match &has[..] {
+        [] => "no rotary axis".to_owned(),
+        [one] => format!("the rotary axis {one} alone"),
+        more => format!("the rotary axes {}", more.join(", ")),
+    };
+    Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has {count}")).help(format!(
+        "five-axis milling needs two rotary axes, such as [axes.A] and [axes.C] in {file}; or use another machine",
+    ))
+}
+
+/// Names the axes whose file says nothing of jerk.
+fn silent_jerks(table: &AxesTable, [first, second]: [(&str, &RotaryTable); 2]) -> Option<String> {
+    let jerks = [
+        ("X", &table.x.jerk),
+        ("Y", &table.y.jerk),
+        ("Z", &table.z.jerk),
+        (first.0, &first.1.jerk),
+        (second.0, &second.1.jerk),
+    ];
+    let silent: Vec<&str> = jerks.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    (!silent.is_empty()).then(|| format!("no limit of the jerk of {}, the default", silent.join(", ")))
+}
+
 /// Reads a machine file that is already in the map. `asked` is where the job names it.
 pub(super) fn machine(
     name: &str,
@@ -395,68 +462,16 @@ pub(super) fn machine(
     let mut reader = Reader { source, sink, faults: false };
     let Some((kind, axes)) = reader.rotary_axes(&table) else {
         if !reader.faults {
-            let axes = &table.axes;
-            let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
-            let has: Vec<&str> =
-                [has(&axes.a, "A"), has(&axes.b, "B"), has(&axes.c, "C")].into_iter().flatten().collect();
-            let count = match &has[..] {
-                [] => "no rotary axis".to_owned(),
-                [one] => format!("the rotary axis {one} alone"),
-                more => format!("the rotary axes {}", more.join(", ")),
-            };
-            sink.push(
-                Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has {count}"))
-                    .label(asked, "used here")
-                    .help(format!(
-                        "five-axis milling needs two rotary axes, such as [axes.A] and [axes.C] in {}; or use another machine",
-                        file.name
-                    )),
-            );
+            sink.push(no_rotary_pair(name, &table.axes, &file.name).label(asked, "used here"));
         }
         return None;
     };
     let mut assumed = table.assumed.clone();
-    let cycle = match &table.cycle {
-        Some(text) => reader.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
-        None => {
-            assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
-            DEFAULT_CYCLE
-        }
-    };
-    let planning = match &table.planning {
-        None => Planning::Joints,
-        Some(text) if text.get_ref() == LINUXCNC => Planning::LinuxCnc,
-        Some(text) => {
-            reader.fault(
-                reader.span(text),
-                format!("the planning of speeds by `{}` is not known", text.get_ref()),
-                format!("\"{LINUXCNC}\" is the one that exists"),
-                "leave the line out for a control that looks ahead and keeps the limits of every joint",
-            );
-            Planning::Joints
-        }
-    };
-    let [(first_name, first), (second_name, second)] = axes;
-    let jerks = [&table.axes.x.jerk, &table.axes.y.jerk, &table.axes.z.jerk, &first.jerk, &second.jerk];
-    let silent: Vec<&str> = ["X", "Y", "Z", first_name, second_name]
-        .into_iter()
-        .zip(jerks)
-        .filter(|j| j.1.is_none())
-        .map(|j| j.0)
-        .collect();
-    if !silent.is_empty() {
-        assumed.push(format!("no limit of the jerk of {}, the default", silent.join(", ")));
-    }
+    let cycle = reader.cycle(&table.cycle, &mut assumed);
+    let planning = reader.planning(&table.planning);
+    assumed.extend(silent_jerks(&table.axes, axes));
     let linear = [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)];
-    let [low, top] = linear[2].travel;
-    let retract = match &table.retract {
-        Some(t) => Mm(reader.quantity(&t.z, Dimension::LENGTH, low.get(), top.get())),
-        None => {
-            assumed
-                .push(format!("retract to the upper end of the travel of Z, {} mm, the default", trim(top.get(), 6)));
-            top
-        }
-    };
+    let retract = reader.retract(&table.retract, linear[2].travel, &mut assumed);
     let rotary = axes.map(|(name, table)| reader.rotary(name, table));
     let spec = MachineSpec {
         name: name.to_owned(),

@@ -98,6 +98,25 @@ pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink
     }
 }
 
+/// Lengths along a tool, diameters, and radii at the tip, mm.
+const LONG: Range = Range::Between(limits::LEAST_SECTION, limits::LONGEST_TOOL);
+const THICK: Range = Range::Between(limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER);
+const CORNER: Range = Range::Between(limits::LEAST_CORNER, limits::LARGEST_DIAMETER / 2.0);
+
+/// Properties that tools of a kind may have.
+fn known(kind: &str) -> Vec<&'static str> {
+    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder"];
+    known.extend_from_slice(match kind {
+        "bull" => &["flute", "corner"],
+        "tapered-ball" => &["flute", "angle"],
+        "barrel" => &["flute", "barrel", "tip"],
+        "lollipop" => &["flute", "neck", "neck-end"],
+        _ => &["flute"],
+    });
+    known
+}
+
+/// A tool that the job spells out.
 fn shape(
     name: &Name,
     kind: &Name,
@@ -112,61 +131,18 @@ fn shape(
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &KINDS));
         return None;
     }
-    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder"];
-    known.extend_from_slice(match kind.text.as_str() {
-        "bull" => &["flute", "corner"],
-        "tapered-ball" => &["flute", "angle"],
-        "barrel" => &["flute", "barrel", "tip"],
-        "lollipop" => &["flute", "neck", "neck-end"],
-        _ => &["flute"],
-    });
-    let mut p = Properties::new(format!("tool {}", name.text), head, block, &known, &mut cx.scope, cx.sink);
-    let long = Range::Between(limits::LEAST_SECTION, limits::LONGEST_TOOL);
-    let thick = Range::Between(limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER);
-    let corner = Range::Between(limits::LEAST_CORNER, limits::LARGEST_DIAMETER / 2.0);
-    let diameter = p.required("diameter", Dimension::LENGTH, thick, "diameter 6 mm");
-    let cutter = match kind.text.as_str() {
-        "flat" => Some(CutterKind::Flat),
-        "ball" => Some(CutterKind::Ball),
-        "bull" => p.required("corner", Dimension::LENGTH, corner, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
-        "barrel" => {
-            let barrel = p.required("barrel", Dimension::LENGTH, long, "barrel 85 mm");
-            let tip = p.required("tip", Dimension::LENGTH, corner, "tip 2 mm");
-            barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
-        }
-        "lollipop" => {
-            let neck = p.required("neck", Dimension::LENGTH, thick, "neck 4 mm");
-            // Without `neck-end` the neck goes up to the holder; its height is known below.
-            let end = match p.has("neck-end") {
-                true => p.number("neck-end", Dimension::LENGTH, long, "neck-end 20 mm").map(|e| e.0),
-                false => Some(f64::INFINITY),
-            };
-            neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
-        }
-        _ => p
-            // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
-            .required("angle", Dimension::ANGLE, Range::Between(limits::LEAST_ANGLE, 0.785), "angle 3 deg")
-            .map(|a| CutterKind::TaperedBall(Rad(a.0))),
-    };
+    let owner = format!("tool {}", name.text);
+    let mut p = Properties::new(owner, head, block, &known(&kind.text), &mut cx.scope, cx.sink);
+    let diameter = p.required("diameter", Dimension::LENGTH, THICK, "diameter 6 mm");
+    let cutter = cutter(&kind.text, &mut p);
     let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
     if !p.has("flutes") {
         p.missing("flutes", "flutes 4");
     }
     let flutes = p.count("flutes", 1, 20, "flutes 4");
-    let fluted = kind.text != "lollipop";
-    if !fluted && let Some((word, _)) = p.take("flute") {
-        p.sink.push(
-            Diag::error(
-                codes::UNKNOWN_PROPERTY,
-                format!("the flutes of a lollipop end at its neck; {} gives them", name.text),
-            )
-            .label(word.span, "not for a lollipop")
-            .help("remove it; `neck` says where the ball ends"),
-        );
-    }
-    let flute = fluted.then(|| p.required("flute", Dimension::LENGTH, long, "flute 30 mm"));
-    let reach = p.required("reach", Dimension::LENGTH, long, "reach 40 mm");
-    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, thick, "shank 6 mm"));
+    let flute = flute(name, kind, &mut p);
+    let reach = p.required("reach", Dimension::LENGTH, LONG, "reach 40 mm");
+    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, THICK, "shank 6 mm"));
     let holder = holder(library, &mut p);
     let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
     let cutter = match cutter? {
@@ -184,10 +160,7 @@ fn shape(
         kind: cutter,
         diameter,
         flutes: flutes?.0,
-        flute: match flute {
-            Some(flute) => Mm(flute?.0),
-            None => Mm(cutter.least_flute(diameter).0),
-        },
+        flute: flute?.unwrap_or_else(|| Mm(cutter.least_flute(diameter).0)),
         shank: match shank {
             Some(shank) => Mm(shank?.0),
             None => diameter,
@@ -205,6 +178,51 @@ fn shape(
         return None;
     }
     Some(spec)
+}
+
+/// The cutter with the sizes that only its kind has. A neck without an end goes up to infinity.
+fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
+    match kind {
+        "flat" => Some(CutterKind::Flat),
+        "ball" => Some(CutterKind::Ball),
+        "bull" => p.required("corner", Dimension::LENGTH, CORNER, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
+        "barrel" => {
+            let barrel = p.required("barrel", Dimension::LENGTH, LONG, "barrel 85 mm");
+            let tip = p.required("tip", Dimension::LENGTH, CORNER, "tip 2 mm");
+            barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
+        }
+        "lollipop" => {
+            let neck = p.required("neck", Dimension::LENGTH, THICK, "neck 4 mm");
+            // Without `neck-end` the neck goes up to the holder; its height is known once the reach is read.
+            let end = match p.has("neck-end") {
+                true => p.number("neck-end", Dimension::LENGTH, LONG, "neck-end 20 mm").map(|e| e.0),
+                false => Some(f64::INFINITY),
+            };
+            neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
+        }
+        _ => p
+            // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
+            .required("angle", Dimension::ANGLE, Range::Between(limits::LEAST_ANGLE, 0.785), "angle 3 deg")
+            .map(|a| CutterKind::TaperedBall(Rad(a.0))),
+    }
+}
+
+/// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose neck ends the flutes.
+fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+    if kind.text != "lollipop" {
+        return p.required("flute", Dimension::LENGTH, LONG, "flute 30 mm").map(|f| Some(Mm(f.0)));
+    }
+    if let Some((word, _)) = p.take("flute") {
+        p.sink.push(
+            Diag::error(
+                codes::UNKNOWN_PROPERTY,
+                format!("the flutes of a lollipop end at its neck; {} gives them", name.text),
+            )
+            .label(word.span, "not for a lollipop")
+            .help("remove it; `neck` says where the ball ends"),
+        );
+    }
+    Some(None)
 }
 
 /// Outer `None`: faulty; inner `None`: the tool has no holder.
