@@ -2,7 +2,7 @@
 
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
 use crate::kin::{Carries, Machine};
-use crate::part::{Blade, BladeId, SurfaceKind};
+use crate::part::{Blade, BladeId, Part, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -23,8 +23,27 @@ fn at(p: &Point3<f64>) -> String {
 /// The program: one line an entity.
 pub fn program(program: &Program) -> String {
     let mut t = String::new();
-    let part = &program.part;
     let _ = writeln!(t, "program {}", program.name);
+    part(&mut t, &program.part);
+    let s = &program.stock;
+    let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
+    let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());
+    let _ = writeln!(t, "clamping below {} radius {radius}", s.clamping.below);
+    tools(&mut t, program);
+    operations(&mut t, program);
+    contracts(&mut t, program);
+    machine(&mut t, &program.machine);
+    let _ = writeln!(
+        t,
+        "tolerance chord {} rough {}, clearance {}",
+        program.tolerances.chord, program.tolerances.chord_rough, program.clearance
+    );
+    let _ = writeln!(t, "post {}", program.post.name);
+    t
+}
+
+/// The part: its blades with the passages between them, hub, shroud and fillets.
+fn part(t: &mut String, part: &Part) {
     let _ = writeln!(
         t,
         "part vanes {} pitch {:.4} deg, first wall {}",
@@ -32,6 +51,27 @@ pub fn program(program: &Program) -> String {
         part.pitch().to_degrees(),
         part.first_passage().walls[0].name()
     );
+    faces(t, part);
+    if part.blades.len() > 1 {
+        for passage in part.passages() {
+            let [from, to] = passage.walls.map(|wall| format!("{} {}", part.blade(wall.blade).name, wall.name()));
+            let next = if passage.sectors == 1 { " of the next sector" } else { "" };
+            let _ = writeln!(t, "passage from {from} to {to}{next}");
+        }
+    }
+    for (name, s) in [("hub", &part.hub), ("shroud", &part.shroud)] {
+        let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
+        let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
+    }
+    let fillet = |blade: &Blade| blade.fillet.map_or("none".to_owned(), |f| f.to_string());
+    let _ = writeln!(t, "fillet {}", fillet(part.main()));
+    for splitter in &part.blades[1..] {
+        let _ = writeln!(t, "fillet of {} {}", splitter.name, fillet(splitter));
+    }
+}
+
+/// Both long faces of every blade.
+fn faces(t: &mut String, part: &Part) {
     for side in part.faces() {
         let face = part.face(side);
         let s = &face.surface;
@@ -53,26 +93,9 @@ pub fn program(program: &Program) -> String {
             face.orientation
         );
     }
-    if part.blades.len() > 1 {
-        for passage in part.passages() {
-            let [from, to] = passage.walls.map(|wall| format!("{} {}", part.blade(wall.blade).name, wall.name()));
-            let next = if passage.sectors == 1 { " of the next sector" } else { "" };
-            let _ = writeln!(t, "passage from {from} to {to}{next}");
-        }
-    }
-    for (name, s) in [("hub", &part.hub), ("shroud", &part.shroud)] {
-        let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
-        let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
-    }
-    let fillet = |blade: &Blade| blade.fillet.map_or("none".to_owned(), |f| f.to_string());
-    let _ = writeln!(t, "fillet {}", fillet(part.main()));
-    for splitter in &part.blades[1..] {
-        let _ = writeln!(t, "fillet of {} {}", splitter.name, fillet(splitter));
-    }
-    let s = &program.stock;
-    let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
-    let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());
-    let _ = writeln!(t, "clamping below {} radius {radius}", s.clamping.below);
+}
+
+fn tools(t: &mut String, program: &Program) {
     for (id, tool) in program.tools.iter() {
         let _ = writeln!(
             t,
@@ -85,6 +108,9 @@ pub fn program(program: &Program) -> String {
             tool.solid.length()
         );
     }
+}
+
+fn operations(t: &mut String, program: &Program) {
     for (id, o) in program.operations.iter() {
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(
@@ -102,6 +128,10 @@ pub fn program(program: &Program) -> String {
             o.rest.map_or_else(String::new, |t| format!(", rest over {t}"))
         );
     }
+}
+
+/// What the job requires, and what it allows.
+fn contracts(t: &mut String, program: &Program) {
     let name = |o: &OperationId| program.operations[*o].name.clone();
     for c in &program.contracts {
         let (kind, sign) = (c.kind.name(), c.kind.relation().sign());
@@ -110,14 +140,6 @@ pub fn program(program: &Program) -> String {
     for a in &program.allowed {
         let _ = writeln!(t, "allow {}{} {:?}", a.kind.name(), a.scope.text(name), a.reason);
     }
-    machine(&mut t, &program.machine);
-    let _ = writeln!(
-        t,
-        "tolerance chord {} rough {}, clearance {}",
-        program.tolerances.chord, program.tolerances.chord_rough, program.clearance
-    );
-    let _ = writeln!(t, "post {}", program.post.name);
-    t
 }
 
 fn kind(kind: &OperationKind) -> String {

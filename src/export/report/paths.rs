@@ -2,7 +2,7 @@
 
 use super::pack::Bytes;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
-use crate::verify::stock::StockReport;
+use crate::verify::stock::{Engagement, StockReport};
 use serde::Serialize;
 
 /// Most moves that the page holds.
@@ -129,6 +129,32 @@ fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
     keep
 }
 
+/// Tip and axis at the end of each move, by operation.
+fn stations(program: &Program, motion: &Motion) -> Vec<Vec<Station>> {
+    let station = |m: &JointMove| {
+        let pose = program.machine.forward(&m.joints);
+        let (t, a) = (pose.tip, pose.axis * ARM);
+        [t.x, t.y, t.z, a.x, a.y, a.z]
+    };
+    motion.operations.iter().map(|o| o.moves.iter().map(station).collect()).collect()
+}
+
+/// Which moves stay on the page, by operation, and the tolerance at which they are few enough.
+fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
+    let stations = stations(program, motion);
+    let mut tolerance = 0.0;
+    loop {
+        let keep: Vec<Vec<bool>> =
+            motion.operations.iter().zip(&stations).map(|(o, s)| thin(s, &o.moves, tolerance)).collect();
+        let kept = keep.iter().flatten().filter(|k| **k).count();
+        // No part is a kilometre long: then every path is its ends.
+        if kept <= MOST_MOVES || tolerance > 1e6 {
+            return (keep, tolerance);
+        }
+        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { FIRST_TOLERANCE };
+    }
+}
+
 /// The moves of a motion. `stock` tells the engagement when it was simulated, `lines` the NC line (from 1) of operation and move.
 pub(super) fn paths(
     program: &Program,
@@ -136,34 +162,11 @@ pub(super) fn paths(
     stock: Option<&StockReport>,
     lines: &[(u32, u32, u32)],
 ) -> PathData {
-    let stations: Vec<Vec<Station>> = motion
-        .operations
-        .iter()
-        .map(|o| {
-            let station = |m: &JointMove| {
-                let pose = program.machine.forward(&m.joints);
-                let (t, a) = (pose.tip, pose.axis * ARM);
-                [t.x, t.y, t.z, a.x, a.y, a.z]
-            };
-            o.moves.iter().map(station).collect()
-        })
-        .collect();
-    let moves: usize = motion.operations.iter().map(|o| o.moves.len()).sum();
-    let mut tolerance = 0.0;
-    let keep = loop {
-        let keep: Vec<Vec<bool>> =
-            motion.operations.iter().zip(&stations).map(|(o, s)| thin(s, &o.moves, tolerance)).collect();
-        let kept = keep.iter().flatten().filter(|k| **k).count();
-        // No part is a kilometre long: then every path is its ends.
-        if kept <= MOST_MOVES || tolerance > 1e6 {
-            break keep;
-        }
-        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { FIRST_TOLERANCE };
-    };
+    let (keep, tolerance) = kept(program, motion);
     let names: usize = motion.operations.iter().flat_map(|o| &o.labels).map(String::len).sum();
     let mut data = PathData {
         operations: Vec::new(),
-        moves,
+        moves: motion.operations.iter().map(|o| o.moves.len()).sum(),
         kept: 0,
         tolerance,
         nameless: names > MOST_NAMES,
@@ -177,46 +180,14 @@ pub(super) fn paths(
     for (index, (operation, keep)) in motion.operations.iter().zip(&keep).enumerate() {
         let declared = &program.operations[operation.operation];
         let first = data.kept;
-        let mut passes: Vec<[usize; 2]> = Vec::new();
-        let (mut time, mut volume, mut arc) = (0.0, 0.0, 0.0_f64);
-        for (i, m) in operation.moves.iter().enumerate() {
-            // What lies between two kept moves took its time too.
-            time += m.time;
-            let e = stock.and_then(|s| s.operations.get(index)?.moves.get(i)).copied().unwrap_or_default();
-            volume += e.rate * 60.0 * m.time;
-            arc = arc.max(e.arc);
-            if !keep[i] {
-                continue;
-            }
-            if passes.last().is_none_or(|p| p[1] != m.pass as usize) {
-                passes.push([data.kept, m.pass as usize]);
-            }
-            let j = &m.joints;
-            j.all().into_iter().chain([time]).for_each(|v| data.joints.f32(v));
-            if tolerance > 0.0 {
-                data.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
-            }
-            if stock.is_some() {
-                data.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
-                data.arcs.f32(arc);
-            }
-            data.kinds.u8(match m.kind {
-                MoveKind::Cut => 0,
-                MoveKind::Link => 1,
-                MoveKind::Rapid => 2,
-            });
-            (time, volume, arc) = (0.0, 0.0, 0.0);
-            data.kept += 1;
-        }
-        if data.nameless {
-            passes.clear();
-        }
+        let engagement = stock.and_then(|s| s.operations.get(index)).map_or(&[][..], |o| &o.moves);
+        let passes = data.add_moves(&operation.moves, keep, engagement);
         data.operations.push(OperationData {
             name: declared.name.clone(),
             tool: program.tools[declared.tool].name.clone(),
             first,
             count: data.kept - first,
-            passes,
+            passes: if data.nameless { Vec::new() } else { passes },
             labels: if data.nameless { Vec::new() } else { operation.labels.clone() },
             lines: line_runs(index, lines),
             speed: declared.speed.get(),
@@ -224,6 +195,44 @@ pub(super) fn paths(
         });
     }
     data
+}
+
+impl PathData {
+    /// Adds the moves of an operation that stay. Gives its passes: the first move of each on the page, and its number.
+    fn add_moves(&mut self, moves: &[JointMove], keep: &[bool], engagement: &[Engagement]) -> Vec<[usize; 2]> {
+        let mut passes: Vec<[usize; 2]> = Vec::new();
+        let (mut time, mut volume, mut arc) = (0.0, 0.0, 0.0_f64);
+        for (i, m) in moves.iter().enumerate() {
+            // What lies between two kept moves took its time too.
+            time += m.time;
+            let e = engagement.get(i).copied().unwrap_or_default();
+            volume += e.rate * 60.0 * m.time;
+            arc = arc.max(e.arc);
+            if !keep[i] {
+                continue;
+            }
+            if passes.last().is_none_or(|p| p[1] != m.pass as usize) {
+                passes.push([self.kept, m.pass as usize]);
+            }
+            let j = &m.joints;
+            j.all().into_iter().chain([time]).for_each(|v| self.joints.f32(v));
+            if self.tolerance > 0.0 {
+                self.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
+            }
+            if self.simulated {
+                self.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
+                self.arcs.f32(arc);
+            }
+            self.kinds.u8(match m.kind {
+                MoveKind::Cut => 0,
+                MoveKind::Link => 1,
+                MoveKind::Rapid => 2,
+            });
+            (time, volume, arc) = (0.0, 0.0, 0.0);
+            self.kept += 1;
+        }
+        passes
+    }
 }
 
 /// Runs of moves of an operation whose lines follow one another.

@@ -105,129 +105,15 @@ pub(super) fn bound(input: &Input<'_>, kind: &str) -> Option<f64> {
 /// Finds all places.
 pub(super) fn places(input: &Input<'_>) -> Places {
     let mut places = Places::default();
-    let describe_at = |at: Option<At>| at.map_or_else(String::new, |_| describe(input.program, input.motion, at));
-    let mut add = |group: &'static str,
-                   name: String,
-                   (rank, value): (f64, String),
-                   point: [f64; 3],
-                   at: Option<At>,
-                   fails: bool| {
-        places.list.push(PlaceData {
-            group,
-            listed: name.clone(),
-            name,
-            value,
-            program: describe_at(at),
-            point: rounded(point),
-            normal: normal(input, point),
-            at: at.map(|a| [a.operation, a.index]),
-            fails,
-            rank,
-        });
-        places.list.len() - 1
-    };
-    let certificate = input.certificate;
-    let over = |value: f64, kind: &str| bound(input, kind).is_some_and(|b| value > b);
-
-    let mut surfaces = Vec::new();
-    for s in &certificate.surfaces {
-        let mut worst = |group: &'static str, w: &Worst, value: f64, kind: &str| {
-            (value > 0.0 && value < FAR)
-                .then(|| add(group, s.surface.clone(), (value, amount(value)), w.point, w.at, over(value, kind)))
-        };
-        surfaces.push([
-            worst("deepest cut into a surface", &s.gouge, s.gouge.depth, "gouge"),
-            worst("most material left", &s.excess, s.excess.value, "excess"),
-        ]);
-    }
-    let mut operations = Vec::new();
-    for o in &certificate.operations {
-        let mut near = |what: &str, c: &Option<Clearance>| {
-            c.as_ref().map(|c| {
-                let fails = bound(input, "clearance").is_some_and(|b| c.distance < b);
-                let value = (-c.distance, figure(&length(c.distance)));
-                add("nearest to the part", format!("{what} in {}", o.name), value, c.point, Some(c.at), fails)
-            })
-        };
-        operations.push([near("shank", &o.shank), near("holder", &o.holder)]);
-    }
-    let rest: Vec<usize> = certificate
-        .rest
-        .iter()
-        .map(|r| {
-            let name = certificate.operations.get(r.operation as usize).map_or("", |o| o.name.as_str());
-            let on = r.surface.clone().unwrap_or_else(|| "inside a channel".to_owned());
-            add(
-                "most stock after roughing",
-                format!("after {name}: {on}"),
-                (r.most, amount(r.most)),
-                r.point,
-                None,
-                false,
-            )
-        })
-        .collect();
-    if let Some(c) = &certificate.rapid {
-        let value = (-c.distance, figure(&length(c.distance)));
-        add("nearest to the stock at rapid", "whole tool".to_owned(), value, c.point, Some(c.at), c.distance <= 0.0);
-    }
-    let mut engagement = Vec::new();
-    for o in certificate.stock.iter().flat_map(|s| &s.operations) {
-        for c in &o.collisions {
-            let value = (c.depth, figure(&length(c.depth)));
-            add(
-                "stock that the tool must not meet",
-                format!("{} in {}", c.part, o.name),
-                value,
-                c.point,
-                Some(c.at),
-                true,
-            );
-        }
-        // Quantities one after another, each with its largest first.
-        let mut peak = |what: &str, p: &Option<Peak>, (scale, before): (f64, f64), unit: &str| {
-            p.as_ref().map(|p| {
-                let value = (p.value * scale - before, format!("{:.1} {unit}", p.value * scale));
-                add("largest engagement", format!("{what} in {}", o.name), value, p.tip, Some(p.at), false)
-            })
-        };
-        engagement.push([
-            peak("depth", &o.depth, (1.0, 0.0), "mm"),
-            peak("width", &o.width, (1.0, QUANTITY), "mm"),
-            peak("arc", &o.arc, (1.0, 2.0 * QUANTITY), "deg"),
-            peak("removal", &o.rate, (60.0, 3.0 * QUANTITY), "mm\u{b3}/min"),
-        ]);
-    }
-    let findings: Vec<Option<usize>> = input
-        .findings
-        .iter()
-        .map(|d| {
-            let place = d.place.as_ref()?;
-            let p = place.point;
-            let fails = d.severity == Severity::Error;
-            let value = (f64::from(u8::from(fails)), d.code.id().to_owned());
-            let at = place.block.map(|(operation, index)| At { operation, index });
-            Some(add("findings", d.message.clone(), value, [p.x, p.y, p.z], at, fails))
-        })
-        .collect();
-    list_once(&mut places.list, &certificate.surfaces, &surfaces);
-    places.surfaces = surfaces;
-    places.operations = operations;
-    places.stock = engagement;
-    places.rest = rest;
-    places.findings = findings;
-    for c in &certificate.contracts {
-        let place = c.point.map(|p| {
-            let value = proved(c.kind, &figure(&c.figures[1]));
-            places.asked(input, c.name(), value, (&c.place, p, c.at), !c.holds)
-        });
-        places.contracts.push(place);
-    }
-    for a in &certificate.allowed {
-        let name = format!("allowed: {} {}", a.kind, a.scope);
-        let place = a.point.map(|p| places.asked(input, name, figure(&a.figure), (&a.place, p, a.at), false));
-        places.allowed.push(place);
-    }
+    places.add_surfaces(input);
+    places.add_operations(input);
+    places.add_rest(input);
+    places.add_rapid(input);
+    places.add_stock(input);
+    places.add_findings(input);
+    list_once(&mut places.list, &input.certificate.surfaces, &places.surfaces);
+    places.add_contracts(input);
+    places.add_allowed(input);
     places
 }
 
@@ -249,7 +135,148 @@ fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<
     }
 }
 
+/// Where a place is: the point on the part, and the move of the program where one makes it.
+type Where = ([f64; 3], Option<At>);
+
 impl Places {
+    /// Adds a place, with its rank and its figure. Gives its number in the list.
+    fn add(
+        &mut self,
+        input: &Input<'_>,
+        group: &'static str,
+        name: String,
+        (rank, value): (f64, String),
+        (point, at): Where,
+        fails: bool,
+    ) -> usize {
+        self.list.push(PlaceData {
+            group,
+            listed: name.clone(),
+            name,
+            value,
+            program: at.map_or_else(String::new, |_| describe(input.program, input.motion, at)),
+            point: rounded(point),
+            normal: normal(input, point),
+            at: at.map(|a| [a.operation, a.index]),
+            fails,
+            rank,
+        });
+        self.list.len() - 1
+    }
+
+    /// Deepest cut into each surface, and most material left on it.
+    fn add_surfaces(&mut self, input: &Input<'_>) {
+        let over = |value: f64, kind: &str| bound(input, kind).is_some_and(|b| value > b);
+        for s in &input.certificate.surfaces {
+            let mut worst = |group: &'static str, w: &Worst, value: f64, kind: &str| {
+                (value > 0.0 && value < FAR).then(|| {
+                    let figure = (value, amount(value));
+                    self.add(input, group, s.surface.clone(), figure, (w.point, w.at), over(value, kind))
+                })
+            };
+            let gouge = worst("deepest cut into a surface", &s.gouge, s.gouge.depth, "gouge");
+            let excess = worst("most material left", &s.excess, s.excess.value, "excess");
+            self.surfaces.push([gouge, excess]);
+        }
+    }
+
+    /// Where shank and holder of each operation come nearest to the part.
+    fn add_operations(&mut self, input: &Input<'_>) {
+        for o in &input.certificate.operations {
+            let mut near = |what: &str, c: &Option<Clearance>| {
+                c.as_ref().map(|c| {
+                    let fails = bound(input, "clearance").is_some_and(|b| c.distance < b);
+                    let value = (-c.distance, figure(&length(c.distance)));
+                    let name = format!("{what} in {}", o.name);
+                    self.add(input, "nearest to the part", name, value, (c.point, Some(c.at)), fails)
+                })
+            };
+            let both = [near("shank", &o.shank), near("holder", &o.holder)];
+            self.operations.push(both);
+        }
+    }
+
+    /// Where most stock is left after each roughing operation.
+    fn add_rest(&mut self, input: &Input<'_>) {
+        for r in &input.certificate.rest {
+            let operation = input.certificate.operations.get(r.operation as usize);
+            let after = operation.map_or("", |o| o.name.as_str());
+            let on = r.surface.clone().unwrap_or_else(|| "inside a channel".to_owned());
+            let name = format!("after {after}: {on}");
+            let value = (r.most, amount(r.most));
+            let place = self.add(input, "most stock after roughing", name, value, (r.point, None), false);
+            self.rest.push(place);
+        }
+    }
+
+    /// Where the tool comes nearest to the turned stock at rapid.
+    fn add_rapid(&mut self, input: &Input<'_>) {
+        let Some(c) = &input.certificate.rapid else { return };
+        let value = (-c.distance, figure(&length(c.distance)));
+        let name = "whole tool".to_owned();
+        self.add(input, "nearest to the stock at rapid", name, value, (c.point, Some(c.at)), c.distance <= 0.0);
+    }
+
+    /// Collisions with the stock, and the largest engagement of each operation.
+    fn add_stock(&mut self, input: &Input<'_>) {
+        for o in input.certificate.stock.iter().flat_map(|s| &s.operations) {
+            for c in &o.collisions {
+                let value = (c.depth, figure(&length(c.depth)));
+                let name = format!("{} in {}", c.part, o.name);
+                self.add(input, "stock that the tool must not meet", name, value, (c.point, Some(c.at)), true);
+            }
+            // Quantities one after another, each with its largest first.
+            let mut peak = |what: &str, p: &Option<Peak>, (scale, before): (f64, f64), unit: &str| {
+                p.as_ref().map(|p| {
+                    let value = (p.value * scale - before, format!("{:.1} {unit}", p.value * scale));
+                    let name = format!("{what} in {}", o.name);
+                    self.add(input, "largest engagement", name, value, (p.tip, Some(p.at)), false)
+                })
+            };
+            let peaks = [
+                peak("depth", &o.depth, (1.0, 0.0), "mm"),
+                peak("width", &o.width, (1.0, QUANTITY), "mm"),
+                peak("arc", &o.arc, (1.0, 2.0 * QUANTITY), "deg"),
+                peak("removal", &o.rate, (60.0, 3.0 * QUANTITY), "mm\u{b3}/min"),
+            ];
+            self.stock.push(peaks);
+        }
+    }
+
+    /// What the diagnostics name.
+    fn add_findings(&mut self, input: &Input<'_>) {
+        for d in input.findings {
+            let place = d.place.as_ref().map(|place| {
+                let p = place.point;
+                let fails = d.severity == Severity::Error;
+                let value = (f64::from(u8::from(fails)), d.code.id().to_owned());
+                let at = place.block.map(|(operation, index)| At { operation, index });
+                self.add(input, "findings", d.message.clone(), value, ([p.x, p.y, p.z], at), fails)
+            });
+            self.findings.push(place);
+        }
+    }
+
+    /// What decides each contract.
+    fn add_contracts(&mut self, input: &Input<'_>) {
+        for c in &input.certificate.contracts {
+            let place = c.point.map(|p| {
+                let value = proved(c.kind, &figure(&c.figures[1]));
+                self.asked(input, c.name(), value, (&c.place, p, c.at), !c.holds)
+            });
+            self.contracts.push(place);
+        }
+    }
+
+    /// What the job allows.
+    fn add_allowed(&mut self, input: &Input<'_>) {
+        for a in &input.certificate.allowed {
+            let name = format!("allowed: {} {}", a.kind, a.scope);
+            let place = a.point.map(|p| self.asked(input, name, figure(&a.figure), (&a.place, p, a.at), false));
+            self.allowed.push(place);
+        }
+    }
+
     /// Adds the place that decides a contract, with the move that the check found there.
     fn asked(
         &mut self,
