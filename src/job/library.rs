@@ -521,13 +521,15 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
 
 fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mut Reader<'_>) -> Option<ToolSpec> {
     let span = reader.span(&tool.kind);
-    let mut length = |text: &Option<Text>| {
-        text.as_ref().map(|t| Mm(reader.quantity(t, Dimension::LENGTH, limits::LEAST_SECTION, limits::LONGEST_TOOL)))
-    };
-    let [corner, barrel, tip, neck] = [&tool.corner, &tool.barrel, &tool.tip, &tool.neck].map(&mut length);
-    let (flute, neck_end, reach) = (length(&tool.flute), length(&tool.neck_end), length(&Some(tool.reach.clone())));
-    let reach = reach.unwrap_or(Mm(1.0));
-    let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, limits::LEAST_ANGLE, 0.785)));
+    let mut size =
+        |text: &Text, [least, largest]: [f64; 2]| Mm(reader.quantity(text, Dimension::LENGTH, least, largest));
+    let mut given = |text: &Option<Text>, range: [f64; 2]| text.as_ref().map(|t| size(t, range));
+    let [corner, tip] = [&tool.corner, &tool.tip].map(|t| given(t, limits::CORNER));
+    let [barrel, flute, neck_end] = [&tool.barrel, &tool.flute, &tool.neck_end].map(|t| given(t, limits::LENGTH));
+    let [neck, shank] = [&tool.neck, &tool.shank].map(|t| given(t, limits::DIAMETER));
+    let (reach, diameter) = (size(&tool.reach, limits::LENGTH), size(&tool.diameter, limits::DIAMETER));
+    let [least, steepest] = limits::TAPER;
+    let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, least, steepest)));
     let own = (corner, angle, (barrel, tip), (neck, neck_end));
     let kind = match (tool.kind.get_ref().as_str(), own, flute) {
         ("flat", (None, None, (None, None), (None, None)), Some(_)) => CutterKind::Flat,
@@ -552,10 +554,6 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
             return None;
         }
     };
-    let mut thick =
-        |text: &Text| Mm(reader.quantity(text, Dimension::LENGTH, limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER));
-    let diameter = thick(&tool.diameter);
-    let shank = tool.shank.as_ref().map_or(diameter, &mut thick);
     let holder = match &tool.holder {
         None => None,
         Some(holder) => match library.holders.get(holder.get_ref()) {
@@ -574,7 +572,7 @@ fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mu
         diameter,
         flutes: *tool.flutes.get_ref(),
         flute: flute.unwrap_or_else(|| Mm(kind.least_flute(diameter).0)),
-        shank,
+        shank: shank.unwrap_or(diameter),
         reach,
         holder,
         span,
@@ -616,5 +614,6 @@ pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
     if tool.reach.get() < tool.flute.get() {
         return Some("the reach, from the tip to the holder, must be at least the flute length".to_owned());
     }
-    (tool.flutes == 0 || tool.flutes > 20).then(|| "it needs 1 to 20 flutes".to_owned())
+    let [least, most] = limits::FLUTES;
+    (!(least..=most).contains(&tool.flutes)).then(|| format!("it needs {least} to {most} flutes"))
 }

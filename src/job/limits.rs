@@ -10,23 +10,21 @@ pub(super) const LARGEST_FEED: f64 = 1e5;
 /// Slowest spindle, rpm.
 pub(super) const LEAST_SPINDLE: f64 = 1.0;
 
-/// Thinnest cutter, neck or shank, mm: end mills are made from 0.1 mm on.
-pub(super) const LEAST_DIAMETER: f64 = 0.1;
+/// Diameters of cutter, neck and shank, mm: end mills are made from 0.1 mm on.
+pub(super) const DIAMETER: [f64; 2] = [0.1, 500.0];
 
-/// Thickest cutter, mm.
-pub(super) const LARGEST_DIAMETER: f64 = 500.0;
+/// Radii of a corner and of the tip of a barrel, mm: below the least an edge is called sharp.
+pub(super) const CORNER: [f64; 2] = [0.01, 250.0];
 
-/// Least radius of a corner or a tip, mm: below it an edge is called sharp.
-pub(super) const LEAST_CORNER: f64 = 0.01;
+/// Lengths along a tool, and the radius of a barrel, mm.
+pub(super) const LENGTH: [f64; 2] = [0.01, 1000.0];
 
-/// Least length of a section of a tool, mm.
-pub(super) const LEAST_SECTION: f64 = 0.01;
+/// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. Steeper than 45 deg to
+/// the axis the side would be a point mill, which the contact search does not know.
+pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];
 
-/// Longest tool, mm.
-pub(super) const LONGEST_TOOL: f64 = 1000.0;
-
-/// Least half angle of a tapered cutter, rad: 0.1 deg; below it is a cylinder within its tolerance.
-pub(super) const LEAST_ANGLE: f64 = 0.001_745;
+/// Numbers of flutes.
+pub(super) const FLUTES: [u32; 2] = [1, 20];
 
 /// Least fillet, mm, where there is one.
 pub(super) const LEAST_FILLET: f64 = 0.01;

@@ -98,10 +98,14 @@ pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink
     }
 }
 
-/// Lengths along a tool, diameters, and radii at the tip, mm.
-const LONG: Range = Range::Between(limits::LEAST_SECTION, limits::LONGEST_TOOL);
-const THICK: Range = Range::Between(limits::LEAST_DIAMETER, limits::LARGEST_DIAMETER);
-const CORNER: Range = Range::Between(limits::LEAST_CORNER, limits::LARGEST_DIAMETER / 2.0);
+/// The ranges that job and library share.
+const LENGTH: Range = range(limits::LENGTH);
+const DIAMETER: Range = range(limits::DIAMETER);
+const CORNER: Range = range(limits::CORNER);
+
+const fn range([least, largest]: [f64; 2]) -> Range {
+    Range::Between(least, largest)
+}
 
 /// Properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
@@ -133,16 +137,16 @@ fn shape(
     }
     let owner = format!("tool {}", name.text);
     let mut p = Properties::new(owner, head, block, &known(&kind.text), &mut cx.scope, cx.sink);
-    let diameter = p.required("diameter", Dimension::LENGTH, THICK, "diameter 6 mm");
+    let diameter = p.required("diameter", Dimension::LENGTH, DIAMETER, "diameter 6 mm");
     let cutter = cutter(&kind.text, &mut p);
     let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
     if !p.has("flutes") {
         p.missing("flutes", "flutes 4");
     }
-    let flutes = p.count("flutes", 1, 20, "flutes 4");
+    let flutes = p.count("flutes", limits::FLUTES[0], limits::FLUTES[1], "flutes 4");
     let flute = flute(name, kind, &mut p);
-    let reach = p.required("reach", Dimension::LENGTH, LONG, "reach 40 mm");
-    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, THICK, "shank 6 mm"));
+    let reach = p.required("reach", Dimension::LENGTH, LENGTH, "reach 40 mm");
+    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, DIAMETER, "shank 6 mm"));
     let holder = holder(library, &mut p);
     let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
     let cutter = match cutter? {
@@ -187,22 +191,21 @@ fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
         "ball" => Some(CutterKind::Ball),
         "bull" => p.required("corner", Dimension::LENGTH, CORNER, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
         "barrel" => {
-            let barrel = p.required("barrel", Dimension::LENGTH, LONG, "barrel 85 mm");
+            let barrel = p.required("barrel", Dimension::LENGTH, LENGTH, "barrel 85 mm");
             let tip = p.required("tip", Dimension::LENGTH, CORNER, "tip 2 mm");
             barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
         }
         "lollipop" => {
-            let neck = p.required("neck", Dimension::LENGTH, THICK, "neck 4 mm");
+            let neck = p.required("neck", Dimension::LENGTH, DIAMETER, "neck 4 mm");
             // Without `neck-end` the neck goes up to the holder; its height is known once the reach is read.
             let end = match p.has("neck-end") {
-                true => p.number("neck-end", Dimension::LENGTH, LONG, "neck-end 20 mm").map(|e| e.0),
+                true => p.number("neck-end", Dimension::LENGTH, LENGTH, "neck-end 20 mm").map(|e| e.0),
                 false => Some(f64::INFINITY),
             };
             neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
         }
         _ => p
-            // Steeper than 45 deg to the axis the side would be a point mill, which the contact search does not know.
-            .required("angle", Dimension::ANGLE, Range::Between(limits::LEAST_ANGLE, 0.785), "angle 3 deg")
+            .required("angle", Dimension::ANGLE, range(limits::TAPER), "angle 3 deg")
             .map(|a| CutterKind::TaperedBall(Rad(a.0))),
     }
 }
@@ -210,7 +213,7 @@ fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
 /// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose neck ends the flutes.
 fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
     if kind.text != "lollipop" {
-        return p.required("flute", Dimension::LENGTH, LONG, "flute 30 mm").map(|f| Some(Mm(f.0)));
+        return p.required("flute", Dimension::LENGTH, LENGTH, "flute 30 mm").map(|f| Some(Mm(f.0)));
     }
     if let Some((word, _)) = p.take("flute") {
         p.sink.push(
