@@ -1,4 +1,4 @@
-//! Blades of a row: their faces and the names of these.
+//! Blades of a row, their faces, and the names of faces.
 
 use super::surface::{FaceSurface, Surface};
 use crate::geom::NurbsCurve;
@@ -14,12 +14,12 @@ impl BladeId {
     /// The main blade.
     pub const MAIN: Self = Self(0);
 
-    /// The blade at a place of [`super::Part::blades`].
+    /// The blade at an index of [`super::Part::blades`].
     pub fn new(index: usize) -> Self {
         Self(u16::try_from(index).unwrap_or(u16::MAX))
     }
 
-    /// Its place in [`super::Part::blades`].
+    /// Its index in [`super::Part::blades`].
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
@@ -29,7 +29,7 @@ impl BladeId {
         [0, 1].map(|face| FaceId { blade: self, face })
     }
 
-    /// What it is called, and what follows the number of its sector: `vane 3`, `splitter 3.1`.
+    /// Its kind, and the suffix to the number of its sector: `vane 3`, `splitter 3.1`.
     pub(super) fn words(self) -> (&'static str, String) {
         if self == Self::MAIN { ("vane", String::new()) } else { ("splitter", format!(".{}", self.0)) }
     }
@@ -56,7 +56,7 @@ impl FaceId {
         Self::NAMES[self.index()]
     }
 
-    /// Its place among the faces of its blade.
+    /// Its index among the faces of its blade.
     pub fn index(self) -> usize {
         usize::from(self.face)
     }
@@ -87,7 +87,7 @@ impl RulingEnd {
     }
 }
 
-/// One face of a blade. Its material lies on the side opposite to the outward normal.
+/// A face of a blade. Its material lies on the side opposite to the outward normal.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// The surface in sector 0.
@@ -133,13 +133,13 @@ pub struct Blade {
     pub faces: [Face; 2],
     /// Fillet radius between blade and hub; `None` for a sharp root.
     pub fillet: Option<Mm>,
-    /// Which of its faces looks ahead, counter-clockwise about Z.
+    /// Index of the face that looks ahead, counter-clockwise about Z.
     ahead: u8,
 }
 
 impl Blade {
-    /// The blade between a pressure and a suction face. Which side of each the material is on, and which face looks
-    /// ahead, is found from the geometry.
+    /// The blade between a pressure and a suction face. The side of the material and the face that looks ahead follow
+    /// from the geometry.
     pub fn new(name: impl Into<String>, [pressure, suction]: [FaceSurface; 2], fillet: Option<Mm>) -> Self {
         let (p, s) = (pressure.point(0.5, 0.5), suction.point(0.5, 0.5));
         // A face points away from the other face of its blade.
@@ -160,7 +160,7 @@ impl Blade {
         Self { name: self.name.clone(), faces, ..*self }
     }
 
-    /// Place of the face that looks ahead, counter-clockwise about Z, in its faces.
+    /// Index of the face that looks ahead, counter-clockwise about Z.
     pub(super) fn ahead(&self) -> usize {
         usize::from(self.ahead)
     }

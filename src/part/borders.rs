@@ -1,4 +1,4 @@
-//! Borders: where the surfaces of blades end on the hub, and how turned surfaces go from one blade face to the other.
+//! Borders: where the surfaces of blades end on the hub, and turned surfaces between the faces of a blade.
 
 use super::{BladeId, FaceId, Part, Passage, Surface, hub_normal};
 use crate::geom::angle::nearest_turn;
@@ -10,18 +10,18 @@ pub(super) struct Opening {
     walls: [Wall; 2],
     /// Angle from the sector of the first wall to that of the second.
     turn: f64,
-    /// Between one main blade and the next, in a part with splitters.
+    /// The opening between a main blade and the next, in a part with splitters.
     whole: Option<Box<Opening>>,
 }
 
 /// A wall on the hub.
 struct Wall {
     border: Vec<[f64; 2]>,
-    /// Shares of the whole opening at which the hub goes over from one passage to the next before and behind a splitter.
+    /// Shares of the whole opening at which one passage ends and the next begins, before and behind a splitter.
     beyond: Option<[f64; 2]>,
 }
 
-/// Parameters of the hub that differ by less are one: rounding of where a border begins and ends.
+/// Parameters of the hub that differ by less count as equal: rounding of the ends of a border.
 const SAME: f64 = 1e-9;
 
 impl Opening {
@@ -63,7 +63,7 @@ impl Opening {
     }
 }
 
-/// Shares of the whole opening in the middle between the two borders of a splitter, where they begin and where they end.
+/// Shares of the whole opening, in the middle between both borders of a splitter, at the first and at the last row.
 fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64; 2]> {
     let share = |own: &[f64; 2], other: &[f64; 2]| {
         let [from, angle] = whole.at(own[0])?;
@@ -78,7 +78,8 @@ fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
     const ROWS: usize = 400;
     let face = part.face(id);
     let fillet = part.fillet(id);
-    // Where the ball touches the hub, or the face ends on it; by the normal of the hub the azimuth is that of the centre.
+    // Centre of the ball that touches the hub, or end of the face on the hub. The contact on the hub lies on the normal
+    // through the centre and has the same azimuth.
     let contact = |u: f64| match fillet {
         Some(radius) => {
             let v = part.fillet_tangent(id, u, radius.get())?;
@@ -110,13 +111,13 @@ fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
     border
 }
 
-/// The place nearest to `end`, from there to the middle of a face, from which on a property holds.
+/// The place nearest to `end` at which a property holds, between `end` and the middle of a face, by bisection.
 fn inside(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     let (mut out, mut within) = (end, 0.5);
     if holds(out) {
         return out;
     }
-    // Halvings of a face of some 100 mm down to rounding.
+    // Bisection of a face of some 100 mm down to rounding.
     for _ in 0..48 {
         let middle = 0.5 * (out + within);
         if holds(middle) { within = middle } else { out = middle }
@@ -124,7 +125,7 @@ fn inside(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     within
 }
 
-/// Azimuth of a border at a hub parameter, its ends continued level.
+/// Azimuth of a border at a hub parameter; constant beyond its ends.
 fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
     let i = border.partition_point(|p| p[0] <= u);
     let (first, last) = (border.first()?, border.last()?);
@@ -136,7 +137,7 @@ fn border_azimuth(border: &[[f64; 2]], u: f64) -> Option<f64> {
     Some(p[1] + (q[1] - p[1]) * (u - p[0]) / (q[0] - p[0]).max(f64::MIN_POSITIVE))
 }
 
-/// The point a share of the way from one point to another about Z, as a lathe leaves them.
+/// The point at a share of the path from one point to another about Z, as on a turned surface.
 pub(super) fn arc_between(from: &Point3<f64>, to: &Point3<f64>, share: f64) -> Point3<f64> {
     let [p, q] = [from, to].map(|p| [libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)]);
     let ahead = nearest_turn(q[2] - p[2], 0.0);

@@ -1,9 +1,11 @@
-//! Charts: every milled surface of a sector as the image of the unit square, so that it can be divided without gaps.
+//! Charts: every milled surface of a sector as the image of the unit square, so that it divides into cells without
+//! gaps.
 //!
 //! | surface | x | y |
 //! |---|---|---|
 //! | face | u, from inlet to outlet | from the fillet (or the hub) up the ruling to the shroud |
-//! | fillet | along the rolling ball, on beyond both ends of the face | from the contact on the face to that on the hub |
+//! | fillet | along the rolling ball, also beyond both ends of the face | from the contact on the face to that on the
+//! hub |
 //! | hub | u of the hub | from the clockwise wall of the channel to the other |
 //! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 
@@ -13,14 +15,14 @@ use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Rows of the tables of borders and rolling balls: some 0.2 mm apart, where cubic interpolation of a curve that bends
-/// over millimetres is right to a nanometre (tested).
+/// Rows of the tables of borders and rolling balls. Rows are about 0.2 mm apart. For a curve with a curvature radius of
+/// millimetres, cubic interpolation is then exact to 1 nm (tested).
 const ROWS: usize = 400;
 
 /// A milled surface of sector 0 over the unit square.
 #[derive(Clone, Debug)]
 pub struct Chart<'a> {
-    /// Which one.
+    /// Kind of the surface.
     pub kind: SurfaceKind,
     part: &'a Part,
     extent: Extent,
@@ -31,7 +33,7 @@ pub struct Chart<'a> {
 enum Form {
     /// v at the lower and upper border of a face, row by row.
     Face { face: FaceId, borders: Vec<[f64; 2]> },
-    /// Centre of the rolling ball, unit vectors from it to face and hub.
+    /// Centre of the rolling ball, and unit vectors from the centre to face and hub.
     Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
     /// First azimuth and opening angle of the channel.
     Hub { borders: Vec<[f64; 2]> },
@@ -102,7 +104,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// The corner of its cells number i along x and j along y.
+    /// The corner of its cells with index i along x and j along y.
     pub fn corner(&self, i: usize, j: usize) -> [f64; 2] {
         let mix = |r: [f64; 2], k: usize, n: usize| r[0] + (r[1] - r[0]) * k as f64 / n as f64;
         [mix(self.x, i, self.columns), mix(self.y, j, self.rows)]
@@ -133,7 +135,7 @@ pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
     })
 }
 
-/// v at the lower and the upper border of a face on the ruling at u.
+/// v at the lower and the upper border of a face, on the ruling at u.
 fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
     let low = part
         .fillet(id)
@@ -161,7 +163,7 @@ fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
         Some([centre.coords, to_face, -hub_normal(part, &centre)])
     };
     let found: Vec<Option<[Vector3<f64>; 3]>> = rows().map(|x| ball(from + (to - from) * x)).collect();
-    // Far beyond an end there may be no ball; the surface is the run about the middle.
+    // Far beyond an end there may be no ball; the surface is the connected run of rows about the middle.
     let middle = ROWS / 2;
     found[middle]?;
     let first = (0..middle).rev().find(|i| found[*i].is_none()).map_or(0, |i| i + 1);
@@ -194,14 +196,14 @@ impl Chart<'_> {
         arc_between(&p, &s, y)
     }
 
-    /// The end of the line of equal v of a face at u = 0 or 1, or where it meets the inlet cone or the outlet cylinder, if that
-    /// lies farther out: a straight ruling between two points of a cone leaves it.
+    /// The end of the line of equal v of a face at u = 0 or 1, or its intersection with the inlet cone or the outlet
+    /// cylinder, if this lies farther out: a straight ruling between two points of a cone is not on the cone.
     fn turned(&self, id: FaceId, u: f64, v: f64) -> Point3<f64> {
         let surface = &self.part.face(id).surface;
         let gap = |u: f64| self.extent.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
         let (mut a, mut b) = (u, u + 1e-3);
         let (mut fa, mut fb) = (gap(a), gap(b));
-        // Secants: the face is nearly straight over some hundredths of a millimetre.
+        // Secant method: over some 0.01 mm the face is nearly straight.
         for _ in 0..8 {
             if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-11 {
                 break;
@@ -240,13 +242,13 @@ impl Shape for Chart<'_> {
                 Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
             }
             Form::Edge { blade, u, ranges } => {
-                /// Step of differences: their error is below a billionth over the thickness of a vane.
+                /// Step of differences: their relative error over the thickness of a vane is below 1e-9.
                 const STEP: f64 = 1e-5;
                 let at = |x: f64, y: f64| self.on_edge(*blade, *u, ranges, x, y);
                 let along = at(x + STEP, y) - at(x - STEP, y);
                 let across = at(x, y + STEP) - at(x, y - STEP);
                 let normal = along.cross(&across).normalize();
-                // The vane lies on the side of its other end.
+                // The outward normal points away from the other end of the vane.
                 let (_, su, _) = self.part.blade(*blade).faces[0].surface.tangents(*u, 0.5);
                 let outward = if *u > 0.5 { su } else { -su };
                 let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
@@ -268,14 +270,14 @@ fn row(count: usize, x: f64) -> (usize, f64) {
     (i, at - i as f64)
 }
 
-/// Linear interpolation: borders only divide one surface from the next.
+/// Linear interpolation, sufficient for borders, which only divide one surface from the next.
 fn level(table: &[[f64; 2]], x: f64) -> [f64; 2] {
     let (i, t) = row(table.len(), x);
     let (a, b) = (&table[i], &table[i + 1]);
     [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
 }
 
-/// Cubic interpolation through four rows: these are the surface.
+/// Cubic interpolation through four rows, for rows that define the surface itself.
 fn smooth(table: &[[Vector3<f64>; 3]], x: f64) -> [Vector3<f64>; 3] {
     let (i, t) = row(table.len(), x);
     let start = i.saturating_sub(1).min(table.len() - 4);

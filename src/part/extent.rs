@@ -1,14 +1,14 @@
-//! Where the milled surfaces of a blade are: between its inlet cone and its outlet cylinder.
+//! Extent of the milled surfaces of a blade: between its inlet cone and its outlet cylinder.
 
 use super::{BladeId, Part, Surface};
 use nalgebra::{Point3, Vector2};
 
-/// The space between inlet cone and outlet cylinder of a blade, where its milled surfaces are.
+/// The space between inlet cone and outlet cylinder of a blade, which contains its milled surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// Point of the inlet line, (r, z).
     inlet: Vector2<f64>,
-    /// Along the inlet line, the space on its left.
+    /// Direction of the inlet line; the space lies on its left.
     across: Vector2<f64>,
     /// Radius of the outlet.
     outlet: f64,
@@ -19,14 +19,14 @@ impl Extent {
         self.across.x * (z - self.inlet.y) - self.across.y * (r - self.inlet.x)
     }
 
-    /// How far a point lies beyond the inlet cone (`u` 0) or the outlet cylinder (1), by a measure that is zero on it and
-    /// linear in r and z.
+    /// Distance of a point beyond the inlet cone (`u` 0) or the outlet cylinder (1), by a measure that is zero there
+    /// and linear in r and z.
     pub fn beyond(&self, u: f64, p: &Point3<f64>) -> f64 {
         let r = libm::hypot(p.x, p.y);
         if u > 0.5 { r - self.outlet } else { -self.side(r, p.z) / self.across.norm() }
     }
 
-    /// True for a point in it.
+    /// True for a point in the space.
     pub fn holds(&self, p: &Point3<f64>) -> bool {
         let r = (p.x * p.x + p.y * p.y).sqrt();
         self.side(r, p.z) >= 0.0 && r <= self.outlet
@@ -34,8 +34,9 @@ impl Extent {
 }
 
 impl Part {
-    /// Ends at hub and shroud of the straight line of the meridian plane, (r, z), that a blade is turned to at its inlet
-    /// (`end` 0) or outlet (1). The main blade goes from end to end of hub and shroud, a splitter as far as its faces.
+    /// Ends at hub and shroud of the straight line in the meridian plane, (r, z), to which a blade is turned at its
+    /// inlet (`end` 0) or outlet (1). The main blade extends over the whole hub and shroud, a splitter as far as its
+    /// faces.
     pub fn end_line(&self, blade: BladeId, end: f64) -> [Vector2<f64>; 2] {
         if blade == BladeId::MAIN {
             return [&self.hub, &self.shroud].map(|surface| surface.meridian(end).point);
@@ -51,7 +52,7 @@ impl Part {
     pub fn extent(&self, blade: BladeId) -> Extent {
         let [[hub, shroud], [outlet, over]] = [0.0, 1.0].map(|end| self.end_line(blade, end));
         let mut extent = Extent { inlet: hub, across: shroud - hub, outlet: f64::INFINITY };
-        // Side of the inlet line on which the passage lies.
+        // The inlet line has the passage on its left.
         if extent.side(outlet.x, outlet.y) < 0.0 {
             extent.across = -extent.across;
         }

@@ -1,6 +1,6 @@
-//! Surfaces of the finished part that milling leaves as the lathe made them: no cutter may go into them.
+//! Kept surfaces: surfaces of the finished part that milling leaves as the lathe made them. No cutter may go into them.
 //!
-//! Together with the milled surfaces of [`super::chart`] they close the part.
+//! Together with the milled surfaces of [`super::chart`] these surfaces close the part.
 //!
 //! | surface | x | y |
 //! |---|---|---|
@@ -17,43 +17,43 @@ use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Rows of the tables of borders, as for charts: borders only divide one surface from the next.
+/// Rows of the tables of borders, as for charts; borders only divide one surface from the next.
 const ROWS: usize = 400;
 
 /// Rows of a root, which is a few millimetres high.
 const ROOT_ROWS: usize = 48;
 
-/// Share of the height of the fillet by which a root goes on above it, so that nothing is left open below the edge.
+/// Share of the height of the fillet by which a root continues above the fillet, so that no gap remains below the edge.
 const ROOT_OVERLAP: f64 = 0.05;
 
-/// Width of a ring below which it is rounding of the ends of hub and shroud, mm.
+/// Width of a ring, mm, below which the ring only results from rounding of the ends of hub and shroud.
 const SLIVER: f64 = 1e-3;
 
-/// A kept surface: of the whole part where it goes all around, of sector 0 where each vane has one.
+/// A kept surface: the whole surface if it goes all around, else that of sector 0.
 #[derive(Clone, Debug)]
 pub struct Kept<'a> {
-    /// Which one.
+    /// Kind of the surface.
     pub kind: SurfaceKind,
     form: Form<'a>,
 }
 
 #[derive(Clone, Debug)]
 enum Form<'a> {
-    /// A straight line of the meridian plane, turned once around, and its unit normal (r, z) out of the material.
+    /// A straight line of the meridian plane, rotated once around, and its unit normal (r, z) out of the material.
     Ring { ends: [Vector2<f64>; 2], normal: Vector2<f64> },
     /// u of the shroud and azimuth of the upper border of the pressure and of the suction face, row by row.
     Tip { part: &'a Part, borders: [Vec<[f64; 2]>; 2] },
-    /// The chart of a surface that milling makes in other jobs, or in this one.
+    /// The chart of a surface that milling makes, in this job or in others.
     Chart(Chart<'a>),
-    /// Radius, height and azimuth of the borders at the pressure and at the suction fillet, row by row, and the unit normal
-    /// (r, z).
+    /// Radius, height and azimuth of the borders at the pressure and at the suction fillet, row by row, and the unit
+    /// normal (r, z).
     Root { borders: [Vec<[f64; 3]>; 2], normal: Vector2<f64> },
 }
 
-/// All kept surfaces of a part that is milled from a blank. `milled_edges`: an operation finishes the edges of the vanes,
-/// which then are design surfaces.
+/// All kept surfaces of a part that is milled from a blank. With `milled_edges` an operation finishes the edges of the
+/// vanes, which are then design surfaces.
 ///
-/// Roots are missing where a fillet does not reach from inlet to outlet: there the part has no closed surface.
+/// Roots are missing where a fillet does not extend from inlet to outlet: there the part has no closed surface.
 pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'a>> {
     let (inlet, outlet) = (part.hub.meridian(0.0).point, part.hub.meridian(1.0).point);
     let (bore, back) = (stock.bore_radius.get(), stock.back.get());
@@ -65,7 +65,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     };
     let mut all: Vec<Kept<'a>> = [
         ring(SurfaceKind::Rim, [outside, back], [outside, outlet.y], [1.0, 0.0]),
-        // Where the blank is wider than the hub the rim has a step at the height of the outlet.
+        // Where the blank is wider than the hub, the rim has a step at the height of the outlet.
         ring(SurfaceKind::Rim, [outside, outlet.y], [outlet.x, outlet.y], [0.0, 1.0]),
         ring(SurfaceKind::Back, [bore, back], [outside, back], [0.0, -1.0]),
         ring(SurfaceKind::Bore, [bore, inlet.y], [bore, back], [-1.0, 0.0]),
@@ -82,7 +82,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     all
 }
 
-/// The milled surfaces of the part, as surfaces to be kept: until finishing no cutter may touch them.
+/// The milled surfaces of the part as kept surfaces: before finishing no cutter may touch them.
 pub fn milled(part: &Part) -> Vec<Kept<'_>> {
     charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }).collect()
 }
@@ -100,7 +100,7 @@ fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
     Kept { kind: SurfaceKind::Tip(blade), form: Form::Tip { part, borders } }
 }
 
-/// Roots at inlet and outlet; none without fillets, or where a fillet ends before.
+/// Roots at inlet and outlet; none without fillets, or where a fillet ends before inlet or outlet.
 fn roots(part: &Part) -> Vec<Kept<'_>> {
     let rounded = |blade: &BladeId| part.blade(*blade).fillet.is_some();
     if !part.blade_ids().any(|blade| rounded(&blade)) {
@@ -124,7 +124,7 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
         };
         let [hub, shroud] = part.end_line(blade, end);
         let across = (shroud - hub).normalize();
-        // Away from the other end of the hub.
+        // The normal points away from the other end of the hub.
         let normal = Vector2::new(across.y, -across.x);
         let away = hub - part.end_line(blade, 1.0 - end)[0];
         let normal = if normal.dot(&away) < 0.0 { -normal } else { normal };
@@ -135,12 +135,12 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
 }
 
 impl Kept<'_> {
-    /// True for a surface that goes all around; others are there once a sector.
+    /// True for a surface that goes all around; other surfaces exist once per sector.
     pub fn is_ring(&self) -> bool {
         matches!(self.form, Form::Ring { .. })
     }
 
-    /// Middle of a patch and the distance within which all of it lies, mm; `None` where this is not known at once.
+    /// Middle of a patch, and a radius that contains the patch, mm; `None` where these are not known in closed form.
     pub fn ball(&self, patch: &Patch) -> Option<(Point3<f64>, f64)> {
         let Form::Ring { ends, .. } = &self.form else { return None };
         let [x, y] = [patch.x, patch.y].map(|range| 0.5 * (range[0] + range[1]));
@@ -159,12 +159,12 @@ fn level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
     std::array::from_fn(|k| table[i][k] + (table[i + 1][k] - table[i][k]) * t)
 }
 
-/// Azimuth a share of the way from one to another, the short way.
+/// Azimuth at a share of the path between two azimuths, along the shorter arc.
 fn between(from: f64, to: f64, share: f64) -> f64 {
     from + nearest_turn(to - from, 0.0) * share
 }
 
-/// A row of a table whose last column is an azimuth: neighbours lie within half a turn.
+/// As [`level`], for a table whose last column is an azimuth; neighbouring azimuths lie within half a turn.
 fn turned_level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
     let at = x.clamp(0.0, 1.0) * (table.len() - 1) as f64;
     let i = (at as usize).min(table.len().saturating_sub(2));
@@ -216,7 +216,7 @@ impl Shape for Kept<'_> {
 mod tests {
     use super::*;
 
-    /// The way between azimuths is the short one, over the jump at half a turn as well.
+    /// The path between azimuths is the shorter arc, also across the jump at half a turn.
     #[test]
     fn the_short_way_around() {
         assert!((between(3.0, -3.0, 0.5).abs() - PI).abs() < 1e-12);

@@ -1,17 +1,18 @@
-//! The part: surfaces, blades, the row of a sector, its passages, and what is made of them once for all readers.
+//! The part: surfaces, blades, the row of a sector, its passages, and results that all readers share.
 //!
-//! Sector 0 stands for all others; sector k is turned about Z by k pitches. Lengths are in mm, angles in radians.
+//! Sector 0 represents all others; sector k is sector 0 rotated about Z by k pitches. Lengths are in mm, angles in
+//! radians.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `surface` | what all surfaces of blades can do; ruled and lofted ones |
+//! | `surface` | common interface of the surfaces of blades; ruled and lofted surfaces |
 //! | `blade` | a blade with its two faces and their names |
 //! | `row` | the part: main blade and splitters between hub and shroud; passages between neighbours |
 //! | `names` | every surface of the finished part by kind and sector |
 //! | `stock` | the turned blank and what holds it |
 //! | `rolling_ball` | the ball that touches face and hub: fillets |
-//! | `extent` | between inlet and outlet: where milled surfaces are |
-//! | `borders` | where one surface ends at the next |
+//! | `extent` | space between inlet and outlet, which contains the milled surfaces |
+//! | `borders` | borders between neighbouring surfaces |
 //! | `chart` | milled surfaces over the unit square |
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |

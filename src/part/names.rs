@@ -2,7 +2,7 @@
 
 use super::{BladeId, FaceId, PassageId};
 
-/// What a design surface is.
+/// Kind of a design surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SurfaceKind {
     /// A face of a blade.
@@ -17,7 +17,7 @@ pub enum SurfaceKind {
     InletEdge(BladeId),
     /// The turned outlet edge of a blade.
     OutletEdge(BladeId),
-    /// Between the fillets of a blade below its inlet edge, down to the hub.
+    /// The surface between the fillets of a blade, from its inlet edge down to the hub.
     InletRoot(BladeId),
     /// The same at the outlet.
     OutletRoot(BladeId),
@@ -34,14 +34,14 @@ pub enum SurfaceKind {
 /// A surface of the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SurfaceId {
-    /// What it is.
+    /// Kind of the surface.
     pub kind: SurfaceKind,
     /// Sector, from 0.
     pub sector: u32,
 }
 
 impl SurfaceId {
-    /// True for the surfaces that milling makes.
+    /// True for milled surfaces.
     pub fn milled(self) -> bool {
         matches!(self.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_) | SurfaceKind::Hub(_))
     }
@@ -96,7 +96,7 @@ impl SurfaceKind {
             Self::OutletEdge(blade) => format!("{} outlet edge", of(blade)),
             Self::InletRoot(blade) => format!("{} root at the inlet", of(blade)),
             Self::OutletRoot(blade) => format!("{} root at the outlet", of(blade)),
-            // Turned all around: no sector has its own.
+            // Turned all around: one surface for all sectors.
             Self::Rim => "rim".to_owned(),
             Self::Back => "back face".to_owned(),
             Self::Bore => "bore".to_owned(),
@@ -105,7 +105,7 @@ impl SurfaceKind {
     }
 }
 
-/// Surfaces that a scope can name; each is there in every sector.
+/// Surfaces that a scope can name; each class exists in every sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum SurfaceClass {
     /// Pressure faces.
@@ -121,7 +121,7 @@ pub enum SurfaceClass {
 }
 
 impl SurfaceClass {
-    /// All of them; the first four are milled.
+    /// All classes; the first four are milled.
     pub const ALL: [Self; 5] = [Self::Pressure, Self::Suction, Self::Fillet, Self::Hub, Self::Edge];
 
     /// Name in the job language.

@@ -1,20 +1,20 @@
-//! The ball that rolls along a face and the hub: the fillet, and where faces end.
+//! The ball that rolls along a face and the hub: it defines the fillet and the lower end of faces.
 
 use super::{FaceId, Part, Surface};
 use crate::geom::Revolution;
 use nalgebra::{Point3, Vector2, Vector3};
 
 impl Part {
-    /// v at which a ball of a radius, touching the face at (u, v) from outside, touches the hub too: the upper edge of
-    /// the fillet. `None` when there is no such place on the ruling. Sector 0.
+    /// v at which a ball of a given radius that touches the face at (u, v) from outside also touches the hub: the upper
+    /// edge of the fillet. `None` when the ruling has no such place. Sector 0.
     pub fn fillet_tangent(&self, id: FaceId, u: f64, radius: f64) -> Option<f64> {
         let face = self.face(id);
         let gap = |v: f64| {
             let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
             self.hub.distance(&centre) - radius
         };
-        // The ball sinks into the hub at the root and is clear of it at some height; a face that leans over the hub
-        // may need a start below the root.
+        // The ball sinks into the hub at the root and is clear of the hub at some height. For a face inclined over the
+        // hub the start may have to lie below the root.
         let ends = [-0.5, 1.0].map(|v| (v, gap(v)));
         (ends[0].1 <= 0.0 && ends[1].1 >= 0.0).then(|| halved(gap, ends))
     }
@@ -23,14 +23,14 @@ impl Part {
     pub fn ruling_meets(&self, id: FaceId, u: f64, surface: &Revolution, guess: f64) -> f64 {
         let face = self.face(id);
         let gap = |v: f64| surface.distance(&face.surface.point(u, v));
-        // Secant steps: the distance along a ruling is nearly linear.
+        // Secant method: the distance along a ruling is nearly linear.
         let (mut a, mut b) = (guess, guess + 1e-3);
         let (mut fa, mut fb) = (gap(a), gap(b));
         for _ in 0..12 {
             if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-12 {
                 break;
             }
-            // A ruling that never meets the surface must not run away.
+            // Limits the steps for a ruling that never meets the surface.
             let next = (b - fb * (b - a) / (fb - fa)).clamp(guess - 0.5, guess + 0.5);
             (a, fa) = (b, fb);
             (b, fb) = (next, gap(next));
@@ -39,8 +39,8 @@ impl Part {
     }
 }
 
-/// Where a function leaves what is below zero, between two places with the values there: by 50 halvings, which end below
-/// rounding for a ruling of some 100 mm. Most of them are decided by a bracket.
+/// The place between two places with known values where a function becomes positive, by 50 bisection steps, which end
+/// below rounding for a ruling of some 100 mm. A bracket decides most steps without an evaluation.
 fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
     let [(mut low, _), (mut high, _)] = ends;
     let (below, above) = bracket(&f, ends);
@@ -51,12 +51,12 @@ fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Two places close to each other between which a function leaves what is below zero, from such a pair with the values
-/// there: by secants, of which the weight of an end that stays is halved (Illinois).
+/// A narrow bracket of the place where a function becomes positive, from a wide bracket with known values: by secants,
+/// with half the weight for an end that does not move (Illinois).
 fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)]: [(f64, f64); 2]) -> (f64, f64) {
-    /// Steps at most: on rulings some six are enough.
+    /// Largest number of steps: for rulings about six are enough.
     const STEPS: usize = 20;
-    /// Width to end with: some steps over rounding.
+    /// Final width: some units of rounding.
     const CLOSE: f64 = 2e-14;
     let mut stays = None;
     let mut last = f64::NAN;
@@ -65,7 +65,7 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
         if !(next > low && next < high) {
             break;
         }
-        // The last step was so short that the place lies as near to this one.
+        // After a very short step the root lies close to this place.
         let ends = if (next - last).abs() < CLOSE { [next - CLOSE, next + CLOSE] } else { [next; 2] };
         last = next;
         for v in ends {
@@ -91,16 +91,16 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
 }
 
 impl Part {
-    /// Change of u that moves along the root of a face by a length at u = 0 or u = 1.
+    /// Change of u that moves along the root of a face by a given length at u = 0 or u = 1.
     pub fn root_step(&self, id: FaceId, u: f64, length: f64) -> f64 {
         length / self.face(id).surface.root().derivatives_extended(u).first.norm()
     }
 
-    /// Where the ball of a fillet is on the part: u of its first and of its last place. The ball touches the hub before or
-    /// behind the ruling whose face it touches, the farther the more the face leans, so that it runs on beyond both ends of the
-    /// face until it touches the hub outside of the part.
+    /// The u of the first and of the last place where the ball of a fillet is on the part. The ball touches the hub
+    /// before or behind the ruling whose face it touches; the offset grows with the inclination of the face. The ball
+    /// therefore runs on beyond both ends of the face until it touches the hub outside of the part.
     pub fn fillet_ends(&self, id: FaceId, radius: f64) -> [f64; 2] {
-        /// Ball radii beyond an end at most.
+        /// Largest extension beyond an end, in ball radii.
         const MOST: u32 = 4;
         let extent = self.extent(id.blade);
         let face = self.face(id);
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// The same bits as by halvings that all ask the function, with a third of the questions.
+    /// The same bits as bisection that always evaluates the function, with a third of the evaluations.
     #[test]
     fn halvings_by_a_bracket() {
         let plain = |f: &dyn Fn(f64) -> f64| {
@@ -169,7 +169,7 @@ mod tests {
         assert!(asked <= 17 * count, "{} questions", f64::from(asked) / f64::from(count));
     }
 
-    /// A zero in the end of the bracket, and a function that jumps.
+    /// A zero at an end of the bracket, and a function with a jump.
     #[test]
     fn halvings_at_the_ends() {
         let at = |f: &dyn Fn(f64) -> f64| halved(f, [-0.5, 1.0].map(|v| (v, f(v))));

@@ -6,10 +6,10 @@ use crate::geom::{NurbsCurve, Revolution};
 use crate::units::Mm;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
-/// The design part. Sector k is sector 0 turned about Z by k pitches (Wei 18).
+/// The design part. Sector k is sector 0 rotated about Z by k pitches (Wei 18).
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Number of sectors: of main blades.
+    /// Number of sectors, and therefore of main blades.
     pub vane_count: u32,
     /// Blades of sector 0: the main blade, then its splitters counter-clockwise, less than a pitch ahead of it.
     pub blades: Vec<Blade>,
@@ -27,7 +27,7 @@ impl PassageId {
     /// The passage that follows the main blade counter-clockwise.
     pub const FIRST: Self = Self(0);
 
-    /// What follows the number of its sector; nothing in the first passage: `channel 3`, `channel 3.1`.
+    /// Suffix to the number of its sector, empty for the first passage: `channel 3`, `channel 3.1`.
     pub(super) fn suffix(self) -> String {
         if self == Self::FIRST { String::new() } else { format!(".{}", self.0) }
     }
@@ -36,17 +36,17 @@ impl PassageId {
 /// The space between two neighbouring blades.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passage {
-    /// Which one.
+    /// Identifier of the passage.
     pub id: PassageId,
-    /// Faces of its walls, the clockwise one first.
+    /// Faces of its walls, the clockwise wall first.
     pub walls: [FaceId; 2],
-    /// Sectors from the first wall on to the second: 1 behind the last blade of a sector, else 0.
+    /// Sectors from the first wall to the second: 1 behind the last blade of a sector, else 0.
     pub sectors: u32,
 }
 
 impl Part {
-    /// The part of a vane's guide curves, with hub and shroud turned from curves of the vane. Orientation of the faces
-    /// and the order of the walls are found from the geometry.
+    /// The part from guide curves of a vane; hub and shroud are surfaces of revolution of curves of the vane. The
+    /// orientation of the faces and the order of the walls follow from the geometry.
     pub fn new(
         vane_count: u32,
         pressure: Guides,
@@ -70,7 +70,7 @@ impl Part {
         let meridian = |q: Point3<f64>| Vector2::new(libm::hypot(q.x, q.y), q.z);
         let pressure = &main.faces[0].surface;
         let outside = meridian(pressure.point(0.5, 1.0));
-        // Beyond the tips by the height of the vane.
+        // A point beyond the tips by the height of the vane.
         let beyond = meridian(pressure.point(0.5, 2.0));
         let from = main.faces[0].surface.point(1.0, 0.5);
         splitters.sort_by(|a, b| {
@@ -90,7 +90,7 @@ impl Part {
         std::f64::consts::TAU / f64::from(self.vane_count)
     }
 
-    /// Turn that carries sector 0 to a sector.
+    /// Rotation of sector 0 into a sector.
     pub fn sector_rotation(&self, sector: u32) -> Rotation3<f64> {
         Rotation3::from_axis_angle(&Vector3::z_axis(), self.pitch() * f64::from(sector))
     }
@@ -155,8 +155,7 @@ impl Part {
         }
     }
 
-    /// The wall on the other side of the passage that a face looks into, and the angle about Z by which that wall is
-    /// turned from its place in sector 0.
+    /// The wall on the other side of the passage of a face, and the angle about Z from its place in sector 0.
     pub fn opposite(&self, face: FaceId) -> (FaceId, f64) {
         let facing = self.passages().find_map(|p| match p.walls {
             [a, b] if a == face => Some((b, self.pitch() * f64::from(p.sectors))),

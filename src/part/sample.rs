@@ -1,4 +1,4 @@
-//! Samples of everything that the finished part is bounded by, with what each surface asks of the tool.
+//! Samples of all surfaces of the finished part.
 //!
 //! | surface | extent |
 //! |---|---|
@@ -26,12 +26,12 @@ pub struct Sample {
     pub normal: Vector3<f64>,
     /// Parameters: (u, v) of a face, (u, share of the arc) of a fillet, (u, share across) of the hub.
     pub parameters: [f64; 2],
-    /// Area that it stands for, mm2.
+    /// Area that the sample represents, mm2.
     pub area: f64,
 }
 
-/// Samples for the distance engine. The tag of a point is the number of its surface among those of the samples, in their
-/// order.
+/// Samples for distance queries. The tag of a point is the index of its surface among the sorted surfaces of the
+/// samples.
 pub fn cloud_points<'a>(samples: impl IntoIterator<Item = &'a Sample>) -> Vec<CloudPoint> {
     let samples: Vec<&Sample> = samples.into_iter().collect();
     let surfaces: BTreeSet<SurfaceId> = samples.iter().map(|s| s.surface).collect();
@@ -39,10 +39,10 @@ pub fn cloud_points<'a>(samples: impl IntoIterator<Item = &'a Sample>) -> Vec<Cl
     samples.iter().map(|s| CloudPoint { position: s.position, normal: s.normal, tag: tags[&s.surface] }).collect()
 }
 
-/// Most samples that are made of a part: a few gigabytes with all that is built on them.
+/// Most samples of a part: a few gigabytes together with all structures built on them.
 pub const MOST_SAMPLES: f64 = 1.5e7;
 
-/// Rough number of samples of a part at a spacing.
+/// Approximate number of samples of a part at a spacing.
 pub fn estimate(part: &Part, spacing: f64) -> f64 {
     let outlet = part.hub.meridian(1.0).point.x.max(part.hub.meridian(0.0).point.x);
     let longest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
@@ -56,7 +56,7 @@ pub fn estimate(part: &Part, spacing: f64) -> f64 {
 
 /// Samples all design surfaces of all sectors so that neighbours lie at most `spacing` apart, in a fixed order.
 ///
-/// What lies outside of the turned blank is not there: fillets end at the inlet cone and the outlet cylinder.
+/// Surfaces outside of the turned blank are left out: fillets end at the inlet cone and the outlet cylinder.
 pub fn sample(part: &Part, spacing: f64) -> Vec<Sample> {
     let mut sector0 = Vec::new();
     for id in part.faces() {
@@ -89,7 +89,7 @@ fn steps(length: f64, spacing: f64) -> usize {
     (length / spacing).ceil().max(1.0) as usize
 }
 
-/// Longest of both guides of a face.
+/// Length of the longer guide of a face.
 fn guide_length(part: &Part, id: FaceId) -> f64 {
     let surface = &part.face(id).surface;
     [0.0, 1.0]
@@ -102,7 +102,8 @@ fn guide_length(part: &Part, id: FaceId) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Longest step of a guide at equal steps of u: parameters by chord length keep it near the mean, but not at it.
+/// Ratio of the longest step of a guide at equal steps of u to the mean: parameters by chord length keep steps near the
+/// mean.
 const UNEVEN: f64 = 1.25;
 
 fn sample_face(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
@@ -169,7 +170,7 @@ fn sample_fillet(part: &Part, id: FaceId, radius: f64, spacing: f64, out: &mut V
     }
 }
 
-/// Mean distance of fillet rows.
+/// Mean distance of the rows of a fillet.
 fn guide_length_at(part: &Part, id: FaceId, nu: usize) -> f64 {
     let surface = &part.face(id).surface;
     let length: f64 = (0..100)
@@ -209,7 +210,7 @@ fn sample_hub(part: &Part, passage: &Passage, spacing: f64, out: &mut Vec<Sample
     }
 }
 
-/// Turned surfaces of a blade of sector 0: tip, inlet edge, outlet edge, spanned between its two faces.
+/// Turned surfaces of a blade of sector 0 between its two faces: tip, inlet edge, outlet edge.
 fn sample_turned(part: &Part, blade: BladeId, spacing: f64, out: &mut Vec<Sample>) {
     let [p, s] = &part.blade(blade).faces;
     let mut span =

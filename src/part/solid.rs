@@ -1,9 +1,10 @@
-//! The finished part as a closed triangle mesh, made from the design surfaces alone, and its volume.
+//! The finished part as a closed triangle mesh, from the design surfaces only, and its volume.
 //!
 //! A wall of a channel is one sheet: from the contact with the hub along the rolling ball, then up the ruling to the
-//! shroud. Rows of a sheet run from the inlet line to the outlet line, the straight lines of the meridian plane between
-//! the ends of hub and shroud. Hub, tips and both edges are spanned between the borders of sheets; front, bore, back and
-//! outside of the blank close the rest. Neighbouring grids share the points of their borders, so that nothing gapes.
+//! shroud. Rows of a sheet run from the inlet line to the outlet line, which are the straight lines of the meridian
+//! plane between the ends of hub and shroud. Hub, tips and both edges lie between the borders of sheets; front, bore,
+//! back and outside of the blank close the mesh. Neighbouring grids share the points of their borders, so that there
+//! are no gaps.
 
 use super::chart::{Chart, Shape, charts};
 use super::{FaceId, FaceSurface, Part, Stock, Surface, SurfaceKind};
@@ -26,7 +27,7 @@ pub struct Solid {
 impl Solid {
     /// Enclosed volume by the divergence theorem, mm3.
     pub fn volume(&self) -> f64 {
-        // From a corner instead of the origin, so that the terms stay as small as the solid.
+        // From a corner instead of the origin: the terms are then not larger than the solid.
         let Some(from) = self.vertices.first() else { return 0.0 };
         let terms = self.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|i| self.vertices[i] - from);
@@ -35,7 +36,7 @@ impl Solid {
         terms.sum::<f64>() / 6.0
     }
 
-    /// True when each edge of a triangle is run through as often in one direction as in the other: nothing gapes.
+    /// True when each edge is used equally often in both directions: the mesh has no gaps.
     pub fn is_closed(&self) -> bool {
         let mut count: BTreeMap<(usize, usize), i64> = BTreeMap::new();
         for [a, b, c] in &self.triangles {
@@ -47,22 +48,22 @@ impl Solid {
     }
 }
 
-/// A volume with the size of its error.
+/// A volume with an estimate of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     /// Volume, mm3.
     pub value: f64,
-    /// Difference of the last two refinements, mm3: the error is below it.
+    /// Difference of the last two refinements, mm3: an upper bound of the error.
     pub error: f64,
 }
 
 /// Steps of a grid along and up a wall, across a channel, and across a vane.
 const STEPS: [usize; 4] = [24, 12, 12, 4];
 
-/// Volume of the finished part: all vanes milled, nothing left over the shroud. Chords of grids of even steps are wrong
-/// by the square of the step, which two refinements take out.
+/// Volume of the finished part: all vanes milled, no stock over the shroud. The error of chords of uniform grids is
+/// quadratic in the step; two refinements remove it.
 ///
-/// `None` when a fillet does not reach from inlet to outlet, and for a part with splitters.
+/// `None` when a fillet does not extend from inlet to outlet, and for a part with splitters.
 pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
     let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
     let (coarse, middle, fine) = (of(1)?, of(2)?, of(4)?);
@@ -71,8 +72,8 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
     Some(Volume { value, error: (value - before).abs() })
 }
 
-/// Mesh of the finished part, with steps along a wall, up each of its two surfaces, across a channel, across a vane.
-/// `None` as for [`volume`].
+/// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
+/// across a vane. `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Solid> {
     if part.blades.len() > 1 {
         return None;
@@ -83,7 +84,7 @@ pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) 
     let (ahead, behind) = (sheets[0].grid(along, up)?, sheets[1].grid(along, up)?);
     let top = ahead.len() - 1;
     let mut mesh = Mesher::default();
-    // Where the hub begins and ends, once around: seams of the turned rest.
+    // Circles at both ends of the hub: borders to the other turned surfaces.
     let mut rings: [Vec<Point3<f64>>; 2] = [Vec::new(), Vec::new()];
     for sector in 0..part.vane_count {
         let turned = |grid: &[Vec<Point3<f64>>], sector: u32| -> Vec<Vec<Point3<f64>>> {
@@ -108,7 +109,7 @@ pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) 
         mesh.grid(&hub, false);
         mesh.grid(&tip, false);
     }
-    // Over front, bore, back and outside from the first ring to the second.
+    // Over front, bore, back and outside from the first circle to the second.
     let [first, last] = &mut rings;
     let corners = turned_rest(part, stock);
     let half = corners.len() / 2;
@@ -131,14 +132,15 @@ pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) 
     }
     mesh.grid(&grid, true);
     let mut solid = mesh.solid;
-    // Which way around all grids run depends on how the channel lies.
+    // The orientation of all grids depends on that of the channel.
     if solid.volume() < 0.0 {
         solid.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     Some(solid)
 }
 
-/// Corners of the turned rest of the part between the rings, (r, z): two on the side of the inlet, two on the other.
+/// Corners of the other turned surfaces between the circles, (r, z): two on the side of the inlet, two on the side of
+/// the outlet.
 fn turned_rest(part: &Part, stock: &Stock) -> [[f64; 2]; 4] {
     let (front, bore, back) = (part.hub.meridian(0.0).point.y, stock.bore_radius.get(), stock.back.get());
     let outlet = part.hub.meridian(1.0).point;
@@ -146,8 +148,8 @@ fn turned_rest(part: &Part, stock: &Stock) -> [[f64; 2]; 4] {
     [[bore, front], [bore, back], [outside, back], [outside, outlet.y]]
 }
 
-/// Even steps around Z from one point to another, both of them as they are; on a surface, or on the straight line
-/// between their places in the meridian plane. The turn is the one within half a turn of `about`.
+/// Equal steps around Z from one point to another, both included; on a surface, or on the straight line between their
+/// places in the meridian plane. The angle is the one within half a turn of `about`.
 fn bridge(
     from: &Point3<f64>,
     to: &Point3<f64>,
@@ -182,7 +184,7 @@ pub(super) struct Sheet<'a> {
     part: &'a Part,
     id: FaceId,
     fillet: Option<&'a Chart<'a>>,
-    /// Values of u between which the wall is known.
+    /// Range of u in which the wall is defined.
     range: [f64; 2],
 }
 
@@ -194,7 +196,7 @@ impl<'a> Sheet<'a> {
         }
         let range = match fillet {
             Some(chart) => [chart.place(0.0, 0.0).parameters[0], chart.place(1.0, 0.0).parameters[0]],
-            // The guides go on along their tangents.
+            // The guides continue along their tangents.
             None => [-0.2, 1.2],
         };
         Some(Self { part, id, fillet, range })
@@ -236,7 +238,7 @@ impl<'a> Sheet<'a> {
         Some((0..=along).map(at).collect())
     }
 
-    /// u at which a row meets the line of the meridian plane between the ends of hub and shroud at 0 or 1.
+    /// u at which a row meets the line in the meridian plane between the ends of hub and shroud at u = 0 or 1.
     pub(super) fn meets(&self, end: f64, w: f64) -> Option<f64> {
         let [hub, shroud] = self.part.end_line(self.id.blade, end);
         let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
@@ -249,7 +251,7 @@ impl<'a> Sheet<'a> {
         if gap(out) * sign > 0.0 {
             return None;
         }
-        // Halvings of a wall of some 100 mm down to rounding.
+        // Bisection of a wall of some 100 mm down to rounding.
         for _ in 0..48 {
             let u = 0.5 * (out + inside);
             if gap(u) * sign > 0.0 { inside = u } else { out = u }
@@ -258,7 +260,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// Makes one solid of grids that share the points of their borders.
+/// Joins grids that share the points of their borders to one solid.
 #[derive(Default)]
 struct Mesher {
     solid: Solid,
@@ -267,7 +269,7 @@ struct Mesher {
 
 impl Mesher {
     fn vertex(&mut self, p: &Point3<f64>) -> usize {
-        // Adding zero makes one of both zeros.
+        // Adding zero maps negative zero to positive zero.
         let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
         let next = self.solid.vertices.len();
         let index = *self.known.entry(key).or_insert(next);
@@ -277,7 +279,7 @@ impl Mesher {
         index
     }
 
-    /// Two triangles a cell; `turned` when rows and columns run clockwise as seen from outside.
+    /// Two triangles per cell; `turned` when rows and columns run clockwise as seen from outside.
     fn grid(&mut self, rows: &[Vec<Point3<f64>>], turned: bool) {
         let indices: Vec<Vec<usize>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(p)).collect()).collect();
         for pair in indices.windows(2) {

@@ -1,21 +1,21 @@
-//! The turned blank and what holds it.
+//! The turned blank and its clamping.
 
 use super::Part;
 use crate::units::Mm;
 
-/// Turned blank: what the lathe left. The space between its outside and the part is what milling removes.
+/// Turned blank: the result of the lathe. Milling removes the space between its outside and the part.
 #[derive(Clone, Debug)]
 pub struct Stock {
-    /// Outside, a closed-off profile in the meridian plane as (r, z) points from the bore over front, inlet, shroud
-    /// and outlet to the back; corners are sharp between the points.
+    /// Outside, as a closed profile in the meridian plane of (r, z) points from the bore over front, inlet, shroud and
+    /// outlet to the back; straight between the points.
     pub profile: Vec<[f64; 2]>,
-    /// Surface over the vane tips: the shroud offset outward by the stock left over it.
+    /// Thickness of the stock over the vane tips, by which the shroud is offset outward.
     pub over_shroud: Mm,
     /// Radius of the bore.
     pub bore_radius: Mm,
     /// Height of the back face.
     pub back: Mm,
-    /// What holds it.
+    /// Clamping of the blank.
     pub clamping: Clamping,
 }
 
@@ -24,17 +24,17 @@ pub struct Stock {
 pub struct Clamping {
     /// Its height.
     pub below: Mm,
-    /// Its radius; `None` is everything below.
+    /// Its radius; `None` for everything below the height.
     pub radius: Option<Mm>,
-    /// True when the job does not say: everything below the back face.
+    /// True when the job does not state the clamping: everything below the back face.
     pub by_default: bool,
 }
 
-/// Pieces of the turned profile along the shroud: their chords stay within a micrometre of a vane's meridian.
+/// Pieces of the turned profile along the shroud: their chords deviate by less than 1 um from the meridian of a vane.
 const SHROUD_PIECES: usize = 200;
 
 impl Stock {
-    /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud, to the outlet
+    /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud and to the outlet
     /// radius, with a flat front face at the inlet of the hub.
     pub fn turned(part: &Part, over: Mm, bore_radius: Mm, back: Mm) -> Self {
         let hub = part.hub.meridian(0.0).point;

@@ -1,10 +1,11 @@
-//! Surfaces of blades: what all of them can do, whatever they were made of.
+//! Surfaces of blades: the common interface of all kinds.
 
 use crate::geom::proximity::{ClosestPair, Patch, Projection};
 use crate::geom::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
 use nalgebra::{Point3, Vector3};
 
-/// A surface over u, from inlet (0) to outlet (1), and v, from root (0) to tip (1). It goes on straight outside of both.
+/// A surface over u, from inlet (0) to outlet (1), and v, from root (0) to tip (1). Outside of both ranges it continues
+/// straight.
 pub trait Surface {
     /// Point with first and second derivatives.
     fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives;
@@ -46,7 +47,7 @@ impl Surface for RuledSurface {
     fn rotated(&self, angle: f64) -> Self {
         self.rotated(angle)
     }
-    // Without second derivatives.
+    // Computes no second derivatives.
     fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
         self.tangents(u, v)
     }
@@ -67,7 +68,7 @@ impl Surface for LoftedSurface {
     }
 }
 
-/// The surface of a face of a blade, by its kind. A new kind is one line in each table below.
+/// The surface of a face of a blade, by its kind. A new kind needs one line in each table below.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaceSurface {
     /// Straight lines between a root curve and a tip curve.
@@ -115,7 +116,7 @@ impl FaceSurface {
         }
     }
 
-    /// Curves that it goes through, from the root (v = 0) to the tip (v = 1).
+    /// Curves that the surface contains, from the root (v = 0) to the tip (v = 1).
     pub fn sections(&self) -> Vec<&NurbsCurve> {
         match self {
             Self::Ruled(s) => vec![&s.root, &s.tip],
@@ -147,9 +148,9 @@ impl FaceSurface {
         }
     }
 
-    /// Length from root to tip per unit of v, at its most along the line of equal u, mm.
+    /// Largest length of the derivative by v along the line of equal u, mm per unit of v.
     pub fn height(&self, u: f64) -> f64 {
-        /// Stations up a lofted face: some ten between two sections.
+        /// Stations along v of a lofted face: about ten between two sections.
         const STATIONS: u32 = 64;
         match self {
             Self::Ruled(s) => s.tangents(u, 0.0).2.norm(),
@@ -166,9 +167,9 @@ impl FaceSurface {
         }
         /// Seeds along u and v.
         const SEEDS: [u32; 2] = [40, 12];
-        /// Feet from one surface to the other and back at most; each comes nearer.
+        /// Largest number of projections from one surface to the other and back; each reduces the distance.
         const STEPS: usize = 200;
-        /// What is nearer by less is the same, mm.
+        /// Gain below which the search ends, mm.
         const SAME: f64 = 1e-12;
         let at = |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n);
         let from = |p: &Point3<f64>| {
@@ -193,7 +194,7 @@ impl FaceSurface {
         best
     }
 
-    /// The straight lines that it consists of, where it does.
+    /// The ruled surface, if the face is ruled.
     pub fn as_ruled(&self) -> Option<&RuledSurface> {
         match self {
             Self::Ruled(s) => Some(s),
