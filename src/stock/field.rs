@@ -1,13 +1,14 @@
-//! The tri-dexel field: rays along X, Y and Z through the centres of a grid of cubes, with the solid intervals on them.
+//! The tri-dexel field: rays along X, Y and Z through the centres of a grid of cubes, with the intervals of material on
+//! them.
 
 use super::tile::{SIDE, Tile};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// Most rays of a field, all families together: about two gigabytes.
+/// Most rays of a field, all families together: about 2 GB.
 pub const MOST_RAYS: f64 = 3e7;
 
-/// Share of a cell by which a size may exceed a whole number of cells from rounding.
+/// Share of a cell by which a size may exceed a whole number of cells through rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Why a field cannot be made.
@@ -15,31 +16,31 @@ const ROUNDING: f64 = 1e-9;
 pub enum FieldError {
     /// The cell is not a positive number.
     BadCell,
-    /// The profile has no room inside, or numbers that are not finite.
+    /// The profile has no inside, or numbers that are not finite.
     BadProfile,
-    /// It would need more than [`MOST_RAYS`].
+    /// The field would need more than [`MOST_RAYS`] rays.
     TooFine {
-        /// Rays that it would need.
+        /// Number of rays that the field would need.
         rays: f64,
-        /// Least cell that is possible, mm, a little rounded up.
+        /// Least possible cell, mm, slightly rounded up.
         least_cell: f64,
     },
 }
 
-/// What is missing of a body.
+/// Missing parts of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lack {
     /// Volume by the rays, mean of the three families, mm3.
     pub volume: f64,
-    /// Middle of the longest interval that is missing.
+    /// Middle of the longest missing interval.
     pub point: Point3<f64>,
 }
 
-/// Intervals of rays that are missing.
+/// Missing intervals of rays.
 struct Missed {
-    /// Length of all of them.
+    /// Total length.
     length: f64,
-    /// Length of the longest one, and its middle.
+    /// Length of the longest interval, and its middle.
     longest: f64,
     middle: Point3<f64>,
 }
@@ -47,7 +48,7 @@ struct Missed {
 impl Missed {
     const NOTHING: Self = Self { length: 0.0, longest: 0.0, middle: Point3::new(0.0, 0.0, 0.0) };
 
-    /// Adds others; of equally long ones the first stays.
+    /// Adds other intervals; of equally long intervals the first remains the longest.
     fn join(&mut self, other: &Self) {
         self.length += other.length;
         if other.longest > self.longest {
@@ -64,20 +65,20 @@ pub struct Field {
     pub(super) low: [f64; 3],
     /// Cells along each axis.
     pub(super) count: [usize; 3],
-    /// Rays along X, Y, Z.
+    /// Families of rays along X, Y, Z.
     pub(super) families: [Family; 3],
 }
 
-/// Rays along one axis, in tiles. Tiles know only the [`frame`] of the family, in which the rays run along Z.
+/// Rays along one axis, in tiles. Tiles use only the [`frame`] of the family, in which the rays run along Z.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
-    /// Tiles along the two axes after it, in cyclic order.
+    /// Numbers of tiles along the next two axes, in cyclic order.
     pub(super) across: [usize; 2],
-    /// Tiles, the first of both axes running first.
+    /// Tiles; the index along the first of both axes runs first.
     pub(super) tiles: Vec<Tile>,
 }
 
-/// The axes in the order in which a family of rays sees them: across in cyclic order, then its own.
+/// The axes in the order of the frame of a family of rays: both axes across in cyclic order, then its own axis.
 pub(super) fn frame(axis: usize) -> [usize; 3] {
     let [u, v] = across(axis);
     [u, v, axis]
@@ -89,11 +90,12 @@ pub(super) fn across(axis: usize) -> [usize; 2] {
 }
 
 impl Field {
-    /// Stock turned about Z: the inside of a closed profile of (r, z) points, r >= 0, cut by the rays exactly. The cell
-    /// shrinks until its height is a whole number of cells, so that the rays across count both faces exactly.
+    /// Stock of revolution about Z: the inside of a closed profile of (r, z) points, r >= 0, with exact intersections
+    /// of the rays. The cell shrinks until the height is a whole number of cells, so that the rays across represent
+    /// both faces exactly.
     ///
     /// # Errors
-    /// [`FieldError`]: a cell that is not positive or too small, a profile without inside.
+    /// [`FieldError`]: a cell that is not positive or too small, or a profile without inside.
     pub fn turned(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
         if !(cell > 0.0 && cell.is_finite()) {
             return Err(FieldError::BadCell);
@@ -110,11 +112,11 @@ impl Field {
         }
         let size = [2.0 * r, 2.0 * r, top - bottom];
         let middle = [0.0, 0.0, 0.5 * (top + bottom)];
-        // A blank thinner than a cell keeps the cell.
+        // A blank thinner than a cell does not change the cell.
         let cell = if size[2] > cell { size[2] / (size[2] / cell - ROUNDING).ceil().max(1.0) } else { cell };
         let rays = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
         if rays / (cell * cell) > MOST_RAYS {
-            // Room for the whole cells that grids and heights are rounded up to.
+            // Reserve for the rounding of grids and heights to whole cells.
             let least_cell = (rays / MOST_RAYS).sqrt() * 1.1;
             return Err(FieldError::TooFine { rays: rays / (cell * cell), least_cell });
         }
@@ -152,7 +154,7 @@ impl Field {
         self.cell
     }
 
-    /// Rays of all families.
+    /// Number of rays of all families.
     pub fn rays(&self) -> usize {
         let [x, y, z] = self.count;
         x * y + y * z + z * x
@@ -172,7 +174,7 @@ impl Field {
         self.volumes().iter().sum::<f64>() / 3.0
     }
 
-    /// Solid intervals of the ray along an axis (0 to 2) in a row and column of the grid, these along the next two axes
+    /// Intervals of material of the ray along an axis (0 to 2), at a row and column of the grid along the next two axes
     /// in cyclic order.
     pub fn intervals(&self, axis: usize, row: usize, column: usize) -> Vec<[f64; 2]> {
         self.ray(axis, row, column).map_or_else(Vec::new, |r| r.intervals().collect())
@@ -183,7 +185,7 @@ impl Field {
         self.low[axis] + self.cell * (i as f64 + 0.5)
     }
 
-    /// Cells along each axis.
+    /// Number of cells along each axis.
     pub fn cells(&self) -> [usize; 3] {
         self.count
     }
@@ -198,8 +200,8 @@ impl Field {
         tile.ray(row % SIDE, column % SIDE)
     }
 
-    /// What is missing of a body turned about Z, the inside of a closed profile of (r, z) points; `None` when no interval
-    /// of a ray is missing that is longer than `least`, mm. Between the rays nothing is known.
+    /// Missing parts of a body of revolution about Z, the inside of a closed profile of (r, z) points. `None` when no
+    /// missing interval of a ray is longer than `least`, mm. Between the rays nothing is known.
     pub fn lacks(&self, profile: &[[f64; 2]], least: f64) -> Option<Lack> {
         let mut all = Missed::NOTHING;
         for axis in 0..3 {
@@ -215,7 +217,7 @@ impl Field {
         (all.longest > 0.0).then(|| Lack { volume: all.length * self.cell * self.cell / 3.0, point })
     }
 
-    /// What is missing of the body on a row of rays along an axis.
+    /// Missing parts of the body on a row of rays along an axis.
     fn missed(&self, axis: usize, row: usize, profile: &[[f64; 2]], least: f64) -> Missed {
         let [u, v] = across(axis);
         let mut all = Missed::NOTHING;
@@ -237,7 +239,7 @@ impl Field {
         all
     }
 
-    /// A number that equal fields share and others hardly: FNV-1a over the bits of all interval ends.
+    /// A hash of the field, FNV-1a over the bits of all interval ends: equal for equal fields, hardly ever for others.
     pub fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         for tile in self.families.iter().flat_map(|f| &f.tiles) {
@@ -251,7 +253,7 @@ impl Field {
     }
 }
 
-/// What is left of an interval without others, which are sorted and disjoint.
+/// The parts of an interval outside of other intervals, which are sorted and disjoint.
 fn gaps([from, to]: [f64; 2], others: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut left = Vec::new();
     let mut at = from;
@@ -267,8 +269,8 @@ fn gaps([from, to]: [f64; 2], others: impl Iterator<Item = [f64; 2]>) -> Vec<[f6
     left
 }
 
-/// Places where a line crosses the closed profile, ascending; the line is given by the side on which a point lies and
-/// the place of a crossing at a share of an edge.
+/// Places where a line crosses the closed profile, ascending. The line is given by the side of a point and by the place
+/// of its crossing with an edge.
 fn crossings(
     profile: &[[f64; 2]],
     beyond: impl Fn(&[f64; 2]) -> bool,
@@ -305,7 +307,7 @@ fn across_axis(profile: &[[f64; 2]], y: f64, z: f64) -> Vec<[f64; 2]> {
     let mirrored: Vec<[f64; 2]> = intervals.iter().rev().map(|[a, b]| [-b, -a]).collect();
     for m in mirrored {
         match intervals.last_mut() {
-            // Both halves meet on the axis plane.
+            // Both halves meet in the plane through the axis.
             Some(last) if last[1] >= m[0] => last[1] = m[1],
             _ => intervals.push(m),
         }

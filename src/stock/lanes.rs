@@ -1,22 +1,22 @@
-//! Eight stretches of material at once against a body over a piece of its time, as its pose at one time tells.
+//! Queries about eight intervals of material at once: what a body at one pose removes over a piece of time.
 //!
-//! Loops over lanes have no branches, so that the compiler makes vectors of them. Nothing is reordered or fused: results
+//! Loops over lanes have no branches, so that the compiler vectorises them. No operation is reordered or fused: results
 //! are the same, bit by bit, for vectors of any width.
 
 use super::moving::Moving;
 use super::shape::{Profile, Round, Shape};
 use super::sweep::{Line, Look, Pose};
 
-/// Stretches at once.
+/// Number of intervals per query.
 pub(super) const LANES: usize = 8;
 
-/// A number for each of them.
+/// A number for each interval.
 pub(super) type Lane = [f64; LANES];
 
-/// What may be left inside the sweep beyond the end of a chip, as a distance to its surface, mm.
+/// Depth of material that may remain inside the sweep beyond the end of a chip, as a distance to the surface, mm.
 const LEFT: f64 = 6e-4;
 
-/// Stretches of lines along Z, from `a` to `b`; the piece of the time that is asked about, and the time at which it is.
+/// Intervals of lines along Z, from `a` to `b`; the piece of time of the query, and the time of the pose.
 #[derive(Default)]
 pub(super) struct Lanes {
     pub(super) x: Lane,
@@ -28,39 +28,39 @@ pub(super) struct Lanes {
     pub(super) t: Lane,
 }
 
-/// Where a body stands on a line.
+/// Position of a body relative to a line.
 struct Found {
-    /// Part inside of it; `high` lies below `low` when there is none.
+    /// Part of the line inside of the body; `high` is below `low` when the line misses the body.
     low: f64,
     high: f64,
-    /// Part of the stretch that it may reach, and the place where it comes nearest, or about there.
+    /// Part of the interval that the body may reach, and approximately the place where it is nearest.
     from: f64,
     to: f64,
     nearest: f64,
 }
 
-/// Nothing is taken of the stretch.
+/// The body removes nothing of the interval.
 pub(super) const UNTOUCHED: u64 = 0;
-/// The part inside is taken.
+/// The body removes the part inside.
 pub(super) const CUT: u64 = 1;
-/// Not known.
+/// Undecided.
 pub(super) const OPEN: u64 = 2;
-/// As [`CUT`] if the lower end of the part holds too.
+/// As [`CUT`], if the lower end of the part is confirmed as well.
 const HALF_CUT: u64 = 3;
 
-/// What a pose tells about the stretches over the piece of time.
+/// Result of a query: what one pose decides about the intervals over the piece of time.
 #[derive(Default)]
 pub(super) struct Told {
     pub(super) state: [u64; LANES],
-    /// The part taken.
+    /// The removed part.
     pub(super) from: Lane,
     pub(super) to: Lane,
-    /// Derivative by time at the place that was asked: where the body is nearest, or leaves.
+    /// Derivative by time at the evaluated place: where the body is nearest, or where it leaves the line.
     pub(super) slope: Lane,
 }
 
-/// Least of a parabola with a value, slope and bend over a time before or after, and its third power with `drift` and
-/// `twist` below.
+/// Least value over a time before or after of a parabola with a value, slope and second derivative, less linear and
+/// cubic terms with the factors `drift` and `twist`.
 #[inline(always)]
 fn least(look: &Look, run: f64, drift: f64, twist: f64) -> f64 {
     let square = run * run;
@@ -72,25 +72,25 @@ fn least(look: &Look, run: f64, drift: f64, twist: f64) -> f64 {
     look.f + if dips { dip } else { smaller(far, 0.0) }
 }
 
-/// The smaller of two numbers, none of which is NaN; unlike `min` a single instruction.
+/// The smaller of two numbers, neither of which is NaN; unlike `min` a single instruction.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The larger one.
+/// The larger of two numbers, neither of which is NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// What is asked of a moving body.
+/// A query about a moving body.
 pub(super) struct Question<'a> {
     pub(super) moving: &'a Moving,
     pub(super) lanes: &'a Lanes,
 }
 
-/// To be asked by [`pulp::Arch::dispatch`], which compiles it for the vectors of the processor.
+/// Run by [`pulp::Arch::dispatch`], which compiles the query for the vectors of the processor.
 impl pulp::WithSimd for Question<'_> {
     type Output = Told;
 
@@ -121,7 +121,8 @@ impl Question<'_> {
             let beside = inside & (before | after);
             let through = inside & !(before | after);
             let (upper, lower) = (high < b, low > a);
-            // The end of the material that the body is nearest to, the end of the part inside, or the nearest place.
+            // The place to evaluate: the end of the interval on the side of the body, the end of the part inside, or
+            // the nearest place.
             let x = larger(smaller(nearest, to), from);
             let x = if beside { if before { a } else { b } } else { x };
             let x = if through { if upper { high } else { low } } else { x };
@@ -129,7 +130,7 @@ impl Question<'_> {
             let look = pose.look(body, &line, x);
             let (drift, twist, turn) = (moving.drift, moving.twist, moving.turn * span);
             let least = smaller(least(&look, back, drift, twist), least(&look, ahead, drift, twist));
-            // Where the body only leaves from, no other time reaches farther.
+            // Where the body leaves the line at this time, it reaches farther at no other time.
             let leaves = (look.rise * sign >= turn) & (least > -LEFT);
             let rising = larger(turn - look.rise, 0.0) * (to - x);
             let falling = larger(turn + look.rise, 0.0) * (x - from);
@@ -159,9 +160,9 @@ impl Question<'_> {
     }
 }
 
-/// A body that tells where it stands on a line.
+/// A body with its position relative to a line.
 trait Standing: Profile {
-    /// Asked about all that may come to a stretch while no point of the body moves farther than `margin`.
+    /// `from` and `to` bound the part that the body may reach while no point of it moves farther than `margin`.
     fn stand(&self, pose: &Pose, line: &Line, stretch: [f64; 2], margin: f64) -> Found;
 }
 
@@ -182,14 +183,14 @@ impl<const BALL: bool> Standing for Round<BALL> {
         let (crosses, leans) = (pose.by_square > 0.0, pose.by_along != 0.0);
         let d = line.point(0.0) - pose.tip;
         let (s, far) = (d.dot(&pose.axis), d.norm_squared());
-        // Against the cylinder: distance from its axis, squared, less that of its radius.
+        // The cylinder: squared distance from its axis, less its squared radius.
         let (across, off) = (d.z - s * along, far - s * s - radius * radius);
         let root = across * across - pose.square * off;
         let centre = if crosses { -across * pose.by_square } else { 0.5 * (a + b) };
         let half = if crosses { larger(root, 0.0).sqrt() * pose.by_square } else { FAR };
         let meets = if crosses { root > 0.0 } else { off < 0.0 };
         let (low, high) = if meets { (centre - half, centre + half) } else { (FAR, -FAR) };
-        // Between two planes across its axis.
+        // The space between two planes across the axis.
         let planes = |from: f64, to: f64| {
             let (p, q) = ((from - s) * pose.by_along, (to - s) * pose.by_along);
             let flat = if (s > from) & (s < to) { FAR } else { -FAR };
@@ -202,7 +203,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
             let middle = radius * along - d.z;
             let root = middle * middle - far + 2.0 * radius * s;
             let half = larger(root, 0.0).sqrt();
-            // The ball lies inside the hull, which is convex: both stretches touch or one is empty.
+            // The ball lies inside of the convex hull: both intervals touch, or one is empty.
             let hull = low < high;
             let (l, h) = (if hull { low } else { FAR }, if hull { high } else { -FAR });
             let below = s + along * nearest <= radius + 1e-9;
@@ -210,7 +211,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
             low = if root > 0.0 { smaller(l, middle - half) } else { low };
             high = if root > 0.0 { larger(h, middle + half) } else { high };
         }
-        // What may come.
+        // The part that the body may reach.
         let wider = margin * (2.0 * radius + margin);
         let wide = root + pose.square * wider;
         let half = if crosses { larger(wide, 0.0).sqrt() * pose.by_square } else { FAR };

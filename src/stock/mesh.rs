@@ -1,9 +1,9 @@
 //! Closed triangle mesh of the stock.
 //!
-//! Cell centres are inside or outside; the ends of the intervals tell exactly where the surface crosses the edges
-//! between them. Each cube of eight centres that the surface passes gets one vertex, the mean of the crossings on its
-//! edges; each crossed edge joins the vertices of the four cubes around it. So every edge of the mesh belongs to an even
-//! number of triangles, and planes stay plane; sharp edges are rounded within a cell.
+//! Cell centres are inside or outside. The ends of the intervals give exactly where the surface crosses the edges
+//! between them. Each cube of eight centres that contains part of the surface gets one vertex, the mean of the
+//! crossings on its edges. Each crossed edge joins the vertices of the four cubes around it. Every edge of the mesh
+//! therefore belongs to an even number of triangles, and planes remain plane; sharp edges are rounded within a cell.
 
 use super::Field;
 use super::field::across;
@@ -26,10 +26,10 @@ impl Mesh {
         self.triangles.iter().map(|t| corner(t[0]).dot(&corner(t[1]).cross(&corner(t[2])))).sum::<f64>() / 6.0
     }
 
-    /// Binary STL. The 80 bytes at its head hold the name as far as it fits.
+    /// Binary STL. Its 80 bytes of header hold the name, cut off where it is too long.
     pub fn stl(&self, name: &str) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(84 + 50 * self.triangles.len());
-        // "solid" at the head would make readers take it for a text.
+        // A header that begins with "solid" would make readers expect text.
         let head = format!("binary STL, mm: {name}");
         bytes.extend(head.bytes().filter(u8::is_ascii).chain(std::iter::repeat(b' ')).take(80));
         bytes.extend(u32::try_from(self.triangles.len()).unwrap_or(u32::MAX).to_le_bytes());
@@ -48,7 +48,7 @@ impl Mesh {
 /// Marks a cube without vertex.
 const NONE: u32 = u32::MAX;
 
-/// Inside or outside of one layer of cell centres, with a border of outside.
+/// State of one layer of cell centres, inside or outside, with a border outside.
 struct Layer {
     inside: Vec<bool>,
     width: usize,
@@ -109,7 +109,7 @@ impl Field {
                 cubes[place] = u32::try_from(mesh.vertices.len()).unwrap_or(NONE);
                 mesh.vertices.push(point);
             }
-            // Edges between the layers, then those inside the lower one.
+            // Edges between the layers, then edges in the lower layer.
             for j in 1..=ny {
                 for i in 1..=nx {
                     if below.at(i, j) != above.at(i, j) {
@@ -140,7 +140,8 @@ impl Field {
         mesh
     }
 
-    /// Mean of the crossings on the edges of a cube; `at` is its number with the border, the corners in binary order.
+    /// Mean of the crossings on the edges of a cube; `at` is its index with the border, the corners are in binary
+    /// order.
     fn vertex(&self, at: [usize; 3], corners: &[bool; 8]) -> Point3<f64> {
         let mut sum = Vector3::zeros();
         let mut count = 0.0;
@@ -171,7 +172,7 @@ impl Field {
     }
 }
 
-/// Two triangles over four cubes around an edge; `forward` when the edge runs out of the material.
+/// Two triangles between four cubes around an edge; `forward` when the edge runs out of the material.
 fn quad(mesh: &mut Mesh, around: [u32; 4], forward: bool) {
     let [a, b, c, d] = around;
     let (b, d) = if forward { (b, d) } else { (d, b) };

@@ -1,23 +1,22 @@
-//! The real stock as rays along X, Y and Z with the intervals that are still solid, and tools that cut it block by
-//! block.
+//! The real stock as rays along X, Y and Z with their intervals of material, and tools that cut it block by block.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`field`] | the rays: made from a turned blank, volume |
-//! | `ray` | sorted disjoint solid intervals |
+//! | `ray` | sorted disjoint intervals of material |
 //! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
-//! | `sweep` | such a body in motion: its signed distance, least over time |
-//! | `moving` | the same with bounds, against a line |
-//! | `lanes` | eight stretches of material at once against such a body |
-//! | `stretches` | what it takes of the stretches of a group of lines |
-//! | `run` | steps that follow each other, as one motion |
-//! | `tile` | 64 x 64 rays with a coarse map of where material is left |
+//! | `sweep` | such a body in motion: its signed distance, and the least value over time |
+//! | `moving` | such a body in motion with bounds, against a line |
+//! | `lanes` | queries about eight intervals of material at once against such a body |
+//! | `stretches` | what such a body removes of the intervals of a group of lines |
+//! | `run` | successive steps as one motion |
+//! | `tile` | 64 x 64 rays with a coarse map of the material |
 //! | [`simulate()`] | a stream of steps through all tiles |
-//! | [`mesh`] | closed triangle mesh of what is left, STL |
+//! | [`mesh`] | closed triangle mesh of the remaining stock, STL |
 //!
-//! Only ends of intervals are stored, each within [`END_ERROR`] of the surface of the tool that made it, so that the
-//! errors of many cuts never add up. Between the rays nothing is known: features smaller than a cell may lie there.
-//! Lengths are mm.
+//! Only ends of intervals are stored, each within [`END_ERROR`] of the surface of the tool that cut it, so that the
+//! errors of many cuts do not add up. Between the rays nothing is known: features smaller than a cell may exist there.
+//! Lengths are in mm.
 
 pub mod field;
 mod lanes;
@@ -37,14 +36,14 @@ pub use simulate::{BlockCut, Collision, Outcome, simulate};
 
 use nalgebra::{Point3, Vector3};
 
-/// Largest distance between the end of an interval and the surface of the swept tool, mm: the bounds at which the
-/// search in time and along a ray stops.
+/// Largest distance between the end of an interval and the surface of the swept tool, mm: the accuracy of the search in
+/// time and along a ray.
 pub const END_ERROR: f64 = 1e-3;
 
-/// Largest turn of a step, radians: what its three axes describe to a fraction of [`END_ERROR`].
+/// Largest turn of a step, radians: up to this turn, three axes describe the step to a fraction of [`END_ERROR`].
 pub const MOST_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
-/// How a step is made.
+/// Kind of motion of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepKind {
     /// Cutting feed.
@@ -58,17 +57,17 @@ pub enum StepKind {
 /// A short piece of motion of one tool: a turn of at most [`MOST_TURN`], and a few millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Number of the block that it belongs to; never falls along a stream.
+    /// Number of its block; it never decreases along a stream.
     pub block: u32,
-    /// How.
+    /// Kind of motion.
     pub kind: StepKind,
-    /// Tool tip at start and end; it runs straight.
+    /// Tool tip at start and end; the tip runs straight.
     pub tips: [Point3<f64>; 2],
     /// Unit vector from tip to holder at start, half time and end.
     pub axes: [Vector3<f64>; 3],
 }
 
-/// Part of the tool that touched.
+/// Part of the tool with a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Touched {
     /// The cutter, at rapid.

@@ -1,14 +1,14 @@
 //! A convex body of revolution over one step, or over a run of steps, with its bounds, against lines along Z.
 //!
-//! Times run from 0 to 1. What the function of the body does in that time is bounded from below by its tangents, with
-//! their bend: for turns are not convex.
+//! Times run from 0 to 1. Tangents with their second derivatives bound the function of the body from below over this
+//! time, since the function of a turning body is not convex.
 
 use super::shape::Shape;
 use super::sweep::{GAP, Line, Sweep};
 use nalgebra::Vector3;
 
-/// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray is at rest far
-/// below.
+/// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray converges in far
+/// fewer steps.
 pub(super) const MOST_NEWTON: u32 = 40;
 
 /// A body in motion.
@@ -16,7 +16,8 @@ pub(super) const MOST_NEWTON: u32 = 40;
 pub(super) struct Moving {
     pub(super) sweep: Sweep,
     pub(super) shape: Shape,
-    /// Speed at which the true motion may leave `sweep` from both of its ends, mm in the unit of time; 0 for a step.
+    /// Speed at which the true motion may deviate from `sweep` from both of its ends on, mm per unit of time; 0 for a
+    /// step.
     pub(super) drift: f64,
     /// Largest turning speed.
     pub(super) turn: f64,
@@ -25,17 +26,17 @@ pub(super) struct Moving {
     /// [`Sweep::bow`] and [`Sweep::twist`] of the body.
     bow: f64,
     pub(super) twist: f64,
-    /// Corners of a box around all of it.
+    /// Corners of a box around the whole sweep.
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
     /// Pose at half time.
     pub(super) tip: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
-    /// Cylinder about the middle pose that holds the whole sweep: heights and radius.
+    /// Cylinder about the middle pose that contains the whole sweep: heights and radius.
     from: f64,
     to: f64,
     radius: f64,
-    /// Unit vector across way and axis.
+    /// Unit vector across tip motion and axis.
     pub(super) side: Vector3<f64>,
 }
 
@@ -60,7 +61,7 @@ impl Moving {
         }
         let moved = 0.5 * way + (start - axis).norm().max((end - axis).norm()) * reach + sag;
         let across = axis.cross(sweep.way());
-        // A plunge has no side: any will do.
+        // For a plunge any direction across the axis is valid.
         let side = across.try_normalize(0.05 * way + 1e-12).unwrap_or_else(|| {
             let least = axis.iamin();
             let mut unit = Vector3::zeros();
@@ -72,7 +73,7 @@ impl Moving {
         Self { sweep, shape, drift, turn, speed, bow, twist, low, high, tip, axis, from, to, radius, side }
     }
 
-    /// By how much depths below its surface may be wrong, mm.
+    /// Largest error of depths below its surface, mm.
     pub(super) fn error(&self) -> f64 {
         self.bow + 0.5 * self.drift
     }
@@ -103,7 +104,7 @@ impl Moving {
         (low < high).then_some([low, high])
     }
 
-    /// True when no point within `lateral` of the stretch a..b of a line can lie inside the sweep.
+    /// True when no point within `lateral` of the interval a..b of a line can lie inside the sweep.
     pub(super) fn clear(&self, line: &Line, [a, b]: [f64; 2], lateral: f64, guess: &mut f64) -> bool {
         let limit = lateral + self.error();
         let first = self.sweep.least(&self.shape, line, a, [0.0, 1.0], *guess, limit);
@@ -118,25 +119,25 @@ impl Moving {
         }
         let (da, db) = (first.rise - self.turn, last.rise + self.turn);
         if da < 0.0 && db > 0.0 {
-            // Where the tangents meet lies below the least.
+            // The tangents intersect below the least value.
             let share = db / (db - da);
             return first.f * share + last.f * (1.0 - share) + (b - a) * share * da > limit;
         }
         false
     }
 
-    /// The part of a stretch in the heights of the sweep.
+    /// The part of an interval within the heights of the sweep.
     pub(super) fn part(&self, [a, b]: [f64; 2]) -> [f64; 2] {
         [a.max(self.low[2]), b.min(self.high[2])]
     }
 
-    /// Place of the deepest point inside the sweep on a stretch, and its depth; `None` when none is deeper than `least`.
+    /// Place of the deepest point inside the sweep on an interval, and its depth; `None` when no depth exceeds `least`.
     pub(super) fn deepest(&self, line: &Line, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> Option<(f64, f64)> {
         let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, f64::INFINITY);
         let (mut low, mut high) = ((a, look(a, *guess)), (b, look(b, *guess)));
         *guess = low.1.t;
         let mut best = if low.1.f < high.1.f { (low.0, low.1.f) } else { (high.0, high.1.f) };
-        // Tangents again, now along the ray.
+        // Tangents along the ray.
         for k in 0..MOST_NEWTON {
             let (da, db) = (low.1.rise, high.1.rise);
             if da >= 0.0 || db <= 0.0 {

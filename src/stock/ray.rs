@@ -1,17 +1,17 @@
-//! Solid intervals of one ray.
+//! Intervals of material of one ray.
 
-/// Removal thinner than this along a ray is left undone, mm: contact, not cutting. What would be left thinner than this
-/// beside a cut goes with it, or it would stand up as a needle in room that is free.
+/// A cut shorter than this along a ray is ignored, mm: contact, not cutting. A remainder shorter than this beside a cut
+/// is removed as well; it would otherwise stand as a needle in free space.
 pub(super) const SKIN: f64 = 5e-4;
 
-/// Sorted disjoint solid intervals. The first is held in place; few rays have more.
+/// Sorted disjoint intervals of material. The first is stored in the struct itself; few rays have more.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ray {
     first: [f64; 2],
     rest: Vec<[f64; 2]>,
 }
 
-/// Of a ray without material.
+/// First interval of a ray without material.
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 impl Ray {
@@ -33,7 +33,7 @@ impl Ray {
         first.into_iter().chain(self.rest.iter().copied())
     }
 
-    /// Length of all material on it.
+    /// Total length of the material.
     pub(super) fn length(&self) -> f64 {
         self.intervals().map(|[a, b]| b - a).sum()
     }
@@ -43,11 +43,11 @@ impl Ray {
         self.intervals().any(|[a, b]| a <= x && x < b)
     }
 
-    /// Takes away sorted disjoint cuts, each inside one interval.
+    /// Removes sorted disjoint cuts, each inside one interval.
     pub(super) fn subtract(&mut self, cuts: impl ExactSizeIterator<Item = [f64; 2]>) {
         let mut cuts = cuts.peekable();
         if self.rest.is_empty() && cuts.len() == 1 {
-            // By far the most: one interval that loses one end.
+            // By far the most frequent case: one interval that loses one end.
             if let Some(&[a, b]) = cuts.peek() {
                 let (head, tail) = (a > self.first[0] + SKIN, b < self.first[1] - SKIN);
                 if !(head && tail) {

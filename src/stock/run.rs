@@ -1,4 +1,4 @@
-//! Runs: steps that follow each other, and the motion that they make as one, as a family of rays sees it.
+//! Runs: successive steps combined to one motion, in the frame of a family of rays.
 
 use super::field::frame;
 use super::moving::Moving;
@@ -12,24 +12,24 @@ use std::ops::Range;
 /// Most steps of a run.
 pub(super) const RUN: usize = 8;
 
-/// Way of a run, mm; and share of it by which its steps may leave the run as a whole. What decides is how much of a way
-/// can be ruled out at once.
+/// Longest tip motion of a run, mm; and largest deviation of its steps from the run, as a share of this motion. The aim
+/// is to exclude as much of a path as possible at once.
 const RUN_WAY: f64 = 3.0;
 const RUN_DRIFT: f64 = 0.3;
 
-/// Steps of one kind that follow each other without a jump, prepared.
+/// Successive steps of one kind without a jump, prepared for queries.
 pub(super) struct Prepared {
-    /// For each step its block, counted in the batch.
+    /// For each step the index of its block in the batch.
     pub(super) ordinals: Vec<u32>,
     pub(super) sweeps: Vec<Sweep>,
-    /// Parts that must not touch, over the whole run.
+    /// Parts of the tool that must not touch, over the whole run.
     pub(super) forbidden: Vec<(Touched, Moving)>,
-    /// Cutter over the whole run, and step by step, where it cuts.
+    /// The cutter over the whole run, and step by step, for steps that cut.
     pub(super) whole: Option<Moving>,
     pub(super) steps: Vec<Moving>,
 }
 
-/// Coordinates of a family of rays: its own run along Z.
+/// Frame of a family of rays, in which its rays run along Z.
 pub(super) struct Frame {
     /// Axes of the field in the order of the frame.
     pub(super) order: [usize; 3],
@@ -51,7 +51,7 @@ impl Frame {
     }
 }
 
-/// Steps of a batch as a family of rays sees them, for a cutter and the parts that must not touch.
+/// Steps of a batch in the frame of a family of rays, for a cutter and the parts that must not touch.
 pub(super) fn prepare(
     steps: &[Step],
     ordinals: &[u32],
@@ -89,13 +89,13 @@ pub(super) fn prepare(
         .collect()
 }
 
-/// The motion through the ends of a run and about its middle, with the speed at which the steps leave it; times are
-/// shared out by way.
+/// The motion through both ends and the middle of a run, and the speed at which the steps deviate from it. The time of
+/// the run is divided in proportion to the lengths of the steps.
 fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
     let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
     let total: f64 = lengths.iter().sum();
     let mut before = 0.0;
-    // Start of each step in the time of the run, and its share of it.
+    // Start of each step in the time of the run, and its share of this time.
     let times: Vec<[f64; 2]> = lengths
         .iter()
         .map(|l| {
@@ -120,11 +120,11 @@ fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
             let now = begin + share * t;
             let near = now.min(1.0 - now);
             if near > 1e-9 {
-                // A parabola through three values rises a quarter over them.
+                // A parabola through three values exceeds them by at most a quarter.
                 drift = drift.max((tip + 1.25 * axis) / near);
             }
         }
-        // At the ends of the run the parabola of the axis starts from zero, with this speed.
+        // At the ends of the run the parabola of the axis starts from zero with this speed.
         if n == 0 {
             drift = drift.max((4.0 * offs[1].1 + offs[2].1 + offs[2].0) / share);
         }
@@ -135,7 +135,7 @@ fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
     (whole, drift)
 }
 
-/// Steps of a batch in runs: as long as they follow each other, are of a kind, and run about as one.
+/// Divides a batch into runs of successive steps of one kind whose motion is nearly that of one step.
 pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -150,7 +150,7 @@ pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
             }
             end += 1;
         }
-        // Half as many as long as they bend too much.
+        // Halve the run while its steps deviate too much.
         while end - start > 1 {
             let sweeps: Vec<Sweep> = steps[start..end].iter().map(|s| sweep(s, |v| *v)).collect();
             let (whole, drift) = joined(&sweeps, reach);
@@ -165,7 +165,7 @@ pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
     found
 }
 
-/// The motion of a step in other coordinates.
+/// The motion of a step in another frame.
 fn sweep(step: &Step, turned: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Sweep {
     Sweep::through(step.tips.map(|t| turned(&t.coords)), step.axes.map(|a| turned(&a)))
 }

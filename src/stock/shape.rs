@@ -1,8 +1,8 @@
-//! Convex bodies of revolution by a function that is zero on their surface, negative inside, convex, and changes no
-//! faster than the point moves.
+//! Convex bodies of revolution. A function describes each body: it is zero on the surface, negative inside, convex, and
+//! changes no faster than the point moves.
 //!
-//! At sharp edges it is the largest of the distances to the faces, which lies below the true distance outside: zero
-//! set and bounds hold all the same.
+//! Near sharp edges the function is the largest of the distances to the faces. Outside, this is less than the true
+//! distance; the zero set and all bounds remain valid.
 
 use crate::collide::{Cutter, Section, ToolSolid};
 
@@ -27,7 +27,7 @@ pub(super) struct Value {
     pub(super) by_s: f64,
 }
 
-/// A body that tells its function.
+/// A body given by its function.
 pub(super) trait Profile {
     /// The function at a distance from the axis and a height.
     fn at(&self, rho: f64, s: f64) -> Value;
@@ -40,7 +40,7 @@ pub(super) struct Round<const BALL: bool> {
 }
 
 impl<const BALL: bool> Profile for Round<BALL> {
-    /// Without branches, for loops over many places.
+    /// Without branches, for vectorised loops.
     #[inline(always)]
     fn at(&self, rho: f64, s: f64) -> Value {
         let side = rho - self.radius;
@@ -100,7 +100,7 @@ impl Shape {
         }
     }
 
-    /// Largest distance from the tip.
+    /// Upper bound of the distance of a point of the body from the tip.
     pub(super) fn reach(&self) -> f64 {
         let (from, to, radius) = self.extent();
         from.abs().max(to.abs()) + radius
@@ -135,7 +135,7 @@ impl Profile for Shape {
 mod tests {
     use super::*;
 
-    /// Zero set and sign are those of the tool's own distances, the derivatives those of difference quotients.
+    /// Zero set and sign equal those of the tool's own distances, the derivatives equal difference quotients.
     #[test]
     fn agrees_with_the_distances_of_the_tool() {
         let section = Section { from: 20.0, to: 45.0, radius_from: 3.0, radius_to: 9.0 };

@@ -1,61 +1,62 @@
-//! What a body in motion takes of the stretches of material on a group of lines.
+//! What a body in motion removes of the intervals of material on a group of lines.
 //!
-//! Every stretch is asked about the whole time from both ends of it. One that stays open is asked at the time when the
-//! body comes nearest to it, then about the time before and after that, and so on. Questions of all stretches go together,
-//! eight at once; what they tell is united at the end.
+//! Each interval is queried for the whole time from both ends of the time. An undecided interval is queried at the time
+//! when the body is nearest, then for the times before and after, and so on. Queries of all intervals are combined,
+//! eight at once; the removed parts are united at the end.
 
 use super::lanes::{self, LANES, Lanes, Question, Told};
 use super::moving::{MOST_NEWTON, Moving};
 use super::ray::SKIN;
 use super::sweep::{GAP, Line, Look};
 
-/// Bow below which a piece of the time is not divided, mm: two tangents that meet in between are off by a quarter of it.
+/// Bow below which a piece of time is not divided, mm: two tangents that intersect inside have an error of a quarter of
+/// it.
 const FLAT: f64 = 1e-3;
 
-/// What is taken from a ray, and the times at which its ends are cut.
+/// A part removed from a ray, and the times at which its ends are cut.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chip {
     pub(super) line: Line,
-    /// Number of the ray in its group.
+    /// Index of the ray in its group.
     pub(super) ray: u8,
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) times: [f64; 2],
 }
 
-/// Stretches of material, as columns.
+/// Intervals of material, as columns.
 pub(super) struct Stretches {
     x: Vec<f64>,
     y: Vec<f64>,
     a: Vec<f64>,
     b: Vec<f64>,
     ray: Vec<u8>,
-    /// Those that are still open.
+    /// Undecided intervals.
     open: Vec<Open>,
-    /// Those that the last round of questions left open.
+    /// Intervals that the last round of queries did not decide.
     unsettled: Vec<Open>,
-    /// What is taken, stretch by stretch.
+    /// Removed parts, interval by interval.
     parts: Vec<Part>,
-    /// What was taken from the rays since the last [`Self::clear`].
+    /// Parts removed from the rays since the last [`Self::clear`].
     pub(super) chips: Vec<Chip>,
-    /// End of the time that settled most of the last questions, and is asked first.
+    /// End of the time that decided most of the last queries, and is queried first.
     first: usize,
     vectors: pulp::Arch,
 }
 
-/// A stretch of which it is not known what is taken over a piece of the time.
+/// An undecided interval over a piece of time.
 #[derive(Clone, Copy)]
 struct Open {
     stretch: usize,
     times: [f64; 2],
-    /// Derivatives by time where the body is nearest, at both times, and at the last one that was asked.
+    /// Derivatives by time where the body is nearest: at both ends of the piece, and at the last queried time.
     slopes: [f64; 2],
     slope: f64,
-    /// Time to be asked.
+    /// Time of the next query.
     t: f64,
 }
 
-/// A part taken of a stretch, and the times at which its ends are cut.
+/// A part removed from an interval, and the times at which its ends are cut.
 #[derive(Clone, Copy)]
 struct Part {
     stretch: usize,
@@ -88,7 +89,7 @@ impl Stretches {
         self.chips.clear();
     }
 
-    /// Drops all stretches but the first ones.
+    /// Drops all intervals except the first `count`.
     fn keep(&mut self, count: usize) {
         self.x.truncate(count);
         self.y.truncate(count);
@@ -101,7 +102,7 @@ impl Stretches {
         self.x.is_empty()
     }
 
-    /// Adds a stretch of a ray.
+    /// Adds an interval of a ray.
     pub(super) fn push(&mut self, line: &Line, ray: u8, [a, b]: [f64; 2]) {
         self.x.push(line.x);
         self.y.push(line.y);
@@ -110,10 +111,10 @@ impl Stretches {
         self.ray.push(ray);
     }
 
-    /// Drops the stretches of which the body takes nothing.
+    /// Drops the intervals from which the body removes nothing.
     pub(super) fn sift(&mut self, moving: &Moving) {
         self.ask_ends(moving, false);
-        // They are in the order of their numbers: none is overwritten before it is moved.
+        // The undecided intervals are in ascending order: no entry is overwritten before it is moved.
         for (kept, open) in self.unsettled.iter().enumerate() {
             let n = open.stretch;
             (self.x[kept], self.y[kept], self.ray[kept]) = (self.x[n], self.y[n], self.ray[n]);
@@ -122,7 +123,7 @@ impl Stretches {
         self.keep(self.unsettled.len());
     }
 
-    /// Takes away what the body sweeps, and adds it to the chips.
+    /// Removes what the body sweeps, and adds it to the chips.
     pub(super) fn cut(&mut self, moving: &Moving) {
         self.parts.clear();
         self.ask_ends(moving, true);
@@ -140,7 +141,8 @@ impl Stretches {
         self.unite();
     }
 
-    /// Asks about all stretches and the whole time, first from the one end of it, then what is left from the other.
+    /// Queries all intervals for the whole time, first from one end of the time, then the undecided rest from the
+    /// other.
     fn ask_ends(&mut self, moving: &Moving, take: bool) {
         let first = self.first;
         let times = [0.0, 1.0];
@@ -163,7 +165,7 @@ impl Stretches {
         }
     }
 
-    /// Asks about all that is open, keeps what is taken, and tells what stays unsettled.
+    /// Queries all undecided intervals, keeps the removed parts, and lists the intervals that remain undecided.
     fn ask(&mut self, moving: &Moving, take: bool) {
         self.unsettled.clear();
         let mut next = 0;
@@ -199,7 +201,7 @@ impl Stretches {
         }
     }
 
-    /// Opens what a question left unsettled in pieces of its time.
+    /// Divides the time of an undecided interval into pieces for further queries.
     fn divide(&mut self, moving: &Moving, open: Open) {
         let n = open.stretch;
         let line = Line { x: self.x[n], y: self.y[n] };
@@ -221,10 +223,10 @@ impl Stretches {
         push(Open { times: [middle, end], slopes: [open.slope, open.slopes[1]], ..open });
     }
 
-    /// Takes away all parts, those that overlap as one.
+    /// Removes all parts; overlapping parts count as one.
     fn unite(&mut self) {
         self.parts.retain(|p| p.to - p.from > SKIN);
-        // From behind, so that what a part leaves beyond it is not asked again.
+        // From the far end, so that the material beyond a part is not processed again.
         self.parts.sort_unstable_by(|p, q| p.stretch.cmp(&q.stretch).then(q.to.total_cmp(&p.to)));
         let mut next = 0;
         while let Some(&first) = self.parts.get(next) {
@@ -253,7 +255,7 @@ impl Stretches {
 }
 
 impl Open {
-    /// When the body comes nearest.
+    /// Time at which the body is nearest.
     fn nearest(&self) -> f64 {
         match self.slopes.map(|s| s < 0.0) {
             [true, true] => self.times[1],
@@ -262,14 +264,14 @@ impl Open {
         }
     }
 
-    /// The same if the slope is linear, not too near to an end.
+    /// The same for a linear derivative, at some distance from both ends.
     fn inside(&self) -> f64 {
         let [a, b] = self.slopes;
         let share = if a < 0.0 && b > 0.0 { (a / (a - b)).clamp(0.1, 0.9) } else { 0.5 };
         self.times[0] + share * (self.times[1] - self.times[0])
     }
 
-    /// [`super::sweep::Sweep::bow`] of a stretch.
+    /// [`super::sweep::Sweep::bow`] for an interval.
     fn bow(&self, moving: &Moving, line: &Line, [a, b]: [f64; 2]) -> f64 {
         let span = self.times[1] - self.times[0];
         let tip = moving.sweep.pose(self.times[0]).0;
@@ -279,7 +281,7 @@ impl Open {
     }
 }
 
-/// What is taken of a stretch by tangents from both ends of it, as if the body were convex in place and time.
+/// The part removed from an interval, by tangents from both of its ends, as if the body were convex in place and time.
 fn cut_from_both(moving: &Moving, times: [f64; 2], line: &Line, [a, b]: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
     let (shape, turn) = (&moving.shape, moving.turn * (times[1] - times[0]));
     let least = |x: f64, guess: f64, cutoff: f64| moving.sweep.least(shape, line, x, times, guess, cutoff);
@@ -294,8 +296,8 @@ fn cut_from_both(moving: &Moving, times: [f64; 2], line: &Line, [a, b]: [f64; 2]
     if leaving >= 0.0 && (last.f > GAP || -last.f < SKIN * leaving) {
         return None;
     }
-    // Tangent steps from an end that lies outside, steeper by the turn. Should one end inside all the same, it is
-    // taken back by the secant, which lies between.
+    // Tangent steps from an end outside of the body, steeper by the turn. If a step still ends inside, a secant brings
+    // it back.
     let approach = |mut x: f64, mut look: Look, sign: f64| {
         let mut outside: Option<(f64, f64)> = None;
         for _ in 0..MOST_NEWTON {

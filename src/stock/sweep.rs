@@ -1,16 +1,16 @@
 //! A convex body of revolution over one step of motion.
 //!
-//! For a step that only shifts, the function of place and time is convex in both together, so that tangents bound it
-//! from below: the least over time is found with a known gap, and a ray that leaves the body never meets it again.
-//! Under a turn a point bends away from its tangent, seen from the body: there the same holds but for [`Sweep::bow`].
+//! For a step without turn, the function is convex in place and time together, so that tangents bound it from below.
+//! The least value over time is found within a known gap, and a ray that leaves the body never meets it again. During a
+//! turn, the path of a point in the frame of the body deviates from its tangent; the same holds up to [`Sweep::bow`].
 
 use super::shape::{Profile, Shape};
 use nalgebra::Vector3;
 
-/// Gap at which the search in time stops, mm.
+/// Gap at which the search in time ends, mm.
 pub(super) const GAP: f64 = 1e-4;
 
-/// Steps of the search in time: the bracket halves at least every third one.
+/// Steps of the search in time: at least every third step halves the bracket.
 const MOST_LOOKS: u32 = 42;
 
 /// Motion of a tool over a step, time from 0 to 1.
@@ -22,7 +22,7 @@ pub(super) struct Sweep {
     axis: [Vector3<f64>; 3],
 }
 
-/// The function of a moving body at a place, as a plane that lies below it around there.
+/// The function of a moving body at a place, as a plane that lies below the function near this place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     /// Value.
@@ -31,7 +31,8 @@ pub(super) struct Look {
     pub(super) rise: f64,
     /// Derivative by time.
     pub(super) slope: f64,
-    /// Half the second derivative by time, but for what the surface of the body adds, which is never negative.
+    /// Half the second derivative by time, without the contribution of the surface of the body, which is never
+    /// negative.
     pub(super) bend: f64,
     /// Time.
     pub(super) t: f64,
@@ -52,7 +53,7 @@ impl Line {
     }
 }
 
-/// A pose of a moving tool with the speeds there.
+/// A pose of a moving tool with its speeds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) tip: Vector3<f64>,
@@ -61,10 +62,11 @@ pub(super) struct Pose {
     /// First and second derivative of the axis by time.
     turning: Vector3<f64>,
     pull: Vector3<f64>,
-    /// Parts of the way along the axis, and along its derivative.
+    /// Components of the tip motion along the axis and along the derivative of the axis.
     advance: f64,
     swing: f64,
-    /// Square of the part of Z across the axis, and its inverse; inverse of the part along it. Zero when parallel.
+    /// Square of the component of Z across the axis, and its inverse; inverse of the component along the axis. Inverses
+    /// are zero for zero components.
     pub(super) square: f64,
     pub(super) by_square: f64,
     pub(super) by_along: f64,
@@ -78,9 +80,9 @@ impl Pose {
         let d = line.point(z) - self.tip;
         let s = d.dot(&self.axis);
         let across = d - self.axis * s;
-        // Not `norm`: its root may be one that no compiler makes vectors of.
+        // Not `norm`: its root may prevent vectorisation.
         let rho = across.norm_squared().sqrt();
-        // Nothing on the axis.
+        // On the axis the direction across is zero.
         let share = 1.0 / if rho > 1e-12 { rho } else { f64::INFINITY };
         let v = body.at(rho, s);
         // First and second derivative of the height, then of the distance from the axis.
@@ -97,8 +99,8 @@ impl Pose {
         }
     }
 
-    /// The part of a line inside of the body, by tangents from both ends of a stretch, and the place where it comes
-    /// nearest, or about there.
+    /// The part of a line inside of the body, by tangents from both ends of an interval, and approximately the place
+    /// where the body is nearest.
     pub(super) fn stretch_by_tangents(&self, shape: &Shape, line: &Line, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
         let look = |z: f64| {
             let look = self.look(shape, line, z);
@@ -106,7 +108,7 @@ impl Pose {
         };
         let near = |x: f64| (EMPTY, x);
         let (first, last) = (look(a), look(b));
-        // A place inside, or none.
+        // Search for a place inside.
         let (mut low, mut high) = (first, last);
         let mut inside = if first.1 < 0.0 { first } else { last };
         for k in 0..MOST_LOOKS {
@@ -118,7 +120,7 @@ impl Pose {
             if low.2 >= 0.0 || high.2 <= 0.0 {
                 return near(if low.2 >= 0.0 { low.0 } else { high.0 });
             }
-            // Where the tangents meet.
+            // Intersection of the tangents.
             let x = (high.1 - low.1 + low.2 * low.0 - high.2 * high.0) / (low.2 - high.2);
             if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < GAP || k + 1 == MOST_LOOKS {
                 return near(best.0);
@@ -127,7 +129,7 @@ impl Pose {
             let middle = look(x.clamp(low.0, high.0));
             if middle.2 > 0.0 { high = middle } else { low = middle }
         }
-        // From outside tangents come to the surface without passing it.
+        // From outside, tangent steps approach the surface without passing it.
         let leave = |mut at: (f64, f64, f64), beyond: f64| {
             if at.1 <= 0.0 {
                 return beyond;
@@ -148,10 +150,10 @@ impl Pose {
     }
 }
 
-/// Of a line that misses.
+/// Part of a line that misses the body.
 const EMPTY: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Square of a component below which a line is taken as parallel.
+/// Square of a component below which a line counts as parallel.
 const PARALLEL: f64 = 1e-9;
 
 impl Sweep {
@@ -204,35 +206,36 @@ impl Sweep {
     /// Largest speed of the axis, radians in the time of the step.
     pub(super) fn turn(&self) -> f64 {
         let [_, linear, square] = self.axis;
-        // The speed is linear: largest at an end.
+        // The derivative is linear in time: its largest length is at an end.
         linear.norm().max((linear + square * 2.0).norm())
     }
 
-    /// Half the largest acceleration, seen from the body, of a place that comes within `reach` of the tip: over a time t
-    /// the function may fall below its tangent by as much times t^2. Seen from a frame that turns by w and moves by v
-    /// the acceleration is r (w' + w^2) + 2 w v.
+    /// Half the largest acceleration, in the frame of the body, of a place within `reach` of the tip: over a time t the
+    /// function may fall below its tangent by this value times t^2. In a frame that turns by w and moves by v the
+    /// acceleration is r (w' + w^2) + 2 w v.
     pub(super) fn bow(&self, reach: f64) -> f64 {
         let turn = self.turn();
         let pull = self.axis[2] * 2.0;
         let middle = self.pose(0.5).1;
-        // Part of it that keeps the axis on the sphere is no acceleration of the turn. The axis leaves the middle by
-        // half the turn.
+        // The component that keeps the axis on the sphere is no acceleration of the turn. The axis deviates from the
+        // middle by half the turn.
         let gain = (pull - middle * pull.dot(&middle)).norm() + 0.5 * turn * pull.norm();
         0.5 * (reach * (gain + turn * turn) + 2.0 * turn * self.way.norm())
     }
 
-    /// Bound on what is left out when the function is told by a look with slope and bend, for a time of 1; it grows by
-    /// the third power of the time.
+    /// Upper bound of the error of a parabola with slope and second derivative, for a time of 1; it grows with the cube
+    /// of the time.
     ///
-    /// The body is convex in distance from the axis, as a vector r, and height s over the tip. A tangent of it, by
-    /// (r, s) as they move, lies below it; what the parabola leaves out are the third derivatives of r, across the axis,
-    /// and s: with speed v, axis speed w and its derivative p at most 3 w (2 v w + h p) + 3 p (v + h w) + 3 v p (1 + w).
+    /// The body is convex in the vector r from the axis and the height s over the tip. Its tangent in (r, s) lies below
+    /// it while r and s move. The parabola neglects the third derivatives of r, across the axis, and of s. With speed
+    /// v, axis speed w and the derivative p of the latter these are at most 3 w (2 v w + h p) + 3 p (v + h w) + 3 v p
+    /// (1 + w).
     pub(super) fn twist(&self, reach: f64) -> f64 {
         let (v, w, p) = (self.way.norm(), self.turn(), 2.0 * self.axis[2].norm());
         0.5 * (w * (2.0 * v * w + reach * p) + p * (v + reach * w) + v * p * (1.0 + w))
     }
 
-    /// Way of the tip.
+    /// Vector of the tip motion.
     pub(super) fn way(&self) -> &Vector3<f64> {
         &self.way
     }
@@ -243,8 +246,8 @@ impl Sweep {
         self.stand(t).look(shape, line, z)
     }
 
-    /// Least over a piece of the time at a place, from a first guess of the time, by tangents. The value lies at most
-    /// [`GAP`] below the true one, or anywhere between `cutoff` and the true one.
+    /// Least value over a piece of time at a place, by tangents from a first guess of the time. The result is at most
+    /// [`GAP`] below the true value, or anywhere between `cutoff` and the true value.
     pub(super) fn least(
         &self,
         shape: &Shape,
@@ -256,7 +259,7 @@ impl Sweep {
     ) -> Look {
         let first = self.look(shape, line, z, guess);
         let end = if first.slope > 0.0 { from } else { to };
-        // How far it may fall to both sides.
+        // Largest fall of the function to both sides.
         let fall = |run: f64| (first.slope + first.bend.min(0.0) * run) * run;
         let gap = -fall(from - first.t).min(fall(to - first.t)).min(0.0);
         if gap < GAP || first.f - gap > cutoff {
@@ -264,12 +267,12 @@ impl Sweep {
         }
         let other = self.look(shape, line, z, end);
         if other.slope * (end - 0.5 * (from + to)) <= 0.0 {
-            // Still falling at the end of the time.
+            // The function still falls at the end of the time.
             return other;
         }
         let (mut low, mut high) = if end > guess { (first, other) } else { (other, first) };
         for k in 0..MOST_LOOKS {
-            // Tangents in time that cancel: a plane below the least over time.
+            // The mean of the tangents with zero slope in time: a plane below the least value over time.
             let share = high.slope / (high.slope - low.slope);
             let bound = (low.f - low.slope * low.t) * share + (high.f - high.slope * high.t) * (1.0 - share);
             let best = if low.f < high.f { low } else { high };
@@ -277,7 +280,8 @@ impl Sweep {
                 let rise = low.rise * share + high.rise * (1.0 - share);
                 return Look { f: bound, rise, slope: 0.0, ..best };
             }
-            // Where the slope would vanish if it were linear; where the tangents meet, for kinks; the middle, for all.
+            // Three candidates in turn: zero of a linear slope; intersection of the tangents, for kinks; the middle,
+            // for all cases.
             let t = match k % 3 {
                 0 => low.t + (high.t - low.t) * (1.0 - share),
                 1 => (high.f - low.f + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope),
@@ -301,7 +305,7 @@ impl Sweep {
 mod tests {
     use super::*;
 
-    /// Against 20 000 poses of the same motion.
+    /// Compared with 20 000 poses of the same motion.
     #[test]
     fn least_over_time_equals_brute_force() {
         let axis = |a: f64, c: f64| Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos());
@@ -327,7 +331,7 @@ mod tests {
                     let found = sweep.least(&shape, &line, p.z, [0.0, 1.0], guess, f64::INFINITY).f;
                     assert!((found - brute).abs() < GAP + bow, "{k} {guess}: {found} {brute}");
                 }
-                // No look stands above what its tangent and the bow allow.
+                // No value lies below its tangent by more than the bow allows.
                 for i in 0..=20 {
                     let (s, e) = (sweep.look(&shape, &line, p.z, f64::from(i) / 20.0), [0.0, 0.3, 1.0]);
                     for t in e {

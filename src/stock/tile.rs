@@ -1,5 +1,5 @@
-//! A square of 64 x 64 rays along Z, with maps of where along them material is left: one of groups of 4 x 4 rays, one
-//! of groups of 16 x 16.
+//! A square of 64 x 64 rays along Z, with two maps of the material along the rays: for groups of 4 x 4 rays, and for
+//! groups of 16 x 16 rays.
 
 use super::moving::Moving;
 use super::ray::Ray;
@@ -18,24 +18,24 @@ const FINE: usize = SIDE / GROUP;
 /// Coarse groups along an edge of a tile.
 const COARSE: usize = FINE / GROUP;
 
-/// The same as the number of a ray in its group.
+/// As [`GROUP`], in the type of the index of a ray in its group.
 const ROW: u8 = GROUP as u8;
 
 /// Rays of a fine group.
 const MEMBERS: usize = GROUP * GROUP;
 
-/// Length along a ray from which a chip tells where the cutter is engaged, mm: shorter ones come from rubbing along a
-/// surface that was cut before.
+/// Length of a chip along a ray from which the chip counts for the engagement of the cutter, mm: shorter chips come
+/// from rubbing along a surface that was cut before.
 const NOTABLE: f64 = 0.01;
 
-/// What a block takes from the rays of a tile, or of a family.
+/// Material that a block removes from the rays of a tile, or of a family.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Removal {
     /// Length along the rays.
     pub(super) length: f64,
-    /// Lowest and highest height over the tip; reversed infinities when nothing notable was removed.
+    /// Lowest and highest height over the tip; infinity and minus infinity when no chip counts.
     pub(super) height: [f64; 2],
-    /// Extent across way and axis, from the axis.
+    /// Extent across tip motion and axis, from the axis.
     pub(super) side: [f64; 2],
 }
 
@@ -43,7 +43,7 @@ impl Removal {
     pub(super) const NONE: Self =
         Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], side: [f64::INFINITY, f64::NEG_INFINITY] };
 
-    /// Adds what a step takes from a line.
+    /// Adds the part that a step removes from a line.
     fn take(&mut self, step: &Moving, chip: &Chip) {
         self.length += chip.to - chip.from;
         if chip.to - chip.from < NOTABLE {
@@ -67,7 +67,7 @@ impl Removal {
     }
 }
 
-/// The deepest place of stock inside a part of the tool that must not be there.
+/// The deepest place of stock inside a part of the tool that must not touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Overlap {
     pub(super) depth: f64,
@@ -78,20 +78,20 @@ pub(super) struct Overlap {
 /// 64 x 64 rays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tile {
-    /// Place of the first ray.
+    /// Position of the first ray.
     origin: [f64; 2],
     cell: f64,
-    /// Rays along both edges, at most [`SIDE`]; the others are empty.
+    /// Number of rays along both edges, at most [`SIDE`]; the other rays are empty.
     count: [usize; 2],
-    /// Where the maps begin, and the length of one bit.
+    /// Start of the maps, and length of one bit.
     start: f64,
     brick: f64,
     words: usize,
-    /// Rays, group by group; none in a tile without material.
+    /// Rays, group by group; empty in a tile without material.
     rays: Vec<Ray>,
     fine: Vec<u64>,
     coarse: Vec<u64>,
-    /// Least and greatest place of material.
+    /// Lowest and highest place of material.
     extent: [f64; 2],
 }
 
@@ -126,7 +126,7 @@ fn set(words: &mut [u64], [from, to]: [usize; 2]) {
 }
 
 impl Tile {
-    /// A tile of `count` rays whose intervals `make` gives.
+    /// A tile of `count` rays; `make` returns the intervals of each ray.
     pub(super) fn new(
         origin: [f64; 2],
         cell: f64,
@@ -180,7 +180,7 @@ impl Tile {
         self.rays.iter()
     }
 
-    /// Length of all material.
+    /// Total length of the material.
     pub(super) fn length(&self) -> f64 {
         self.rays.iter().map(Ray::length).sum()
     }
@@ -201,7 +201,7 @@ impl Tile {
         (((x - self.start) / self.brick) as usize).min(self.words * 64 - 1)
     }
 
-    /// Draws the map of a fine group anew.
+    /// Computes the map of a fine group.
     fn map_fine(&mut self, group: usize) {
         let mut words = std::mem::take(&mut self.fine);
         let own = &mut words[group * self.words..(group + 1) * self.words];
@@ -212,7 +212,7 @@ impl Tile {
         self.fine = words;
     }
 
-    /// Draws the map of a coarse group anew from its fine ones.
+    /// Computes the map of a coarse group from its fine groups.
     fn map_coarse(&mut self, group: usize) {
         let own = &mut self.coarse[group * self.words..(group + 1) * self.words];
         own.fill(0);
@@ -224,7 +224,7 @@ impl Tile {
         }
     }
 
-    /// Visits the groups of rays that a moving body may meet; what the visitor says tells whether they were changed.
+    /// Visits the groups of rays that a moving body may meet; the visitor returns whether it changed them.
     fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &Group) -> bool) {
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize| {
@@ -272,7 +272,7 @@ impl Tile {
         }
     }
 
-    /// Takes away what a cutter sweeps in the steps of a run, and adds to the removal of each.
+    /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step.
     pub(super) fn remove(&mut self, run: &Run, work: &mut Stretches, removals: &mut [Removal]) {
         let steps = run.steps;
         self.visit(run.whole, |rays, group| {
@@ -324,25 +324,25 @@ impl Tile {
 
 /// A run of steps of a cutter.
 pub(super) struct Run<'a> {
-    /// All of it as one motion.
+    /// The whole run as one motion.
     pub(super) whole: &'a Moving,
-    /// Its steps in order.
+    /// Its steps, in order.
     pub(super) steps: &'a [Moving],
 }
 
-/// A fine group of rays with the stretch in which a body may meet it.
+/// A fine group of rays, with the interval in which a body may meet it.
 struct Group {
-    /// Line of the first ray, and distance to the next.
+    /// Line of the first ray, and distance between rays.
     first: Line,
     cell: f64,
-    /// Line amid the rays, which lie within `lateral` of it.
+    /// Line in the middle of the rays; all rays lie within `lateral` of it.
     middle: Line,
     lateral: f64,
     window: [f64; 2],
 }
 
 impl Group {
-    /// Visits the material in the window: number of the ray, its line, and the stretch.
+    /// Visits the material in the window: index of the ray, its line, and the interval.
     fn stretches(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &Line, [f64; 2])) {
         let [low, high] = self.window;
         for (n, ray) in (0_u8..).zip(rays) {
