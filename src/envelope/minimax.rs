@@ -114,7 +114,7 @@ const MOST_CONTROL: usize = 40;
 const SMALL: f64 = 1e-5;
 
 /// [`minimax`] over dense points, of which few take part: dense points with larger violations than the others join
-/// them. Knot spans are halved as long as this reduces the widening by more than [`WORTH`].
+/// them. Knot spans are halved as long as this reduces the widening by more than 3 %.
 pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: &[Target], gain: f64) -> Finest {
     let exchanged = |start: &DualCurve, mut targets: Vec<Target>| {
         let mut best = minimax(start, tool, &targets, gain);

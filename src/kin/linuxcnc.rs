@@ -254,8 +254,8 @@ fn near_end(segment: &Segment, run: &mut Running, end: f64, full: f64) {
     }
 }
 
-/// Most simulated periods of a line, without those at constant speed. A line that takes more gets no time, and no line
-/// runs after it.
+/// Most simulated periods of a line, without periods at constant speed. A line that takes more gets no time, and no
+/// line runs after it.
 const MOST_PERIODS: usize = 4_000_000;
 
 /// Periods at constant speed that are simulated one by one.

@@ -84,12 +84,12 @@ pub struct Carried {
 }
 
 impl LinearAxis {
-    /// An axis whose limits matter nowhere.
+    /// An axis without effective limits.
     pub const WIDE: Self = Self { min: -1e6, max: 1e6, speed: 1e6, acceleration: 1e9, jerk: f64::INFINITY };
 }
 
 impl RotaryAxis {
-    /// An axis whose limits matter nowhere.
+    /// An axis without effective limits.
     pub fn wide(name: &str) -> Self {
         Self {
             name: name.to_owned(),

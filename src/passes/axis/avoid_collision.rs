@@ -132,8 +132,8 @@ fn clear_axes(
     Ok(())
 }
 
-/// Describes a tool that clears a pass that this tool does not clear. What a pass along the rulings cuts determines its
-/// cutter, which therefore stays.
+/// Describes a tool that would clear the pass. For a pass along the rulings the cutter stays: the surface that the pass
+/// cuts determines its size.
 fn tool_that_clears(
     program: &Program,
     obstacles: &Obstacles,

@@ -28,8 +28,8 @@ const LEAN_KEPT: f64 = 1e-3;
 /// path moves a point.
 const NEAR: f64 = 1.0;
 
-/// How much further these bounds give way than those on the face while the path is searched. They may be violated by
-/// much at first; when the bounds on the face hold, these hold as well.
+/// Ratio by which these bounds give way further than the bounds on the face while the path is searched. They may be
+/// violated by much at first; when the bounds on the face hold, these hold as well.
 const FREELY: f64 = 100.0;
 
 /// Clearances and travel of an operation.

@@ -6,8 +6,8 @@
 //! In the frame of the tool, a fixed point p runs on a path q(t) with derivatives q' and q''. The signed distance f to
 //! a convex cutter is convex, so that the tangent at any time s bounds it: f(q(t)) >= f(q(s)) + (t - s) df/dt(s) - 1/2
 //! (t - s)^2 max|q''|. With the turn w of a piece and the motion v of its tip, |q''| <= k w^2 |q| + 2 w v, where k
-//! follows from the angle between the rotary axes ([`Turning`]: 3/2 at a right angle). The first term vanishes at a
-//! minimum; halving makes the last term small. The number of minima does not matter.
+//! follows from the angle between the rotary axes (`Turning` of the kinematics: 3/2 at a right angle). The first term
+//! vanishes at a minimum; halving makes the last term small. The number of minima does not matter.
 
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
