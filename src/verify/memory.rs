@@ -1,6 +1,6 @@
 //! Memory that the verification of a motion takes, estimated before it starts.
 //!
-//! Each block takes memory, each piece of at most 1 deg and 3 mm into which [`sweep`] divides a block, and each
+//! Each block takes memory, each piece of at most 1 deg and 3 mm into which `sweep` divides a block, and each
 //! change of speed. A text of a few kilobytes can turn the table by thousands of turns, so the size of the text says
 //! nothing. Peak memory was measured on two cores with changed texts of `jobs/small` and `jobs/reduced`:
 //!
