@@ -1,6 +1,6 @@
 //! The front end as an editor uses it: without a disk, with faults in the text, cancelled at any time.
 
-use impellerc::diag::Sink;
+use impellerc::diag::{Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::print;
 use impellerc::job::{self, InMemory, PartialJob};
@@ -150,4 +150,61 @@ fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
         assert_eq!(found, None, "{}", path.display());
     }
     assert!(files > 150, "{files}");
+}
+
+/// A tool of one kind with one size replaced, as the text of a job and as that of a library.
+fn tool(kind: &str, property: &str, value: &str) -> [String; 2] {
+    let own: &[(&str, &str)] = match kind {
+        "bull" => &[("flute", "30 mm"), ("corner", "1 mm")],
+        "tapered-ball" => &[("flute", "30 mm"), ("angle", "3 deg")],
+        "barrel" => &[("flute", "30 mm"), ("barrel", "85 mm"), ("tip", "1 mm")],
+        "lollipop" => &[("neck", "4 mm"), ("neck-end", "30 mm")],
+        _ => &[("flute", "30 mm")],
+    };
+    let all = [("diameter", "8 mm"), ("shank", "8 mm"), ("reach", "40 mm")];
+    let sizes = all.iter().chain(own).map(|(name, size)| (*name, if *name == property { value } else { *size }));
+    let (mut block, mut table) = (String::new(), format!("[tool.x]\nkind = \"{kind}\"\nflutes = 4\n"));
+    for (name, size) in sizes {
+        block.push_str(&format!("  {name} {size}\n"));
+        table.push_str(&format!("{name} = \"{size}\"\n"));
+    }
+    let job = REDUCED.replace("tool t1 = \"flat-6\"", &format!("tool t1 = {kind} {{\n  flutes 4\n{block}}}"));
+    [job, table]
+}
+
+#[test]
+fn tools_of_a_job_and_of_a_library_have_the_same_ranges() {
+    let sizes = ["0 mm", "0.009 mm", "0.01 mm", "0.09 mm", "0.1 mm", "3 mm", "249 mm", "251 mm", "501 mm", "1001 mm"];
+    let (mut taken, mut refused) = (0, 0);
+    for (kind, properties) in [
+        ("flat", &["diameter", "shank", "reach", "flute"][..]),
+        ("bull", &["corner"]),
+        ("barrel", &["barrel", "tip"]),
+        ("lollipop", &["neck", "neck-end"]),
+        ("tapered-ball", &["angle"]),
+    ] {
+        let angles = ["0 deg", "0.09 deg", "0.11 deg", "20 deg", "44.9 deg", "45.1 deg"];
+        for property in properties {
+            for value in if *property == "angle" { &angles[..] } else { &sizes[..] } {
+                let [own, table] = tool(kind, property, value);
+                let library = REDUCED
+                    .replace("use tools   \"carbide\"", "use tools \"carbide\"\nuse tools \"own\"")
+                    .replace("tool t1 = \"flat-6\"", "tool t1 = \"x\"");
+                let has_tool = |text: &str, files: &mut InMemory| {
+                    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+                    let source = sources.add("job.imp", text);
+                    let ast = syntax::parse(text, source, &mut sink);
+                    let job = job::understand(&ast, files, &mut sources, &mut sink);
+                    let of_size = [codes::job::OUT_OF_RANGE, codes::job::LIBRARY];
+                    job.tools.iter().any(|t| t.name == "t1") && !sink.diags().iter().any(|d| of_size.contains(&d.code))
+                };
+                let mut with_library = files();
+                with_library.tools.insert("own".to_owned(), table);
+                let found = [has_tool(&own, &mut files()), has_tool(&library, &mut with_library)];
+                assert_eq!(found[0], found[1], "{kind} with {property} {value}: job, library");
+                if found[0] { taken += 1 } else { refused += 1 }
+            }
+        }
+    }
+    assert!(taken > 20 && refused > 20, "{taken} taken, {refused} refused");
 }
