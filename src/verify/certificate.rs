@@ -298,6 +298,22 @@ impl Certificate {
         writeln!(t)?;
         self.write_operations(t)?;
         writeln!(t)?;
+        self.write_rest(t)?;
+        writeln!(t)?;
+        if let Some(stock) = &self.stock {
+            stock.write(t)?;
+            writeln!(t)?;
+        }
+        self.write_axes(t)?;
+        self.write_surroundings(program, motion, t)?;
+        writeln!(t)?;
+        self.write_runs(program, t)?;
+        self.write_contracts(t)?;
+        self.write_allowed(t)
+    }
+
+    /// Stock that each roughing operation leaves.
+    fn write_rest(&self, t: &mut String) -> std::fmt::Result {
         writeln!(t, "stock after roughing, mm")?;
         for r in &self.rest {
             let name = self.operations.get(r.operation as usize).map_or("", |o| o.name.as_str());
@@ -314,11 +330,11 @@ impl Certificate {
                 r.cleared * 100.0
             )?;
         }
-        writeln!(t)?;
-        if let Some(stock) = &self.stock {
-            stock.write(t)?;
-            writeln!(t)?;
-        }
+        Ok(())
+    }
+
+    /// What the motion takes of travel, speed, acceleration and jerk of each axis.
+    fn write_axes(&self, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
             "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached"
@@ -337,7 +353,11 @@ impl Certificate {
                 a.jerk_share * 100.0
             )?;
         }
-        writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)?;
+        writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)
+    }
+
+    /// What the tools do not meet: the stock at rapid and between operations, chuck, table and fixtures.
+    fn write_surroundings(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
         match &self.rapid {
             Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
             None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
@@ -368,8 +388,11 @@ impl Certificate {
                 None => writeln!(t, "  no tool comes within {SEARCH} mm of the {}", c.solid)?,
             }
         }
-        writeln!(t)?;
-        self.write_runs(program, t)?;
+        Ok(())
+    }
+
+    /// Every contract with its verdict.
+    fn write_contracts(&self, t: &mut String) -> std::fmt::Result {
         if !self.contracts.is_empty() {
             writeln!(t)?;
             writeln!(t, "contracts")?;
@@ -385,6 +408,11 @@ impl Certificate {
         if let Some((most, name)) = departures.max_by(|a, b| a.0.total_cmp(&b.0)) {
             writeln!(t, "  of the programmed motion; the control departs from it by at most {most:.2} um, in {name}")?;
         }
+        Ok(())
+    }
+
+    /// What the job knowingly leaves.
+    fn write_allowed(&self, t: &mut String) -> std::fmt::Result {
         if !self.allowed.is_empty() {
             writeln!(t)?;
             writeln!(t, "allowed: taken out of the contracts")?;

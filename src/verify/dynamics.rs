@@ -200,9 +200,9 @@ struct Block {
     jump: Joint5,
 }
 
-/// Runs one operation of a motion.
-pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
-    let mut report = Run {
+impl Run {
+    /// Of an operation without moves.
+    const NONE: Self = Self {
         time: [0.0; 3],
         within_accelerations: [0.0; 3],
         programmed: [0.0; 3],
@@ -215,6 +215,86 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         contour: Departure::NONE,
         orientation: Departure::NONE,
     };
+
+    /// Takes times, shares of the limits and departures from all parts of a run; `cycle` is that of the control, s. Gives
+    /// how each block leaves the programmed motion.
+    fn measure(
+        &mut self,
+        limits: &Limits,
+        cells: &[Cell],
+        parts: &[Part],
+        operation: u32,
+        cycle: f64,
+    ) -> Vec<BlockError> {
+        let (mut programmed, mut spent) = (0.0, 0.0);
+        let mut errors: Vec<BlockError> = Vec::new();
+        for (i, part) in parts.iter().enumerate() {
+            let cell = &cells[part.cell];
+            let at = At { operation, index: cell.block };
+            let kind = number(cell.kind);
+            self.time[kind] += part.time;
+            self.programmed[kind] += part.width;
+            self.raise_shares(limits, cell, part, at);
+            let first = i.checked_sub(1).is_none_or(|b| parts[b].cell != part.cell);
+            let corner = if first { rounded_corner(limits, cells, part) } else { [0.0; 2] };
+            self.corners.raise(corner[0], at);
+            if errors.last().is_none_or(|e| e.at != at) {
+                errors.push(BlockError { at, corner, cycle: 0.0 });
+            }
+            if cell.kind != MoveKind::Rapid {
+                let away = cell.sag * part.peak * cycle * cycle / 8.0;
+                self.cycle.raise(away, at);
+                if let Some(error) = errors.last_mut() {
+                    error.cycle = error.cycle.max(away);
+                }
+            }
+            (programmed, spent) = (programmed + part.width, spent + part.time);
+            if parts.get(i + 1).is_none_or(|next| cells[next.cell].block != cell.block) {
+                if cell.kind == MoveKind::Cut && programmed < self.slowest.value * spent {
+                    self.slowest = Peak { value: programmed / spent, at: Some(at) };
+                }
+                (programmed, spent) = (0.0, 0.0);
+            }
+        }
+        errors
+    }
+
+    /// Takes the shares of the limits in a part of a cell.
+    fn raise_shares(&mut self, limits: &Limits, cell: &Cell, part: &Part, at: At) {
+        for k in 0..5 {
+            self.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
+            self.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
+            self.jerk[k].raise(part.jerk[k] / limits.jerk[k], at);
+        }
+    }
+}
+
+/// Place of a kind of moves among the times of a run.
+fn number(kind: MoveKind) -> usize {
+    match kind {
+        MoveKind::Cut => 0,
+        MoveKind::Link => 1,
+        MoveKind::Rapid => 2,
+    }
+}
+
+/// How far tip or flutes (mm) and the tool axis (degrees) leave the corner at the start of a cell, of which `part` is the
+/// first. At rapid nothing is near that would mind.
+fn rounded_corner(limits: &Limits, cells: &[Cell], part: &Part) -> [f64; 2] {
+    let cell = &cells[part.cell];
+    let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
+    let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
+    if cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
+        let (away, lean) = jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio));
+        [away, lean.to_degrees()]
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// Runs one operation of a motion.
+pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
+    let mut report = Run::NONE;
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
     let (machine, t) = (&program.machine, &program.tolerances);
@@ -226,80 +306,15 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
         height: program.tools[declared.tool].solid.flute_length,
     };
-    let mut cells = Vec::new();
-    let mut last: Option<Block> = None;
-    for (i, pair) in moves.moves.windows(2).enumerate() {
-        let m = &pair[1];
-        if m.time > 0.0 {
-            let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
-            let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
-            join(&limits, last.as_ref(), &mut block, &mut cells);
-            last = Some(block);
-        }
+    let cells = cells(machine, &limits, &moves.moves);
+    let trapezoids = trapezoids(&limits, &cells);
+    for part in &trapezoids {
+        report.within_accelerations[number(cells[part.cell].kind)] += part.time;
     }
-    if let Some(last) = &last {
-        finish(&limits, last, &[0.0; 5], &mut cells);
-    }
-    let nodes = passes(&limits, &cells);
-    let operation = u32::try_from(operation).unwrap_or(u32::MAX);
-    let number = |kind: MoveKind| match kind {
-        MoveKind::Cut => 0,
-        MoveKind::Link => 1,
-        MoveKind::Rapid => 2,
-    };
-    let trapezoids: Vec<Part> = cells
-        .iter()
-        .zip(&nodes)
-        .enumerate()
-        .map(|(i, (cell, [from, to]))| {
-            let (time, peak) = phases(&limits, cell, *from, *to);
-            report.within_accelerations[number(cell.kind)] += time;
-            Part { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
-        })
-        .collect();
     let limited = limits.jerk.iter().any(|j| j.is_finite());
     let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
-    let (mut programmed, mut spent) = (0.0, 0.0);
-    let mut errors: Vec<BlockError> = Vec::new();
-    for (i, part) in parts.iter().enumerate() {
-        let cell = &cells[part.cell];
-        let first = i.checked_sub(1).is_none_or(|b| parts[b].cell != part.cell);
-        let at = At { operation, index: cell.block };
-        let kind = number(cell.kind);
-        report.time[kind] += part.time;
-        report.programmed[kind] += part.width;
-        for k in 0..5 {
-            report.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
-            report.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
-            report.jerk[k].raise(part.jerk[k] / limits.jerk[k], at);
-        }
-        // At rapid nothing is near that would mind.
-        let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
-        let mut corner = [0.0; 2];
-        let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
-        if first && cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
-            let (away, lean) = jerk::rounding(&limits, behind, cell, part.from / (cell.ratio * cell.ratio));
-            report.corners.raise(away, at);
-            corner = [away, lean.to_degrees()];
-        }
-        if errors.last().is_none_or(|e| e.at != at) {
-            errors.push(BlockError { at, corner, cycle: 0.0 });
-        }
-        if !rapid(cell) {
-            let cycle = cell.sag * part.peak * machine.cycle * machine.cycle / 8.0;
-            report.cycle.raise(cycle, at);
-            if let Some(error) = errors.last_mut() {
-                error.cycle = error.cycle.max(cycle);
-            }
-        }
-        (programmed, spent) = (programmed + part.width, spent + part.time);
-        if parts.get(i + 1).is_none_or(|next| cells[next.cell].block != cell.block) {
-            if kind == 0 && programmed < report.slowest.value * spent {
-                report.slowest = Peak { value: programmed / spent, at: Some(at) };
-            }
-            (programmed, spent) = (0.0, 0.0);
-        }
-    }
+    let operation = u32::try_from(operation).unwrap_or(u32::MAX);
+    let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
     // Runs with a limit of jerk look at smaller parts of the blocks, which may show that a faster run is possible.
     for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
         *least = least.min(time);
@@ -312,6 +327,35 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
     report.orientation = Departure::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
     report
+}
+
+/// Cells of all blocks that take time, with the corners between them.
+fn cells(machine: &Machine, limits: &Limits, moves: &[JointMove]) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    let mut last: Option<Block> = None;
+    for (i, pair) in moves.windows(2).enumerate() {
+        let m = &pair[1];
+        if m.time > 0.0 {
+            let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
+            let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
+            join(limits, last.as_ref(), &mut block, &mut cells);
+            last = Some(block);
+        }
+    }
+    if let Some(last) = &last {
+        finish(limits, last, &[0.0; 5], &mut cells);
+    }
+    cells
+}
+
+/// The run without limits of jerk, cell by cell.
+fn trapezoids(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
+    let nodes = passes(limits, cells);
+    let part = |(i, (cell, [from, to])): (usize, (&Cell, &[f64; 2]))| {
+        let (time, peak) = phases(limits, cell, *from, *to);
+        Part { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
+    };
+    cells.iter().zip(&nodes).enumerate().map(part).collect()
 }
 
 /// Times, corners and speeds as LinuxCNC has them, instead of those of a control that plans by joints.
@@ -335,12 +379,7 @@ fn by_linuxcnc(
     };
     for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
         let at = At { operation, index };
-        let kind = match m.kind {
-            MoveKind::Cut => 0,
-            MoveKind::Link => 1,
-            MoveKind::Rapid => 2,
-        };
-        report.time[kind] += ran.time;
+        report.time[number(m.kind)] += ran.time;
         if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
             report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
         }

@@ -13,7 +13,7 @@
 
 use super::{Cell, Joint5, Limits, Part};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
-use crate::kin::feedrate::ramp::{self, Creep, Even, Most};
+use crate::kin::feedrate::ramp::{self, Creep, Even, Most, Ramp};
 use crate::kin::feedrate::{self as feedrate};
 
 /// Halvings in the search of the speed at which a corner can be rounded.
@@ -112,6 +112,20 @@ impl SpanRows<'_> {
             std::array::from_fn(|k| (twist[k] * top + 1.5 * bend[k] * slope + 0.5 * rate[k] * turn) * top.sqrt()),
         ]
     }
+
+    /// A span as it is run through, in the time of its cell.
+    fn part(&self, span: usize, y: [f64; 3]) -> Part {
+        let Span { cell, scale, width, .. } = self.spans[span];
+        let square = scale * scale;
+        Part {
+            cell,
+            width: width / scale,
+            time: jerk::time(width, y),
+            from: y[0] / square,
+            peak: y[0].max(y[1]).max(y[2]) / square,
+            jerk: self.largest(span, &y)[1],
+        }
+    }
 }
 
 impl Rows for SpanRows<'_> {
@@ -179,66 +193,83 @@ fn within_accelerations(limits: &Limits, spans: &[Span], knots: &[f64]) -> Vec<f
     y
 }
 
+/// The cells from one stop to the next.
+struct Stretch {
+    spans: Vec<Span>,
+    /// Largest y at the knots, corners included.
+    knots: Vec<f64>,
+}
+
+impl Stretch {
+    /// Each cell as a span, by a parameter that goes on evenly over corners.
+    fn new(limits: &Limits, axes: &feedrate::Limits, cells: &[Cell], range: std::ops::Range<usize>) -> Self {
+        let mut spans: Vec<Span> = Vec::with_capacity(range.len());
+        let mut knots = vec![f64::INFINITY];
+        let mut scale = 1.0;
+        for i in range.clone() {
+            let cell = &cells[i];
+            if i > range.start {
+                knots.push(corner(limits, &cells[i - 1], cell) * scale * scale);
+                scale /= cell.ratio;
+            }
+            let most: Most = [cell.rate, cell.bend, twist(cells, i)];
+            let cap = cell.cap.min(jerk::steady(&most, axes)) * scale * scale;
+            let by = |d: usize, power: i32| most[d].map(|m| m / scale.powi(power));
+            spans.push(Span { cell: i, scale, width: cell.width * scale, most: [by(0, 1), by(1, 2), by(2, 3)], cap });
+        }
+        knots.push(f64::INFINITY);
+        let side = |j: Option<usize>| j.and_then(|j| spans.get(j)).map_or(f64::INFINITY, |s: &Span| s.cap);
+        for (i, knot) in knots.iter_mut().enumerate() {
+            *knot = knot.min(side(i.checked_sub(1)).min(side(Some(i))));
+        }
+        Self { spans, knots }
+    }
+
+    /// Parts of the cells where changes of speed have to be resolved, with the places of their knots and these changes.
+    fn divided(&self, limits: &Limits) -> (Self, Vec<f64>, Vec<Ramp>) {
+        let mut at = vec![0.0];
+        for s in &self.spans {
+            at.push(at.last().copied().unwrap_or(0.0) + s.width);
+        }
+        let even = |s: &Span| {
+            let least = |most: &Joint5| (0..5).map(|k| most[k] / s.most[0][k]).fold(f64::INFINITY, f64::min);
+            Even { cap: s.cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
+        };
+        let y = within_accelerations(limits, &self.spans, &self.knots);
+        let (fine, ramps) = ramp::resolve(&at, &y, &self.spans.iter().map(even).collect::<Vec<_>>());
+        let mut spans: Vec<Span> = Vec::with_capacity(fine.len());
+        let mut knots = vec![self.knots[0]];
+        for pair in fine.windows(2) {
+            let whole = &self.spans[pair[1].1 as usize];
+            spans.push(Span { width: pair[1].0 - pair[0].0, ..whole.clone() });
+            // A knot inside of a cell has its cap.
+            let end = pair[1].1 as usize + 1;
+            knots.push(if pair[1].0 >= at[end] { self.knots[end] } else { whole.cap });
+        }
+        (Self { spans, knots }, fine.iter().map(|k| k.0).collect(), ramps)
+    }
+
+    /// Largest y of each span within accelerations.
+    fn ceiling(&self, limits: &Limits) -> Vec<f64> {
+        let Self { spans, knots } = self;
+        let y = within_accelerations(limits, spans, knots);
+        let mean = |i: usize| 0.5 * (y[i] + y[i + 1]);
+        (0..spans.len()).map(|i| mean(i).min(knots[i]).min(knots[i + 1]).min(spans[i].cap)).collect()
+    }
+}
+
 /// The run from one stop to the next.
 fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts: &mut Vec<Part>) {
     let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
-    let mut spans: Vec<Span> = Vec::with_capacity(range.len());
-    // Largest y at the knots, corners included.
-    let mut knots = vec![f64::INFINITY];
-    let mut scale = 1.0;
-    for i in range.clone() {
-        let cell = &cells[i];
-        if i > range.start {
-            knots.push(corner(limits, &cells[i - 1], cell) * scale * scale);
-            scale /= cell.ratio;
-        }
-        let most: Most = [cell.rate, cell.bend, twist(cells, i)];
-        let cap = cell.cap.min(jerk::steady(&most, &axes)) * scale * scale;
-        let by = |d: usize, power: i32| most[d].map(|m| m / scale.powi(power));
-        spans.push(Span { cell: i, scale, width: cell.width * scale, most: [by(0, 1), by(1, 2), by(2, 3)], cap });
-    }
-    knots.push(f64::INFINITY);
-    let capped = |spans: &[Span], i: usize| {
-        let side = |j: Option<usize>| j.and_then(|j| spans.get(j)).map_or(f64::INFINITY, |s| s.cap);
-        side(i.checked_sub(1)).min(side(Some(i)))
-    };
-    for (i, knot) in knots.iter_mut().enumerate() {
-        *knot = knot.min(capped(&spans, i));
-    }
-    let places = |spans: &[Span]| {
-        let mut at = vec![0.0];
-        for s in spans {
-            at.push(at.last().copied().unwrap_or(0.0) + s.width);
-        }
-        at
-    };
-    let y = within_accelerations(limits, &spans, &knots);
-    let even = |s: &Span| {
-        let least = |most: &Joint5| (0..5).map(|k| most[k] / s.most[0][k]).fold(f64::INFINITY, f64::min);
-        Even { cap: s.cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
-    };
-    let at = places(&spans);
-    let (fine, ramps) = ramp::resolve(&at, &y, &spans.iter().map(even).collect::<Vec<_>>());
-    // Parts of the cells; a knot inside of a cell has its cap.
-    let mut divided: Vec<Span> = Vec::with_capacity(fine.len());
-    let mut bounds = vec![knots[0]];
-    for pair in fine.windows(2) {
-        let whole = &spans[pair[1].1 as usize];
-        divided.push(Span { width: pair[1].0 - pair[0].0, ..whole.clone() });
-        let end = pair[1].1 as usize + 1;
-        bounds.push(if pair[1].0 >= at[end] { knots[end] } else { whole.cap });
-    }
-    let (mut spans, knots) = (divided, bounds);
-    let at: Vec<f64> = fine.iter().map(|k| k.0).collect();
-    let y = within_accelerations(limits, &spans, &knots);
-    let n = spans.len();
-    let ceiling: Vec<f64> =
-        (0..n).map(|i| (0.5 * (y[i] + y[i + 1])).min(knots[i]).min(knots[i + 1]).min(spans[i].cap)).collect();
+    let (stretch, at, ramps) = Stretch::new(limits, &axes, cells, range).divided(limits);
+    let ceiling = stretch.ceiling(limits);
     let guess = ramp::guess(&at, &ceiling, &ramps);
+    let whole = stretch.spans;
+    let n = whole.len();
     // Getting moving and coming to rest.
     let slowest = 0.9 * ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     let half = if n == 1 { 0.25 } else { 0.5 };
-    let whole = spans.clone();
+    let mut spans = whole.clone();
     for still in [false, true] {
         let creep = |i: usize, rate: f64| Creep::new(&whole[i].most, &axes, rate, half * whole[i].width, still);
         let rate = creep(0, slowest).rate.min(creep(n - 1, slowest).rate);
@@ -250,25 +281,14 @@ fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts:
         let rows = SpanRows { spans: &spans, limits: axes };
         let accelerations = [ends[0].acceleration, ends[1].acceleration];
         let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
+        parts.extend((0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))));
+        // What the run was slowed down by holds for both ends too.
         let slower = rate / c[0].sqrt();
-        for (i, span) in spans.iter().enumerate() {
-            let y = jerk::over_span(&widths, &c, i);
-            let square = span.scale * span.scale;
-            let mut part = Part {
-                cell: span.cell,
-                width: span.width / span.scale,
-                time: jerk::time(span.width, y),
-                from: y[0] / square,
-                peak: y[0].max(y[1]).max(y[2]) / square,
-                jerk: rows.largest(i, &y)[1],
-            };
-            for (at, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
-                if i == at {
-                    part.width += end.way / span.scale;
-                    part.time += end.time * slower;
-                }
-            }
-            parts.push(part);
+        let first = parts.len() - n;
+        for (i, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
+            let part = &mut parts[first + i];
+            part.width += end.way / spans[i].scale;
+            part.time += end.time * slower;
         }
         return;
     }

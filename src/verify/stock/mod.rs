@@ -304,91 +304,120 @@ fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
     profile
 }
 
+/// What the engine says of an operation, and the steps that it was given.
+struct Milled {
+    /// Index of the operation in the motion.
+    operation: u32,
+    /// Each step is a block of its own to the engine: moves may be long.
+    places: Vec<StepPlace>,
+    outcome: Outcome,
+}
+
+impl Milled {
+    /// Sends the steps of an operation through the stock, piece by piece.
+    fn new(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> Self {
+        let solid = &program.tools[program.operations[operation.operation].tool].solid;
+        let mut places: Vec<StepPlace> = Vec::new();
+        let mut outcome = Outcome::default();
+        let stream = operation.moves.windows(2).enumerate().flat_map(|(i, pair)| steps(program, pair, i + 1));
+        let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
+        work.in_pieces(stream, PIECE, before, |piece| {
+            let first = places.len();
+            let mut steps = Vec::with_capacity(piece.len());
+            for (n, (place, step)) in piece.into_iter().enumerate() {
+                steps.push(Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step });
+                places.push(place);
+            }
+            let made = stock::simulate(field, solid, steps);
+            outcome.cuts.extend(made.cuts);
+            outcome.collisions.extend(made.collisions);
+        });
+        Self { operation: u32::try_from(o).unwrap_or(u32::MAX), places, outcome }
+    }
+
+    /// The move of a step.
+    fn at(&self, step: u32) -> At {
+        At { operation: self.operation, index: self.places.get(step as usize).map_or(0, |p| p.index) }
+    }
+
+    /// A value with the place of its step.
+    fn peak_at(&self, value: f64, step: u32) -> Option<Peak> {
+        let tip = self.places.get(step as usize)?.tip;
+        Some(Peak { value, at: self.at(step), tip: [tip.x, tip.y, tip.z] })
+    }
+
+    /// The largest value of all steps in which material was removed.
+    fn peak(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let c = cuts.max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        self.peak_at(value(c), c.block)
+    }
+
+    /// Time of the steps that are chosen by number and place, s.
+    fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> f64 {
+        self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum()
+    }
+
+    /// Volume that link moves remove, mm3.
+    fn by_links(&self) -> f64 {
+        let place = |c: &BlockCut| self.places.get(c.block as usize);
+        let links = self.outcome.cuts.iter().filter(|c| place(c).is_some_and(|p| p.kind == MoveKind::Link));
+        // The sum of nothing is -0.
+        links.map(|c| c.volume).fold(0.0, |sum, v| sum + v)
+    }
+
+    /// Collisions, the deepest of each move and part of the tool.
+    fn collisions(&self) -> Vec<StockCollision> {
+        let mut collisions: Vec<StockCollision> = Vec::new();
+        for c in &self.outcome.collisions {
+            let part = match c.what {
+                Touched::Cutter => "cutter at rapid",
+                Touched::Shank => "shank",
+                Touched::Holder => "holder",
+            };
+            let (point, at) = (c.point.coords.into(), self.at(c.block));
+            let found = StockCollision { part, depth: c.depth, point, height: c.height, at };
+            let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
+            match same {
+                Some(x) if x.depth < found.depth => *x = found,
+                Some(_) => {}
+                None => collisions.push(found),
+            }
+        }
+        collisions
+    }
+}
+
 /// One operation through the stock; volumes of the whole are left to the caller.
 fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
+    let milled = Milled::new(program, operation, o, field, work);
+    let Milled { places, outcome, .. } = &milled;
+    let removal = Removal::new(places, &outcome.cuts, WINDOW_CELLS * field.cell());
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
-    let mut places: Vec<StepPlace> = Vec::new();
-    let mut outcome = Outcome::default();
-    let stream = operation.moves.windows(2).enumerate().flat_map(|(i, pair)| steps(program, pair, i + 1));
-    let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
-    work.in_pieces(stream, PIECE, before, |piece| {
-        let first = places.len();
-        let mut steps = Vec::with_capacity(piece.len());
-        for (n, (place, step)) in piece.into_iter().enumerate() {
-            // Each step is a block of its own to the engine: moves may be long.
-            steps.push(Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step });
-            places.push(place);
-        }
-        let made = stock::simulate(field, solid, steps);
-        outcome.cuts.extend(made.cuts);
-        outcome.collisions.extend(made.collisions);
-    });
-    let at = |step: u32| At {
-        operation: u32::try_from(o).unwrap_or(u32::MAX),
-        index: places.get(step as usize).map_or(0, |p| p.index),
-    };
-    let removal = Removal::new(&places, &outcome.cuts, WINDOW_CELLS * field.cell());
-    let peak = |value: &dyn Fn(&BlockCut) -> f64| {
-        let c =
-            outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]).max_by(|a, b| value(a).total_cmp(&value(b)))?;
-        let tip = places.get(c.block as usize)?.tip;
-        Some(Peak { value: value(c), at: at(c.block), tip: [tip.x, tip.y, tip.z] })
-    };
     let radius = solid.cutter.widest_below(solid.flute_length);
     let angle = |side: f64| libm::asin((side / radius).clamp(-1.0, 1.0));
     let arc = |c: &BlockCut| (angle(c.side[1]) - angle(c.side[0])).to_degrees();
-    let moves = engagement(operation.moves.len(), &places, &removal, &outcome.cuts, &arc);
-    let mut collisions: Vec<StockCollision> = Vec::new();
-    for c in &outcome.collisions {
-        let part = match c.what {
-            Touched::Cutter => "cutter at rapid",
-            Touched::Shank => "shank",
-            Touched::Holder => "holder",
-        };
-        let found =
-            StockCollision { part, depth: c.depth, point: c.point.coords.into(), height: c.height, at: at(c.block) };
-        let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
-        match same {
-            Some(x) if x.depth < found.depth => *x = found,
-            Some(_) => {}
-            None => collisions.push(found),
-        }
-    }
-    let link = fastest_link(operation, &places, &outcome.cuts, field.cell().powi(3));
-    let time = |choose: &dyn Fn(usize, &StepPlace) -> bool| {
-        places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum::<f64>()
-    };
+    let depth = |c: &BlockCut| c.height[1] - c.height[0];
+    let link = fastest_link(operation, places, &outcome.cuts, field.cell().powi(3));
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
-        operation: u32::try_from(o).unwrap_or(u32::MAX),
+        operation: milled.operation,
         name: declared.name.clone(),
         removed: 0.0,
-        by_links: outcome
-            .cuts
-            .iter()
-            .filter(|c| places.get(c.block as usize).is_some_and(|p| p.kind == MoveKind::Link))
-            .map(|c| c.volume)
-            // The sum of nothing is -0.
-            .fold(0.0, |sum, v| sum + v),
-        link: link.map(|(value, step)| {
-            let tip = places[step as usize].tip;
-            Peak { value, at: at(step), tip: [tip.x, tip.y, tip.z] }
-        }),
+        by_links: milled.by_links(),
+        link: link.and_then(|(value, step)| milled.peak_at(value, step)),
         rest: 0.0,
-        time: time(&|_, _| true),
-        air: time(&|i, _| !removal.cuts[i]),
-        feed: [time(&|_, p| at_feed(p)), time(&|i, p| at_feed(p) && !removal.cuts[i])],
-        depth: peak(&|c| c.height[1] - c.height[0]),
-        width: peak(&|c| c.side[1] - c.side[0]),
-        arc: peak(&arc),
-        full: peak(&|c| if arc(c) >= FULL_ARC { c.height[1] - c.height[0] } else { 0.0 }).filter(|p| p.value > 0.0),
-        rate: removal.rate.map(|(value, step)| {
-            let tip = places[step].tip;
-            Peak { value, at: at(u32::try_from(step).unwrap_or(u32::MAX)), tip: [tip.x, tip.y, tip.z] }
-        }),
-        collisions,
-        moves,
+        time: milled.time(&|_, _| true),
+        air: milled.time(&|i, _| !removal.cuts[i]),
+        feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
+        depth: milled.peak(&depth),
+        width: milled.peak(&|c| c.side[1] - c.side[0]),
+        arc: milled.peak(&arc),
+        full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
+        rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
+        collisions: milled.collisions(),
+        moves: engagement(operation.moves.len(), places, &removal, &outcome.cuts, &arc),
     }
 }
 
