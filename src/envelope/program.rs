@@ -89,6 +89,22 @@ impl Each {
     }
 }
 
+/// What bounds and slopes are off.
+struct Off {
+    bounds: Each,
+    slope: Vec<f64>,
+    /// Slope of the widening.
+    widening: f64,
+}
+
+/// Changes of the unknowns, of the widening, of what is left to each bound and of its weight.
+struct Change {
+    x: Vec<f64>,
+    w: f64,
+    left: Each,
+    weight: Each,
+}
+
 /// Factors of the normal equations, with a border for the widening.
 struct Normal {
     factor: Factor,
@@ -119,69 +135,65 @@ impl Program<'_> {
         for _ in 0..STEPS {
             let taken = self.taken(&x, w);
             // How far bounds and slopes are from holding.
-            let off = Each::of(|taken, left, room| taken + left - room, &taken, &left, &rooms);
-            let off = if self.widens { off } else { Each { widening: 0.0, ..off } };
+            let bounds = Each::of(|taken, left, room| taken + left - room, &taken, &left, &rooms);
+            let bounds = if self.widens { bounds } else { Each { widening: 0.0, ..bounds } };
             let px = self.quadratic.times(&x);
             let (pulled, pulled_widening) = self.pulled(&weight);
             let slope: Vec<f64> = (0..n).map(|i| px[i] + self.linear[i] + pulled[i]).collect();
-            let slope_widening = if self.widens { 1.0 + pulled_widening } else { 0.0 };
+            let off = Off { bounds, slope, widening: if self.widens { 1.0 + pulled_widening } else { 0.0 } };
             let gap = left.dot(&weight);
             let value = 0.5 * dot(&px, &x) + dot(self.linear, &x) + w;
-            let worst = off.all().fold(0.0, |m: f64, x| m.max(x.abs()));
-            let steep = slope.iter().fold(slope_widening.abs(), |m, x| m.max(x.abs()));
+            let worst = off.bounds.all().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let steep = off.slope.iter().fold(off.widening.abs(), |m, x| m.max(x.abs()));
             if worst <= OFF * largest && steep <= 1e3 * OFF && gap <= GAP[0] * value.abs() + GAP[1] {
                 return Some((x, w));
             }
             let share = Each::of(|weight, left, _| weight / left, &weight, &left, &left);
             let normal = self.normal(&share)?;
-            let towards = |complement: &Each| {
-                // Changes of all unknowns that bring bounds and slopes to hold, and the products to `complement` less.
-                let push = Each::of(
-                    |s, off, c| s * off - c,
-                    &share,
-                    &off,
-                    &Each::of(|c, l, _| c / l, complement, &left, &left),
-                );
-                let (pulled, pulled_widening) = self.pulled(&push);
-                let right: Vec<f64> = (0..n).map(|i| -slope[i] - pulled[i]).collect();
-                let (dx, dw) = normal.solve(&right, -slope_widening - pulled_widening, self.widens);
-                let moved = self.taken(&dx, dw);
-                let dleft = Each::of(|off, moved, _| -off - moved, &off, &moved, &moved);
-                let mut dleft = dleft;
-                let relative = Each::of(|c, l, _| -c / l, complement, &left, &left);
-                let mut dweight = Each::of(|r, s, d| r - s * d, &relative, &share, &dleft);
-                if !self.widens {
-                    (dleft.widening, dweight.widening) = (0.0, 0.0);
-                }
-                (dx, dw, dleft, dweight)
-            };
             let mean = gap / left.count();
             let products = Each::of(|l, w, _| l * w, &left, &weight, &weight);
-            let (_, _, dl, dw) = towards(&products);
-            let step = left.step(&dl).min(weight.step(&dw));
-            let then = Each::of(|x, d, _| x + step * d, &left, &dl, &dl).dot(&Each::of(
+            let first = self.towards(&products, &off, (&left, &share), &normal);
+            let step = left.step(&first.left).min(weight.step(&first.weight));
+            let then = Each::of(|x, d, _| x + step * d, &left, &first.left, &first.left).dot(&Each::of(
                 |x, d, _| x + step * d,
                 &weight,
-                &dw,
-                &dw,
+                &first.weight,
+                &first.weight,
             ));
             let centre = (then / gap).powi(3) * mean;
-            let second = Each::of(|a, b, _| a * b, &dl, &dw, &dw);
+            let second = Each::of(|a, b, _| a * b, &first.left, &first.weight, &first.weight);
             let mut complement = Each::of(|p, s, _| p + s - centre, &products, &second, &second);
             if !self.widens {
                 complement.widening = 0.0;
             }
-            let (dx, dwidening, dl, dw) = towards(&complement);
-            let step = (INSIDE * left.step(&dl).min(weight.step(&dw))).min(1.0);
+            let change = self.towards(&complement, &off, (&left, &share), &normal);
+            let step = (INSIDE * left.step(&change.left).min(weight.step(&change.weight))).min(1.0);
             if step < 1e-7 {
                 return None;
             }
-            x.iter_mut().zip(&dx).for_each(|(x, d)| *x += step * d);
-            w += step * dwidening;
-            left.go(&dl, step);
-            weight.go(&dw, step);
+            x.iter_mut().zip(&change.x).for_each(|(x, d)| *x += step * d);
+            w += step * change.w;
+            left.go(&change.left, step);
+            weight.go(&change.weight, step);
         }
         None
+    }
+
+    /// The change that brings bounds and slopes to hold, and the products of what is `left` and its weight to
+    /// `complement` less. `share` is the weight over what is left.
+    fn towards(&self, complement: &Each, off: &Off, (left, share): (&Each, &Each), normal: &Normal) -> Change {
+        let relative = Each::of(|c, l, _| c / l, complement, left, left);
+        let push = Each::of(|s, off, c| s * off - c, share, &off.bounds, &relative);
+        let (pulled, pulled_widening) = self.pulled(&push);
+        let right: Vec<f64> = off.slope.iter().zip(&pulled).map(|(slope, pulled)| -slope - pulled).collect();
+        let (x, w) = normal.solve(&right, -off.widening - pulled_widening, self.widens);
+        let moved = self.taken(&x, w);
+        let mut left = Each::of(|off, moved, _| -off - moved, &off.bounds, &moved, &moved);
+        let mut weight = Each::of(|r, s, d| -r - s * d, &relative, share, &left);
+        if !self.widens {
+            (left.widening, weight.widening) = (0.0, 0.0);
+        }
+        Change { x, w, left, weight }
     }
 
     /// Left sides of all bounds.

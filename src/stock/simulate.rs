@@ -92,6 +92,7 @@ pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<I
     }
 }
 
+/// Sends the steps of a batch through all tiles.
 fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps: &[Step], outcome: &mut Outcome) {
     // Blocks of the batch, and for each step its ordinal among them.
     let mut blocks: Vec<u32> = Vec::new();
@@ -106,10 +107,29 @@ fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps
         .collect();
     let runs = run::split(steps, cutter.reach());
     let area = field.cell * field.cell;
-    let cell = field.cell;
     let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
     let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, (cutter, body), frame));
-    let mut work: Vec<(&mut Tile, usize, Vec<u32>)> = Vec::new();
+    let said: Vec<Said> = tile_work(field, &frames, &prepared)
+        .par_iter_mut()
+        .map(|(tile, axis, list)| {
+            let mut said = run_tile(tile, list, &prepared[*axis]);
+            for (_, _, overlap) in &mut said.overlaps {
+                let own = overlap.point;
+                frames[*axis].order.iter().zip(own).for_each(|(k, x)| overlap.point[*k] = x);
+            }
+            said
+        })
+        .collect();
+    gather(said, &blocks, area, outcome);
+}
+
+/// A tile, its family, and the runs whose boxes meet it, in order.
+type TileWork<'a> = (&'a mut Tile, usize, Vec<u32>);
+
+/// The tiles of all families that have something to do.
+fn tile_work<'a>(field: &'a mut Field, frames: &[Frame; 3], prepared: &[Vec<Prepared>; 3]) -> Vec<TileWork<'a>> {
+    let cell = field.cell;
+    let mut work: Vec<TileWork<'a>> = Vec::new();
     for (axis, family) in field.families.iter_mut().enumerate() {
         let low = frames[axis].low;
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); family.tiles.len()];
@@ -132,18 +152,11 @@ fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps
         }
         work.extend(family.tiles.iter_mut().zip(lists).filter(|(_, l)| !l.is_empty()).map(|(t, l)| (t, axis, l)));
     }
-    let said: Vec<Said> = work
-        .par_iter_mut()
-        .map(|(tile, axis, list)| {
-            let mut said = run_tile(tile, list, &prepared[*axis]);
-            for (_, _, overlap) in &mut said.overlaps {
-                let own = overlap.point;
-                frames[*axis].order.iter().zip(own).for_each(|(k, x)| overlap.point[*k] = x);
-            }
-            said
-        })
-        .collect();
+    work
+}
 
+/// Adds what the tiles say of a batch to the outcome. `area` is that of a cell, mm2.
+fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
     let mut removals = vec![Removal::NONE; blocks.len()];
     let mut overlaps: Vec<(u32, Touched, Overlap)> = Vec::new();
     for s in said {

@@ -177,6 +177,76 @@ fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
     }
 }
 
+/// What the bounds of each span are made for: its largest y and |y'|, and the share of the limits that it may take.
+struct Room {
+    most: Vec<f64>,
+    steep: Vec<f64>,
+    share: Vec<f64>,
+}
+
+/// What a run holds in a span: largest y and |y'|, and whether rows are broken.
+type Held = ([f64; 2], bool);
+
+impl Room {
+    fn new(most: Vec<f64>) -> Self {
+        let n = most.len();
+        Self { most, steep: vec![f64::INFINITY; n], share: vec![1.0; n] }
+    }
+
+    fn bounds(&self, rows: &impl Rows) -> Vec<Bounds> {
+        let bounds = |j| rows.bounds(j, self.most[j], self.steep[j], self.share[j]);
+        (0..self.most.len()).into_par_iter().with_min_len(CHUNK).map(bounds).collect()
+    }
+
+    /// Looks at a run span by span. The rows are asked only where it leaves the bounds.
+    fn held(&self, widths: &[f64], c: &[f64], bounds: &[Bounds], rows: &impl Rows) -> Vec<Held> {
+        let held = |j: usize| {
+            let y = over_span(widths, c, j);
+            let found = y[0].max(y[1]).max(y[2]);
+            let slope = (y[1] - y[0]).abs().max((y[2] - y[1]).abs()) * 2.0 / widths[j];
+            let inside = bounds[j].holds && found <= self.most[j] && slope <= bounds[j].slope.min(self.steep[j]);
+            let broken = !inside && rows.shares(j, &y).iter().any(|s| *s > 1.0);
+            ([found, slope], broken)
+        };
+        (0..widths.len()).into_par_iter().with_min_len(CHUNK).map(held).collect()
+    }
+
+    /// Brings the bounds nearer to a run that keeps the rows, or widens them where it breaks them.
+    fn adapt(&mut self, held: Vec<Held>, sweep: usize) {
+        let n = held.len();
+        let broken = held.iter().any(|h| h.1);
+        for (j, ([found, slope], fault)) in held.into_iter().enumerate() {
+            if fault {
+                // Widened bounds did not help: a smaller share of the limits does.
+                if sweep >= STUBBORN {
+                    for s in &mut self.share[j.saturating_sub(1)..(j + 2).min(n)] {
+                        *s *= SMALLER;
+                    }
+                }
+                self.most[j] = self.most[j].max(WIDER * found);
+                self.steep[j] = self.steep[j].max(LEEWAY * slope);
+            } else if !broken {
+                self.most[j] = (self.most[j] * found).sqrt().max(found);
+                self.steep[j] = LEEWAY * slope;
+            }
+        }
+    }
+
+    /// Goes back to bounds that nothing below the ceiling can leave.
+    fn retreat(&mut self, ceiling: &[f64], edge: f64) {
+        for (most, c) in self.most.iter_mut().zip(ceiling) {
+            *most = c.max(edge);
+        }
+        self.steep.fill(f64::INFINITY);
+    }
+}
+
+/// Ways between two coefficients, which stand in the middles of their spans, or at the ends.
+fn steps(widths: &[f64]) -> Vec<f64> {
+    let width = |c: usize| if c == 0 { 0.0 } else { widths[c - 1] };
+    (0..=widths.len()).map(|i| 0.5 * (width(i) + widths.get(i).copied().unwrap_or(0.0))).collect()
+}
+
 /// Coefficients of y, one a span and one at either end, below `ceiling` (largest y of each span). At both ends y is
 /// `edge`, which must lie below every ceiling, and the acceleration y'/2 is that of `accelerations` as one goes away from
 /// the end. `guess` is about the largest y of each span. `None` where the run cannot go on from these accelerations; from
@@ -197,9 +267,7 @@ pub fn limit(
     if asked && n < 4 {
         return None;
     }
-    let place = |c: usize| if c == 0 { 0.0 } else { widths[c - 1] };
-    // Way between two coefficients, which stand in the middles of their spans.
-    let step: Vec<f64> = (0..=n).map(|i| 0.5 * (place(i) + widths.get(i).copied().unwrap_or(0.0))).collect();
+    let step = steps(widths);
     let mut top = vec![edge; n + 2];
     for j in 1..n.saturating_sub(1) {
         top[j + 1] = ceiling[j].max(edge);
@@ -214,78 +282,50 @@ pub fn limit(
         }
     }
     let first = [2.0 * accelerations[0], 2.0 * accelerations[1]];
-    let mut most: Vec<f64> = guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect();
-    let mut steep = vec![f64::INFINITY; n];
-    let mut share = vec![1.0_f64; n];
+    let mut room = Room::new(guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect());
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut last = top.clone();
     let (mut rounds, mut before) = (0, f64::INFINITY);
     for sweep in 0..SWEEPS {
-        let bounds: Vec<Bounds> =
-            (0..n).into_par_iter().with_min_len(CHUNK).map(|j| rows.bounds(j, most[j], steep[j], share[j])).collect();
+        let bounds = room.bounds(rows);
         last = swept(widths, &step, &top, &bounds, first);
-        let c = &last;
-        if ends.iter().any(|(k, _)| c[*k] < top[*k] * (1.0 - 1e-12)) {
+        if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - 1e-12)) {
             return None;
         }
-        // What a span holds: largest y and |y'|, and whether rows are broken.
-        let held: Vec<([f64; 2], bool)> = (0..n)
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map(|j| {
-                let y = over_span(widths, c, j);
-                let found = y[0].max(y[1]).max(y[2]);
-                let slope = (y[1] - y[0]).abs().max((y[2] - y[1]).abs()) * 2.0 / widths[j];
-                let inside = bounds[j].holds && found <= most[j] && slope <= bounds[j].slope.min(steep[j]);
-                let broken = !inside && rows.shares(j, &y).iter().any(|s| *s > 1.0);
-                ([found, slope], broken)
-            })
-            .collect();
-        let broken = held.iter().any(|h| h.1);
-        if !broken {
+        let held = room.held(widths, &last, &bounds, rows);
+        if held.iter().all(|h| !h.1) {
             rounds += 1;
-            let spent: f64 = (0..n).map(|j| time(widths[j], over_span(widths, c, j))).sum();
+            let spent: f64 = (0..n).map(|j| time(widths[j], over_span(widths, &last, j))).sum();
             if best.as_ref().is_none_or(|(time, _)| spent < *time) {
-                best = Some((spent, c.clone()));
+                best = Some((spent, last.clone()));
             }
             if rounds == ROUNDS || spent > (1.0 - GAIN) * before {
                 break;
             }
             before = spent;
         }
-        // The sweep before the last without a run goes back to bounds that nothing can leave.
-        let retreat = best.is_none() && sweep + 2 == SWEEPS;
-        for (j, ([found, slope], fault)) in held.into_iter().enumerate() {
-            (most[j], steep[j]) = if retreat {
-                (ceiling[j].max(edge), f64::INFINITY)
-            } else if fault {
-                // Widened bounds did not help: a smaller share of the limits does.
-                if sweep >= STUBBORN {
-                    for s in &mut share[j.saturating_sub(1)..(j + 2).min(n)] {
-                        *s *= SMALLER;
-                    }
-                }
-                (most[j].max(WIDER * found), steep[j].max(LEEWAY * slope))
-            } else if broken {
-                (most[j], steep[j])
-            } else {
-                ((most[j] * found).sqrt().max(found), LEEWAY * slope)
-            };
+        // The sweep before the last without a run goes back.
+        if best.is_none() && sweep + 2 == SWEEPS {
+            room.retreat(ceiling, edge);
+        } else {
+            room.adapt(held, sweep);
         }
     }
-    if let Some((_, c)) = best {
-        return Some(c);
+    match best {
+        Some((_, c)) => Some(c),
+        None if asked => None,
+        None => Some(slowed(widths, &last, rows)),
     }
-    if asked {
-        return None;
-    }
-    // Acceleration falls with y, jerk with its power 3/2.
+}
+
+/// The whole run slowed down until it keeps the rows: acceleration falls with y, jerk with its power 3/2.
+fn slowed(widths: &[f64], c: &[f64], rows: &impl Rows) -> Vec<f64> {
     let over = |j: usize| {
-        let [acceleration, jerk] = rows.shares(j, &over_span(widths, &last, j));
+        let [acceleration, jerk] = rows.shares(j, &over_span(widths, c, j));
         acceleration.max(libm::cbrt(jerk).powi(2))
     };
-    let slower = (0..n).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
-    Some(last.iter().map(|c| c / slower).collect())
+    let slower = (0..widths.len()).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
+    c.iter().map(|c| c / slower).collect()
 }
 
 /// The three sweeps: the largest coefficients below `top` within the bounds of the spans.
