@@ -14,7 +14,7 @@ use crate::diag::{Diag, codes::files};
 use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use target::{Identity, Kind, Target};
+use target::{Identity, Kind, OutputTarget};
 
 /// What is true of the files of a run that fails before its end.
 const NOTHING: &str = "nothing was written; every file is as it was";
@@ -26,7 +26,7 @@ const PREFIX: &str = ".impellerc-";
 #[derive(Debug, Default)]
 pub struct Outputs {
     inputs: Vec<(String, Identity)>,
-    announced: Vec<(String, Target)>,
+    announced: Vec<(String, OutputTarget)>,
     staged: Vec<Staged>,
     folders: Folders,
 }
@@ -74,7 +74,7 @@ impl Outputs {
     /// # Errors
     /// A path that cannot be written, or that is an input or another output.
     pub fn announce(&mut self, flag: &str, path: &Path) -> Result<(), Diag> {
-        let mut target = Target::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
+        let mut target = OutputTarget::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
         if matches!(target.kind, Kind::New | Kind::Regular) {
             // Whether the folder takes a new file, and whether its names differ by case.
             let probe = temporary(&target).map_err(|e| failed(path, &target::reason(&e)).note(NOTHING))?.1;
@@ -111,7 +111,7 @@ impl Outputs {
     }
 
     /// Refuses a target that is an input, an output announced before, or where this program prints.
-    fn meets(&self, named: &str, target: &Target) -> Result<(), Diag> {
+    fn meets(&self, named: &str, target: &OutputTarget) -> Result<(), Diag> {
         let meets = |message: String| {
             Diag::error(files::MEETS, message).note(NOTHING).help("give each output a file of its own")
         };
@@ -137,7 +137,7 @@ impl Outputs {
         if self.announced.iter().all(|(name, _)| *name != named) {
             self.announce(flag, path)?;
         }
-        let target = Target::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
+        let target = OutputTarget::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
         let shown = path.to_path_buf();
         let staged = match target.kind {
             Kind::Device | Kind::Fifo => Staged::Stream { shown, bytes: bytes.to_vec() },
@@ -215,7 +215,7 @@ impl Outputs {
 
 /// An empty file beside an output; with the usual rights where the output is new, else private until it has those of the
 /// old file.
-fn temporary(target: &Target) -> std::io::Result<(File, Temporary)> {
+fn temporary(target: &OutputTarget) -> std::io::Result<(File, Temporary)> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX);
     #[cfg(unix)]
@@ -232,7 +232,7 @@ fn temporary(target: &Target) -> std::io::Result<(File, Temporary)> {
 
 /// Gives a temporary file the owner and the rights of the file that it will replace.
 #[cfg(unix)]
-fn alike(target: &Target, file: &File) -> std::io::Result<()> {
+fn alike(target: &OutputTarget, file: &File) -> std::io::Result<()> {
     use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, fchown};
     if target.kind == Kind::New {
         return Ok(());
@@ -253,7 +253,7 @@ fn alike(target: &Target, file: &File) -> std::io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn alike(_target: &Target, _file: &File) -> std::io::Result<()> {
+fn alike(_target: &OutputTarget, _file: &File) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -269,7 +269,7 @@ fn stream(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 /// Puts a temporary file in its place. The old file, where there is one, gets another name beside it, which is returned.
 fn place(file: &Path, temporary: &Path) -> Result<Option<PathBuf>, String> {
     // What came there since must not be moved away: a folder, a device.
-    let old = match Target::of(file)?.kind {
+    let old = match OutputTarget::of(file)?.kind {
         Kind::New => None,
         Kind::Regular => Some(aside(file).map_err(|e| target::reason(&e))?),
         Kind::Device | Kind::Fifo => return Err("it became a device during the run".to_owned()),

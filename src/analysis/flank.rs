@@ -290,7 +290,7 @@ impl<'a> Band<'a> {
 
     /// The least largest error of this band: on both sides even, nothing else being cut deeper. `None` where there is no
     /// start.
-    pub fn least_error(&self) -> Option<Worst> {
+    pub fn least_error(&self) -> Option<WorstError> {
         /// Errors to a few per cent need no more points.
         const FINENESS: f64 = 0.6;
         const GAIN: f64 = 0.02;
@@ -302,13 +302,13 @@ impl<'a> Band<'a> {
         let lack = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
         let lacks = placed.iter().zip(&best.measured.at).map(lack);
         let (error, placed) = lacks.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Worst { error: error.max(0.0), placed })
+        Some(WorstError { error: error.max(0.0), placed })
     }
 }
 
 /// The largest error of a band.
 #[derive(Clone, Copy, Debug)]
-pub struct Worst {
+pub struct WorstError {
     /// Its size, mm.
     pub error: f64,
     /// A place that has it; others have as much.
@@ -325,8 +325,8 @@ pub fn bands<'a>(
     strips: u32,
     cutter: Cutter,
     rounds: usize,
-) -> Option<Vec<(Band<'a>, Worst)>> {
-    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, Worst)>> {
+) -> Option<Vec<(Band<'a>, WorstError)>> {
+    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, WorstError)>> {
         let spans = borders.par_windows(2).map(|b| Band::new(around, side, [b[0], b[1]], cutter));
         spans.map(|band| band.least_error().map(|found| (band, found))).collect()
     };
@@ -338,8 +338,9 @@ pub fn bands<'a>(
     let mut best = first;
     for _ in 0..rounds {
         // As high as the cube law makes all errors the same.
-        let even =
-            |(band, w): &(Band<'_>, Worst)| (band.span[1] - band.span[0]) * libm::pow(w.error.max(1e-6), -1.0 / 3.0);
+        let even = |(band, w): &(Band<'_>, WorstError)| {
+            (band.span[1] - band.span[0]) * libm::pow(w.error.max(1e-6), -1.0 / 3.0)
+        };
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
         let mut borders = vec![0.0];
@@ -360,7 +361,7 @@ pub fn bands<'a>(
 }
 
 /// The largest of the errors of some bands; `None` without bands.
-pub fn worst(bands: &[(Band<'_>, Worst)]) -> Option<Worst> {
+pub fn worst(bands: &[(Band<'_>, WorstError)]) -> Option<WorstError> {
     bands.iter().map(|b| b.1).max_by(|a, b| a.error.total_cmp(&b.error))
 }
 
@@ -372,7 +373,7 @@ pub fn least_error(
     strips: u32,
     cutter: Cutter,
     rounds: usize,
-) -> Option<Worst> {
+) -> Option<WorstError> {
     worst(&bands(around, side, strips, cutter, rounds)?)
 }
 

@@ -90,18 +90,18 @@ impl Cloud {
                     best = Some((d, start + i));
                 }
             }
-            best.map(|(cost, index)| Found { cost, index })
+            best.map(|(cost, index)| NearestSample { cost, index })
         };
         self.tree.find_best(cutoff, bound, leaf).map(|(_, found)| (found.cost, found.index))
     }
 }
 
-struct Found {
+struct NearestSample {
     cost: f64,
     index: usize,
 }
 
-impl parry3d_f64::partitioning::BvhLeafCost for Found {
+impl parry3d_f64::partitioning::BvhLeafCost for NearestSample {
     fn cost(&self) -> f64 {
         self.cost
     }

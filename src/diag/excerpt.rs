@@ -27,7 +27,7 @@ const TAB: usize = 4;
 
 /// Lines that follow each other, as they are shown.
 #[derive(Debug)]
-struct Block {
+struct ExcerptBlock {
     /// First byte in the excerpt.
     offset: usize,
     /// Index of the first line in the file.
@@ -39,7 +39,7 @@ struct Block {
 #[derive(Debug)]
 pub(super) struct Excerpt {
     name: String,
-    blocks: Vec<Block>,
+    blocks: Vec<ExcerptBlock>,
     /// Place in the excerpt, and column in the file from 0, of each mark.
     columns: Vec<(usize, usize)>,
     /// Marks in the excerpt, the primary one first.
@@ -80,12 +80,12 @@ impl Excerpt {
         let mut shown = vec![None; marks.len()];
         let mut offset = 0;
         for lines in blocks(&marks, sources.line_count(file)) {
-            let mut block = Block { offset, line: lines.start, text: String::new() };
+            let mut block = ExcerptBlock { offset, line: lines.start, text: String::new() };
             for line in lines {
                 let Some(range) = sources.line_range(file, line + 1) else { continue };
                 let of_line: Vec<usize> = (0..marks.len()).filter(|i| marks[*i].line == line).collect();
                 let anchor = of_line.first().map(|i| marks[*i].start - range.start);
-                let row = Row::new(&text[range.clone()], anchor);
+                let row = ExcerptRow::new(&text[range.clone()], anchor);
                 for i in of_line {
                     let place = |at: usize| row.place(at - range.start).map(|p| offset + block.text.len() + p);
                     if let Some(start) = place(marks[i].start) {
@@ -138,7 +138,7 @@ fn blocks(marks: &[Mark<'_>], count: usize) -> Vec<std::ops::Range<usize>> {
 }
 
 /// A line as it is shown.
-struct Row {
+struct ExcerptRow {
     /// With its line end, where there is one.
     text: String,
     /// Bytes of it without the line end.
@@ -147,7 +147,7 @@ struct Row {
     places: Vec<(usize, usize)>,
 }
 
-impl Row {
+impl ExcerptRow {
     /// `anchor` is the byte around which a long line is cut.
     fn new(line: &str, anchor: Option<usize>) -> Self {
         let body = line.strip_suffix('\n').unwrap_or(line);

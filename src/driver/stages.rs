@@ -56,13 +56,13 @@ fn line(stage: &str, work: Option<&State>) -> String {
 }
 
 /// A stage that is shown while it lasts, from [`PATIENCE`] on.
-struct Shown {
+struct StageLine {
     /// Dropped when the stage ends.
     running: Sender<()>,
     thread: JoinHandle<()>,
 }
 
-impl Shown {
+impl StageLine {
     /// `number` counts the stages from 1. `None` when there is no thread to be had: then nothing is shown.
     fn start(name: &'static str, number: usize, progress: Option<Arc<Progress>>) -> Option<Self> {
         let (running, ended) = channel();
@@ -107,7 +107,7 @@ impl Stages {
     }
 
     fn timed<T>(&mut self, name: &'static str, progress: Option<Arc<Progress>>, work: impl FnOnce() -> T) -> T {
-        let shown = if self.progress { Shown::start(name, self.times.len() + 1, progress) } else { None };
+        let shown = if self.progress { StageLine::start(name, self.times.len() + 1, progress) } else { None };
         let start = Instant::now();
         let value = work();
         self.times.push((name, start.elapsed()));

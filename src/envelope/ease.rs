@@ -71,7 +71,7 @@ pub fn ease(
     let mut measured = Measured::new(&curve, tool, targets);
     let mut over = measured.worst(targets);
     let slack = slack.max(over);
-    let mut now = Motion::new(&curve, rotary, reach);
+    let mut now = RotaryMotion::new(&curve, rotary, reach);
     let before = now.sum();
     // The path of the least motion among all paths so far that keep the bounds.
     let mut held = (curve.clone(), before);
@@ -101,7 +101,7 @@ pub fn ease(
             trust *= 0.5;
             continue;
         }
-        let then = Motion::new(&next, rotary, reach);
+        let then = RotaryMotion::new(&next, rotary, reach);
         idle = if then.sum() > (1.0 - GAIN) * now.sum() { idle + 1 } else { 0 };
         (curve, measured, now, over) = (next, found, then, oversteps);
         if over <= slack && now.sum() < held.1 {
@@ -121,7 +121,7 @@ pub fn ease(
 }
 
 /// Motion of the rotary axes along a curve.
-struct Motion {
+struct RotaryMotion {
     axes: Vec<AxisAt>,
     /// Derivative of each rotary position by the vector between the points of both curves.
     turns: Vec<[Vector3<f64>; 2]>,
@@ -130,7 +130,7 @@ struct Motion {
     residual: Vec<f64>,
 }
 
-impl Motion {
+impl RotaryMotion {
     fn new(curve: &DualCurve, rotary: &Rotary<'_>, reach: f64) -> Self {
         let axes: Vec<AxisAt> = (0..=STATIONS).map(|i| curve.at(i as f64 / STATIONS as f64)).collect();
         let mut at: Vec<[f64; 2]> = Vec::with_capacity(axes.len());

@@ -24,7 +24,7 @@ pub(super) struct Bound {
 }
 
 /// A program.
-pub(super) struct Program<'a> {
+pub(super) struct QuadraticProgram<'a> {
     /// Bounds.
     pub(super) bounds: &'a [Bound],
     /// P, positive.
@@ -114,7 +114,7 @@ struct Normal {
     corner: f64,
 }
 
-impl Program<'_> {
+impl QuadraticProgram<'_> {
     /// The solution and its widening, zero where nothing gives way; `None` where there is none.
     pub(super) fn solve(&self) -> Option<(Vec<f64>, f64)> {
         let n = self.quadratic.size();
@@ -281,7 +281,7 @@ mod tests {
     }
 
     /// The least value by another solver; `None` where it finds that there is no solution.
-    fn reference(program: &Program<'_>) -> Option<f64> {
+    fn reference(program: &QuadraticProgram<'_>) -> Option<f64> {
         let n = program.quadratic.size();
         let unknowns = n + usize::from(program.widens);
         let unit = |i: usize| (0..n).map(|k| f64::from(u8::from(k == i))).collect::<Vec<f64>>();
@@ -322,7 +322,7 @@ mod tests {
     fn solutions_keep_the_bounds_and_are_as_low_as_those_of_another_solver() {
         for (seed, widens) in [(1, true), (400, true), (900, true), (2, false), (500, false), (1_000, false)] {
             let (bounds, quadratic, linear) = sample(seed, widens, if widens { -0.2 } else { 0.6 });
-            let program = Program { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens };
+            let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens };
             let (x, w) = program.solve().expect("a solution");
             for b in &bounds {
                 let over = dot(&b.a, &x[b.first..b.first + ENTRIES]) - b.room - b.give * w;
@@ -341,7 +341,7 @@ mod tests {
         let (mut bounds, quadratic, linear) = sample(3, false, 0.6);
         let against = Bound { a: bounds[0].a.map(|a| -a), room: -bounds[0].room - 0.1, ..bounds[0] };
         bounds.push(against);
-        let program = Program { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens: false };
+        let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens: false };
         assert!(program.solve().is_none());
         assert!(reference(&program).is_none());
     }

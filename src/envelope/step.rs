@@ -7,7 +7,7 @@
 use super::band::Band;
 use super::bend;
 use super::measured::{Measured, Row};
-use super::program::{Bound, Program};
+use super::program::{Bound, QuadraticProgram};
 use super::target::{Of, Target};
 use crate::geom::DualCurve;
 
@@ -34,7 +34,7 @@ pub(super) enum Aim<'a> {
 }
 
 /// A step.
-pub(super) struct Step {
+pub(super) struct ControlStep {
     /// Shifts, mm, of all unknowns.
     pub(super) shift: Vec<f64>,
     /// Widening according to the model, mm.
@@ -79,7 +79,7 @@ const BEND: f64 = 1e-6;
 
 /// The best shifts. `None` when a program has no solution. `kept` holds the numbers of the targets with active bounds
 /// of the previous step, and is updated.
-pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> Option<Step> {
+pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> Option<ControlStep> {
     let unit = match aim {
         Aim::Widening(now) => now.max(1e-6),
         Aim::Quadratic { .. } => model.trust,
@@ -143,7 +143,7 @@ impl Model<'_> {
 }
 
 /// Unknowns are the shifts as shares of the trust region, and the widening as a share of `unit`.
-fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option<Step> {
+fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option<ControlStep> {
     let n = model.curve.unknowns();
     let bound = |side: &Side| {
         let row = &model.rows[side.target];
@@ -172,6 +172,6 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
         }
     };
     let widens = matches!(aim, Aim::Widening(_));
-    let (x, w) = Program { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens }.solve()?;
-    Some(Step { shift: x.iter().map(|x| x * model.trust).collect(), widening: (w * unit).max(0.0) })
+    let (x, w) = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens }.solve()?;
+    Some(ControlStep { shift: x.iter().map(|x| x * model.trust).collect(), widening: (w * unit).max(0.0) })
 }

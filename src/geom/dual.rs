@@ -151,7 +151,7 @@ impl DualCurve {
                 let end = mix(&points[to.first..], &to.values[0]);
                 [value, first, second, end - value - first - second]
             };
-            Piece { lower: coefficients(&self.lower), upper: coefficients(&self.upper) }
+            DualPiece { lower: coefficients(&self.lower), upper: coefficients(&self.upper) }
         };
         Pieces { breaks: inner.to_vec(), pieces: inner.windows(2).map(piece).collect() }
     }
@@ -181,7 +181,7 @@ impl DualCurve {
 
 /// Both curves over one span, as polynomials of the share of the span.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct DualPiece {
     lower: [Vector3<f64>; 4],
     upper: [Vector3<f64>; 4],
 }
@@ -190,12 +190,12 @@ struct Piece {
 #[derive(Clone, Debug)]
 pub struct Pieces {
     breaks: Vec<f64>,
-    pieces: Vec<Piece>,
+    pieces: Vec<DualPiece>,
 }
 
 impl Pieces {
     /// Share of the span at `t` in [0, 1], the inverse of the width of the span, and the polynomials.
-    fn local(&self, t: f64) -> (f64, f64, &Piece) {
+    fn local(&self, t: f64) -> (f64, f64, &DualPiece) {
         let last = self.pieces.len() - 1;
         let i = self.breaks[1..=last].partition_point(|b| *b <= t);
         let inverse = 1.0 / (self.breaks[i + 1] - self.breaks[i]);

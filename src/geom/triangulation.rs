@@ -18,7 +18,7 @@ pub struct Triangulation {
 
 /// The point of the triangles nearest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foot {
+pub struct TriangulationFoot {
     /// The nearest point.
     pub point: Point3<f64>,
     /// Unit normal of its triangle.
@@ -28,12 +28,12 @@ pub struct Foot {
 }
 
 /// A place in the chart with the index of its point.
-struct Place {
+struct Located {
     at: Point2<f64>,
     index: usize,
 }
 
-impl HasPosition for Place {
+impl HasPosition for Located {
     type Scalar = f64;
 
     fn position(&self) -> Point2<f64> {
@@ -53,12 +53,12 @@ impl Triangulation {
         if points.len() < 3 || chart.len() != points.len() {
             return Err(GeomError::TooFewPoints { given: points.len().min(chart.len()), needed: 3 });
         }
-        let mut inner: DelaunayTriangulation<Place> = DelaunayTriangulation::new();
+        let mut inner: DelaunayTriangulation<Located> = DelaunayTriangulation::new();
         for (index, at) in chart.iter().enumerate() {
             if !points[index].coords.iter().all(|x| x.is_finite()) {
                 return Err(GeomError::NotFinite(index));
             }
-            let place = Place { at: Point2::new(at[0], at[1]), index };
+            let place = Located { at: Point2::new(at[0], at[1]), index };
             inner.insert(place).map_err(|_| GeomError::NotFinite(index))?;
             if inner.num_vertices() != index + 1 {
                 return Err(GeomError::CoincidentPoints(index - 1));
@@ -149,7 +149,7 @@ impl Triangulation {
     }
 
     /// The nearest point of all triangles.
-    pub fn nearest(&self, p: &Point3<f64>) -> Option<Foot> {
+    pub fn nearest(&self, p: &Point3<f64>) -> Option<TriangulationFoot> {
         let mut best: Option<(f64, usize, Point3<f64>)> = None;
         for face in 0..self.faces.len() {
             let foot = nearest_on_triangle(p, &self.corners(face));
@@ -159,7 +159,7 @@ impl Triangulation {
             }
         }
         let (_, face, point) = best?;
-        Some(Foot { point, normal: self.area_normal(face).try_normalize(0.0)?, face })
+        Some(TriangulationFoot { point, normal: self.area_normal(face).try_normalize(0.0)?, face })
     }
 
     /// True when a point lies over the surface: the vector from its foot on the triangles points to the side of the

@@ -1,6 +1,6 @@
 //! What resolving an item needs.
 
-use super::eval::Scope;
+use super::eval::LetScope;
 use super::files::Files;
 use crate::diag::Sink;
 use crate::source::{SourceMap, Span};
@@ -8,7 +8,7 @@ use crate::syntax::ast::{Item, ItemKind};
 
 /// Everything that resolving an item may need.
 pub(super) struct Context<'a> {
-    pub(super) scope: Scope,
+    pub(super) scope: LetScope,
     pub(super) files: &'a mut dyn Files,
     pub(super) sources: &'a mut SourceMap,
     pub(super) sink: &'a mut Sink,

@@ -9,7 +9,7 @@ use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::part::SurfaceClass;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, Target};
+use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, ScopeTarget};
 use std::collections::BTreeSet;
 
 /// Largest length of a bound, mm; no gap of a part is as wide.
@@ -31,7 +31,7 @@ pub(super) fn resolve(
     cx: &mut Context<'_>,
 ) -> (Vec<ContractSpec>, Vec<AllowedSpec>) {
     let declared = file.items.iter().filter(|i| matches!(i.kind, ItemKind::Operation { .. })).count();
-    let mut reader = Reader { operations, complete: declared == operations.len() && !file.damaged, cx };
+    let mut reader = ContractReader { operations, complete: declared == operations.len() && !file.damaged, cx };
     let mut contracts: Vec<ContractSpec> = Vec::new();
     let mut allowed: Vec<AllowedSpec> = Vec::new();
     for item in &file.items {
@@ -104,14 +104,14 @@ fn add_defaults(contracts: &mut Vec<ContractSpec>, allowed: &[AllowedSpec]) {
     }
 }
 
-struct Reader<'a, 'b> {
+struct ContractReader<'a, 'b> {
     operations: &'a [OperationSpec],
     /// False when operations are missing from the list because they are faulty.
     complete: bool,
     cx: &'a mut Context<'b>,
 }
 
-impl Reader<'_, '_> {
+impl ContractReader<'_, '_> {
     fn kind(&mut self, what: &Name, body: Option<&Name>, verb: &str) -> Option<ContractKind> {
         let text = body.map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text));
         if let Some(kind) = ContractKind::ALL.into_iter().find(|k| k.name() == text) {
@@ -196,7 +196,7 @@ impl Reader<'_, '_> {
     }
 
     /// Surfaces and operations of a scope; `None` when a word of it is wrong.
-    fn scope(&mut self, kind: ContractKind, targets: &[Target]) -> Option<Scope<usize>> {
+    fn scope(&mut self, kind: ContractKind, targets: &[ScopeTarget]) -> Option<Scope<usize>> {
         let mut scope = Scope::default();
         let mut good = true;
         let mut seen = BTreeSet::new();
@@ -278,7 +278,7 @@ impl Reader<'_, '_> {
 
     /// An `allow` takes surfaces or operations out, as far as the quantity has them.
     /// Everything is allowed only in place of a default contract: where the job requires nothing of the kind.
-    fn may_be_allowed(&mut self, kind: ContractKind, what: &Name, targets: &[Target], required: bool) -> bool {
+    fn may_be_allowed(&mut self, kind: ContractKind, what: &Name, targets: &[ScopeTarget], required: bool) -> bool {
         let name = kind.name();
         if targets.is_empty() && kind.default_bound().is_some() && !required {
             return true;
@@ -294,7 +294,7 @@ impl Reader<'_, '_> {
         if kind.of_operations() == OfOperations::Done {
             return true;
         }
-        let is_surface = |t: &&Target| !t.operation && SurfaceClass::ALL.iter().any(|s| s.name() == t.name.text);
+        let is_surface = |t: &&ScopeTarget| !t.operation && SurfaceClass::ALL.iter().any(|s| s.name() == t.name.text);
         let Some(operation) = targets.iter().find(|t| !is_surface(t)) else { return true };
         let help = if kind.surfaces().is_empty() {
             format!("require a larger `{name}` instead")

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Values of `let`.
 #[derive(Debug, Default)]
-pub(super) struct Scope {
+pub(super) struct LetScope {
     names: BTreeMap<String, Binding>,
     /// How many unknown names were met.
     unknown: usize,
@@ -25,7 +25,7 @@ struct Binding {
     used: bool,
 }
 
-impl Scope {
+impl LetScope {
     /// No names yet.
     pub(super) fn new(damaged: bool) -> Self {
         Self { names: BTreeMap::new(), unknown: 0, damaged }

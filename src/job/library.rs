@@ -13,7 +13,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
-type Text = Spanned<String>;
+type SpannedText = Spanned<String>;
 
 /// Bound of lengths in library files, mm.
 const LONGEST: f64 = 100_000.0;
@@ -34,8 +34,8 @@ const UNLIMITED: &str = "unlimited";
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MachineFile {
-    kind: Text,
-    order: Option<Vec<Text>>,
+    kind: SpannedText,
+    order: Option<Vec<SpannedText>>,
     #[serde(default)]
     #[expect(dead_code, reason = "for the reader of the file")]
     about: String,
@@ -45,9 +45,9 @@ struct MachineFile {
     part: PartTable,
     spindle: SpindleTable,
     retract: Option<RetractTable>,
-    rapid: Text,
-    cycle: Option<Text>,
-    planning: Option<Text>,
+    rapid: SpannedText,
+    cycle: Option<SpannedText>,
+    planning: Option<SpannedText>,
     table: Option<CarriedTable>,
     fixture: Option<CarriedTable>,
 }
@@ -55,7 +55,7 @@ struct MachineFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CarriedTable {
-    top: Text,
+    top: SpannedText,
     section: Vec<SectionTable>,
 }
 
@@ -79,40 +79,40 @@ struct AxesTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LinearTable {
-    travel: [Text; 2],
-    speed: Text,
-    acceleration: Text,
-    jerk: Option<Text>,
+    travel: [SpannedText; 2],
+    speed: SpannedText,
+    acceleration: SpannedText,
+    jerk: Option<SpannedText>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RotaryTable {
-    travel: [Text; 2],
-    speed: Text,
-    acceleration: Text,
-    jerk: Option<Text>,
-    sense: Text,
+    travel: [SpannedText; 2],
+    speed: SpannedText,
+    acceleration: SpannedText,
+    jerk: Option<SpannedText>,
+    sense: SpannedText,
     direction: Option<Spanned<[f64; 3]>>,
-    point: [Text; 3],
+    point: [SpannedText; 3],
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PartTable {
-    origin: [Text; 3],
+    origin: [SpannedText; 3],
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RetractTable {
-    z: Text,
+    z: SpannedText,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpindleTable {
-    speed: [Text; 2],
+    speed: [SpannedText; 2],
 }
 
 #[derive(Deserialize)]
@@ -139,28 +139,28 @@ struct HolderTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SectionTable {
-    length: Text,
-    lower: Text,
-    upper: Text,
+    length: SpannedText,
+    lower: SpannedText,
+    upper: SpannedText,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ToolTable {
-    kind: Text,
-    diameter: Text,
-    corner: Option<Text>,
-    angle: Option<Text>,
-    barrel: Option<Text>,
-    tip: Option<Text>,
-    neck: Option<Text>,
+    kind: SpannedText,
+    diameter: SpannedText,
+    corner: Option<SpannedText>,
+    angle: Option<SpannedText>,
+    barrel: Option<SpannedText>,
+    tip: Option<SpannedText>,
+    neck: Option<SpannedText>,
     #[serde(rename = "neck-end")]
-    neck_end: Option<Text>,
+    neck_end: Option<SpannedText>,
     flutes: Spanned<u32>,
-    flute: Option<Text>,
-    shank: Option<Text>,
-    reach: Text,
-    holder: Option<Text>,
+    flute: Option<SpannedText>,
+    shank: Option<SpannedText>,
+    reach: SpannedText,
+    holder: Option<SpannedText>,
 }
 
 /// Holders and tools of all tool files of a job.
@@ -172,13 +172,13 @@ pub(super) struct ToolLibrary {
     pub(super) tools: BTreeMap<String, ToolSpec>,
 }
 
-struct Reader<'a> {
+struct LibraryReader<'a> {
     source: SourceId,
     sink: &'a mut Sink,
     faults: bool,
 }
 
-impl Reader<'_> {
+impl LibraryReader<'_> {
     fn span<T>(&self, value: &Spanned<T>) -> Span {
         Span::new(self.source, value.span())
     }
@@ -189,7 +189,7 @@ impl Reader<'_> {
     }
 
     /// A quantity in base units.
-    fn quantity(&mut self, text: &Text, due: Dimension, min: f64, max: f64) -> f64 {
+    fn quantity(&mut self, text: &SpannedText, due: Dimension, min: f64, max: f64) -> f64 {
         let example = match due.usual_unit() {
             "" => "3".to_owned(),
             unit => format!("3 {unit}"),
@@ -218,7 +218,7 @@ impl Reader<'_> {
         max.min(1.0)
     }
 
-    fn pair(&mut self, texts: &[Text; 2], due: Dimension, bound: f64) -> [f64; 2] {
+    fn pair(&mut self, texts: &[SpannedText; 2], due: Dimension, bound: f64) -> [f64; 2] {
         let pair = [self.quantity(&texts[0], due, -bound, bound), self.quantity(&texts[1], due, -bound, bound)];
         if pair[0] >= pair[1] {
             let span = Span { end: self.span(&texts[1]).end, ..self.span(&texts[0]) };
@@ -238,7 +238,7 @@ impl Reader<'_> {
     }
 
     /// A limit of jerk in units of seconds; what is not said is no limit.
-    fn jerk(&mut self, text: &Option<Text>, due: Dimension) -> f64 {
+    fn jerk(&mut self, text: &Option<SpannedText>, due: Dimension) -> f64 {
         match text {
             Some(text) if text.get_ref() != UNLIMITED && Quantity::read(text.get_ref()).is_none() => {
                 self.fault(
@@ -260,13 +260,13 @@ impl Reader<'_> {
         }
     }
 
-    fn point(&mut self, texts: &[Text; 3]) -> [Mm; 3] {
+    fn point(&mut self, texts: &[SpannedText; 3]) -> [Mm; 3] {
         let [x, y, z] = texts;
         [x, y, z].map(|t| Mm(self.quantity(t, Dimension::LENGTH, -LONGEST, LONGEST)))
     }
 
     fn carried(&mut self, table: &CarriedTable) -> CarriedSpec {
-        let mut length = |text: &Text, min: f64| Mm(self.quantity(text, Dimension::LENGTH, min, MOST_CARRIED));
+        let mut length = |text: &SpannedText, min: f64| Mm(self.quantity(text, Dimension::LENGTH, min, MOST_CARRIED));
         CarriedSpec {
             top: length(&table.top, -MOST_CARRIED),
             sections: table.section.iter().map(|s| [&s.length, &s.upper, &s.lower].map(|t| length(t, 0.01))).collect(),
@@ -330,7 +330,7 @@ impl Reader<'_> {
     }
 
     /// Control cycle, s.
-    fn cycle(&mut self, text: &Option<Text>, assumed: &mut Vec<String>) -> f64 {
+    fn cycle(&mut self, text: &Option<SpannedText>, assumed: &mut Vec<String>) -> f64 {
         match text {
             Some(text) => self.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
             None => {
@@ -341,7 +341,7 @@ impl Reader<'_> {
     }
 
     /// How the control plans speeds.
-    fn planning(&mut self, text: &Option<Text>) -> Planning {
+    fn planning(&mut self, text: &Option<SpannedText>) -> Planning {
         match text {
             None => Planning::Joints,
             Some(text) if text.get_ref() == LINUXCNC => Planning::LinuxCnc,
@@ -459,7 +459,7 @@ pub(super) fn machine(
             return None;
         }
     };
-    let mut reader = Reader { source, sink, faults: false };
+    let mut reader = LibraryReader { source, sink, faults: false };
     let Some((kind, axes)) = reader.rotary_axes(&table) else {
         if !reader.faults {
             sink.push(no_rotary_pair(name, &table.axes, &file.name).label(asked, "used here"));
@@ -501,7 +501,7 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
             return;
         }
     };
-    let mut reader = Reader { source, sink, faults: false };
+    let mut reader = LibraryReader { source, sink, faults: false };
     for (name, holder) in table.holder {
         let mut sections = Vec::new();
         for section in &holder.section {
@@ -519,11 +519,16 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
     }
 }
 
-fn library_tool(name: &str, tool: &ToolTable, library: &ToolLibrary, reader: &mut Reader<'_>) -> Option<ToolSpec> {
+fn library_tool(
+    name: &str,
+    tool: &ToolTable,
+    library: &ToolLibrary,
+    reader: &mut LibraryReader<'_>,
+) -> Option<ToolSpec> {
     let span = reader.span(&tool.kind);
     let mut size =
-        |text: &Text, [least, largest]: [f64; 2]| Mm(reader.quantity(text, Dimension::LENGTH, least, largest));
-    let mut given = |text: &Option<Text>, range: [f64; 2]| text.as_ref().map(|t| size(t, range));
+        |text: &SpannedText, [least, largest]: [f64; 2]| Mm(reader.quantity(text, Dimension::LENGTH, least, largest));
+    let mut given = |text: &Option<SpannedText>, range: [f64; 2]| text.as_ref().map(|t| size(t, range));
     let [corner, tip] = [&tool.corner, &tool.tip].map(|t| given(t, limits::CORNER));
     let [barrel, flute, neck_end] = [&tool.barrel, &tool.flute, &tool.neck_end].map(|t| given(t, limits::LENGTH));
     let [neck, shank] = [&tool.neck, &tool.shank].map(|t| given(t, limits::DIAMETER));

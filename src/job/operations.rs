@@ -62,7 +62,7 @@ pub(super) fn resolve(
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
         let first = used.names.len() == 1;
-        let mut reader = Reader { name, first, tools, machine, vanes, groove: layers };
+        let mut reader = OperationReader { name, first, tools, machine, vanes, groove: layers };
         let operation = reader.read(item, cx);
         if let Some(OperationKind::Groove { depth, allowance_vane, allowance_hub }) =
             operation.as_ref().map(|o| o.kind.clone())
@@ -116,7 +116,7 @@ fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Conte
     text
 }
 
-struct Reader<'a> {
+struct OperationReader<'a> {
     name: String,
     /// True for the first operation of the job.
     first: bool,
@@ -137,7 +137,7 @@ struct Layers {
     allowance_hub: Mm,
 }
 
-impl Reader<'_> {
+impl OperationReader<'_> {
     fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let own: &[&str] = match kind.text.as_str() {

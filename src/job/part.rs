@@ -313,9 +313,9 @@ fn unit_scale(spline: &Spline, cx: &mut Context<'_>) -> Option<f64> {
     }
 }
 
-type Points = (Vec<[f64; 3]>, Vec<Span>);
+type PointsInText = (Vec<[f64; 3]>, Vec<Span>);
 
-fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<Points> {
+fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<PointsInText> {
     let mut out = (Vec::new(), Vec::new());
     let mut good = true;
     for point in points {
@@ -351,7 +351,7 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
     good.then_some(out)
 }
 
-fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<Points> {
+fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<PointsInText> {
     let found = match cx.files.curves(&file.text) {
         Ok(found) => found,
         Err(missing) => {

@@ -1,6 +1,6 @@
 //! Reads the entries of a block as properties: each known, given once, of the right form and dimension.
 
-use super::eval::{Scope, mismatch, nearest, suggest, unknown_unit};
+use super::eval::{LetScope, mismatch, nearest, suggest, unknown_unit};
 use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
@@ -15,7 +15,7 @@ pub(super) struct Properties<'a, 'c> {
     entries: Vec<(&'a Name, Vec<&'a Value>)>,
     damaged: bool,
     /// What else is needed while reading.
-    pub(super) scope: &'c mut Scope,
+    pub(super) scope: &'c mut LetScope,
     /// Where faults go.
     pub(super) sink: &'c mut Sink,
 }
@@ -59,7 +59,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         head: Span,
         block: &'a Block,
         known: &[&str],
-        scope: &'c mut Scope,
+        scope: &'c mut LetScope,
         sink: &'c mut Sink,
     ) -> Self {
         Self::repeated(owner, head, block, (known, &[]), scope, sink)
@@ -71,7 +71,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         head: Span,
         block: &'a Block,
         (known, many): (&[&str], &[&str]),
-        scope: &'c mut Scope,
+        scope: &'c mut LetScope,
         sink: &'c mut Sink,
     ) -> Self {
         let mut this = Self { owner, head, entries: Vec::new(), damaged: block.damaged || scope.damaged, scope, sink };

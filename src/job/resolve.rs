@@ -1,7 +1,7 @@
 //! From the syntax tree to the [`Job`].
 
 use super::context::{Context, head};
-use super::eval::{Scope, suggest};
+use super::eval::{LetScope, suggest};
 use super::files::{Fault, Files, Missing};
 use super::library::{self, ToolLibrary};
 use super::model::{
@@ -29,7 +29,7 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
 
 /// What can be understood of a job. Every fault goes to the sink.
 pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> PartialJob {
-    let mut cx = Context { scope: Scope::new(file.damaged), files, sources, sink, looked_up: 0 };
+    let mut cx = Context { scope: LetScope::new(file.damaged), files, sources, sink, looked_up: 0 };
     edition(file, &mut cx);
     lets(file, &mut cx);
     let machine = machine(file, &mut cx);

@@ -16,7 +16,7 @@ use super::{Joints, Machine};
 use nalgebra::{Point3, Vector3};
 
 /// Program coordinates: X Y Z of the tip on the part in mm, both rotary axes in radians.
-type Place = [f64; 5];
+type JointPoint = [f64; 5];
 
 /// Displacements below this count as zero for the control, mm or radians.
 const TINY: f64 = 1e-7;
@@ -37,9 +37,9 @@ const TURNS: f64 = 1e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     /// Start: tip on the part and rotary axes.
-    pub from: Place,
+    pub from: JointPoint,
     /// End.
-    pub to: Place,
+    pub to: JointPoint,
     /// Time from its feed, s.
     pub time: f64,
     /// True when the control comes to rest at its end (G61.1).
@@ -72,14 +72,14 @@ pub struct Ran {
 
 /// How a line ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
+enum LineEnd {
     Stop,
     Blend,
     /// Runs on, with the speed there.
     Tangent(f64),
 }
 
-struct Segment {
+struct LineSegment {
     line: Line,
     /// Length of the path of the tip, or of the rotary axes where the tip stands still.
     length: f64,
@@ -87,12 +87,12 @@ struct Segment {
     turns: bool,
     speed: f64,
     acceleration: f64,
-    end: End,
+    end: LineEnd,
 }
 
-impl Segment {
+impl LineSegment {
     fn new(line: &Line, settings: &Settings) -> Option<Self> {
-        let d: Place = std::array::from_fn(|k| line.to[k] - line.from[k]);
+        let d: JointPoint = std::array::from_fn(|k| line.to[k] - line.from[k]);
         let norm = |d: &[f64]| d.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (way, turn) = (norm(&d[..3]), norm(&d[3..]));
         let moves = d[..3].iter().any(|x| x.abs() >= TINY);
@@ -100,8 +100,9 @@ impl Segment {
         if length < NOTHING {
             return None;
         }
-        let least =
-            |most: &Place| (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(NOTHING, f64::max);
+        let least = |most: &JointPoint| {
+            (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(NOTHING, f64::max)
+        };
         let own = length / least(&settings.machine.speeds());
         let asked = if line.time > 0.0 { own.min(length / line.time) } else { own };
         Some(Self {
@@ -111,11 +112,11 @@ impl Segment {
             turns: d[3..].iter().any(|x| x.abs() >= TINY),
             speed: asked.min(length / settings.machine.cycle),
             acceleration: length / least(&settings.machine.accelerations()),
-            end: End::Blend,
+            end: LineEnd::Blend,
         })
     }
 
-    fn at(&self, way: f64) -> Place {
+    fn at(&self, way: f64) -> JointPoint {
         let t = way / self.length;
         std::array::from_fn(|k| self.line.from[k] + (self.line.to[k] - self.line.from[k]) * t)
     }
@@ -136,35 +137,35 @@ struct Running {
 }
 
 /// Sets how each line ends.
-fn set_ends(segments: &mut [Segment], settings: &Settings) {
+fn set_ends(segments: &mut [LineSegment], settings: &Settings) {
     let most = settings.machine.accelerations();
     for i in 0..segments.len() {
         let Some(next) = segments.get(i + 1) else {
-            segments[i].end = End::Stop;
+            segments[i].end = LineEnd::Stop;
             continue;
         };
         let this = &segments[i];
         let dot: f64 = this.direction.iter().zip(&next.direction).map(|(a, b)| a * b).sum();
         let end = if this.line.stop {
-            End::Stop
+            LineEnd::Stop
         } else if this.turns || next.turns {
-            End::Blend
+            LineEnd::Blend
         } else if dot < -0.999 {
-            End::Stop
+            LineEnd::Stop
         } else {
             let both = this.speed.min(next.speed);
             let sudden = both / settings.machine.cycle + next.acceleration;
             let share =
                 (0..3).map(|k| (next.direction[k] - this.direction[k]).abs() * sudden / most[k]).fold(0.0, f64::max);
-            if share < KINK { End::Tangent(both) } else { End::Blend }
+            if share < KINK { LineEnd::Tangent(both) } else { LineEnd::Blend }
         };
         segments[i].end = end;
     }
     for i in 0..segments.len() {
         // A blend of the previous line counts only where neither line turns: measured on the controller.
         let before = i.checked_sub(1).map(|b| &segments[b]);
-        let noted = before.is_some_and(|b| b.end == End::Blend && !b.turns && !segments[i].turns);
-        if segments[i].end == End::Blend || noted {
+        let noted = before.is_some_and(|b| b.end == LineEnd::Blend && !b.turns && !segments[i].turns);
+        if segments[i].end == LineEnd::Blend || noted {
             segments[i].acceleration *= 0.5;
         }
     }
@@ -172,7 +173,7 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
     let mut most = 0.0;
     for segment in segments.iter_mut().rev() {
         let end = match &mut segment.end {
-            End::Tangent(speed) => {
+            LineEnd::Tangent(speed) => {
                 *speed = speed.min(most);
                 *speed
             }
@@ -183,8 +184,8 @@ fn set_ends(segments: &mut [Segment], settings: &Settings) {
 }
 
 /// Speed of a line at the start of the blend into the next line.
-fn blend_speed(this: &Segment, next: &Segment, tolerance: f64) -> f64 {
-    let reachable = |s: &Segment| (s.acceleration * s.length).sqrt().min(s.speed);
+fn blend_speed(this: &LineSegment, next: &LineSegment, tolerance: f64) -> f64 {
+    let reachable = |s: &LineSegment| (s.acceleration * s.length).sqrt().min(s.speed);
     let (here, there) = (reachable(this), reachable(next));
     let fastest = (this.length / here).min(next.length / there);
     let time = fastest.min((here / this.acceleration).max(there / next.acceleration));
@@ -196,10 +197,10 @@ fn blend_speed(this: &Segment, next: &Segment, tolerance: f64) -> f64 {
 }
 
 /// One period of one line.
-fn step(segment: &Segment, run: &mut Running, next: Option<&Segment>, full: f64) {
+fn step(segment: &LineSegment, run: &mut Running, next: Option<&LineSegment>, full: f64) {
     let period = run.period;
     let end = match (segment.end, next) {
-        (End::Tangent(speed), Some(next)) => speed.min(segment.speed).min(next.speed),
+        (LineEnd::Tangent(speed), Some(next)) => speed.min(segment.speed).min(next.speed),
         _ => 0.0,
     };
     let (most, left) = (segment.acceleration, segment.length - run.way);
@@ -222,16 +223,16 @@ fn step(segment: &Segment, run: &mut Running, next: Option<&Segment>, full: f64)
 }
 
 /// Determines whether the end of a line comes within the next period.
-fn near_end(segment: &Segment, run: &mut Running, end: f64, full: f64) {
+fn near_end(segment: &LineSegment, run: &mut Running, end: f64, full: f64) {
     run.period = full;
     let left = segment.length - run.way;
     if left <= NOTHING {
         run.way = segment.length;
         (run.last, run.period) = (true, 0.0);
-        run.done = segment.end == End::Stop;
+        run.done = segment.end == LineEnd::Stop;
         return;
     }
-    if segment.end == End::Stop {
+    if segment.end == LineEnd::Stop {
         return;
     }
     let mean = 0.5 * (run.speed + end);
@@ -262,7 +263,7 @@ const MOST_PERIODS: usize = 4_000_000;
 const COUNTED: f64 = 10_000.0;
 
 /// Number of periods that a line runs at constant speed before it must slow down.
-fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
+fn even(segment: &LineSegment, run: &Running, period: f64) -> f64 {
     let steady = run.speed == segment.speed && run.speed > 0.0 && !run.blends && !run.last;
     if !steady {
         return 0.0;
@@ -276,9 +277,9 @@ fn even(segment: &Segment, run: &Running, period: f64) -> f64 {
 const STEP: f64 = 1e-4;
 
 /// Distance of the tool at a place from the nearest place of a line: tip or end of the flutes, mm, and axis, radians.
-fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64; 2] {
-    let at = |t: f64| -> Place { std::array::from_fn(|k| line.from[k] + (line.to[k] - line.from[k]) * t) };
-    let ends = |p: &Place| {
+fn deviation(machine: &Machine, place: &JointPoint, line: &Line, height: f64) -> [f64; 2] {
+    let at = |t: f64| -> JointPoint { std::array::from_fn(|k| line.from[k] + (line.to[k] - line.from[k]) * t) };
+    let ends = |p: &JointPoint| {
         let tip = Vector3::new(p[0], p[1], p[2]);
         let axis = machine.chain.tool_axis([p[3], p[4]]);
         [tip, tip + axis * height, axis]
@@ -303,7 +304,7 @@ fn deviation(machine: &Machine, place: &Place, line: &Line, height: f64) -> [f64
 /// The lines between positions, each with its time and whether the control stops at its end.
 pub fn lines(machine: &Machine, moves: impl Iterator<Item = (Joints, f64, bool)>) -> Vec<Line> {
     let mut lines = Vec::with_capacity(moves.size_hint().0);
-    let mut last: Option<Place> = None;
+    let mut last: Option<JointPoint> = None;
     for (j, time, stop) in moves {
         let tip = machine.forward(&j).tip;
         let to = [tip.x, tip.y, tip.z, j.rotary[0], j.rotary[1]];
@@ -327,9 +328,9 @@ pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joint
 /// Runs lines one after the other from rest to rest.
 pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     let mut of = Vec::with_capacity(lines.len());
-    let mut segments: Vec<Segment> = Vec::with_capacity(lines.len());
+    let mut segments: Vec<LineSegment> = Vec::with_capacity(lines.len());
     for (i, line) in lines.iter().enumerate() {
-        if let Some(segment) = Segment::new(line, settings) {
+        if let Some(segment) = LineSegment::new(line, settings) {
             segments.push(segment);
             of.push(i);
         }
@@ -342,7 +343,7 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     for (i, segment) in segments.iter().enumerate() {
         let next = segments.get(i + 1);
         let from =
-            next.map(|n| if segment.end == End::Blend { blend_speed(segment, n, settings.tolerance) } else { 0.0 });
+            next.map(|n| if segment.end == LineEnd::Blend { blend_speed(segment, n, settings.tolerance) } else { 0.0 });
         let mut corner = from.map(|from| Corner::new(segment, from, settings));
         for _ in 0..MOST_PERIODS {
             let before = this.way;
@@ -354,19 +355,19 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
                 this.way = segment.length;
                 this.done = true;
                 if let Some(n) = next {
-                    if let End::Tangent(speed) = segment.end {
+                    if let LineEnd::Tangent(speed) = segment.end {
                         ahead.period = full - this.period;
                         ahead.speed = this.speed
                             + (speed - this.speed)
                                 .clamp(-segment.acceleration * this.period, segment.acceleration * this.period);
                     }
                     step(n, &mut ahead, segments.get(i + 2), full);
-                    both = segment.end == End::Blend;
+                    both = segment.end == LineEnd::Blend;
                 }
             } else {
                 this.period = full;
                 step(segment, &mut this, next, full);
-                let start = segment.end == End::Blend && this.slowing && from.is_some_and(|v| this.speed < v);
+                let start = segment.end == LineEnd::Blend && this.slowing && from.is_some_and(|v| this.speed < v);
                 this.blends |= start;
                 if let Some(n) = next.filter(|_| this.blends) {
                     step(n, &mut ahead, None, full);
@@ -399,7 +400,7 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
 /// Transition of a line into the next.
 struct Corner {
     /// Joints one period before.
-    joints: Option<Place>,
+    joints: Option<JointPoint>,
     deviation: [f64; 2],
     speed: [f64; 5],
     /// Factor of the deviation when the blend begins a period earlier: the deviation is proportional to the square of
@@ -408,17 +409,17 @@ struct Corner {
 }
 
 impl Corner {
-    fn new(segment: &Segment, from: f64, settings: &Settings) -> Self {
+    fn new(segment: &LineSegment, from: f64, settings: &Settings) -> Self {
         let sooner = 1.0 + segment.acceleration * settings.machine.cycle / from.max(NOTHING);
         Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MOST_LATE) }
     }
 
     /// A period in which both lines move. `way` holds the length run on the first line before and after the period, and
     /// on the second line after it.
-    fn passes(&mut self, this: &Segment, next: &Segment, way: [f64; 3], settings: &Settings) {
+    fn passes(&mut self, this: &LineSegment, next: &LineSegment, way: [f64; 3], settings: &Settings) {
         let machine = settings.machine;
         let (here, there) = (this.at(way[1]), next.at(way[2]));
-        let place: Place = std::array::from_fn(|k| here[k] + there[k] - next.line.from[k]);
+        let place: JointPoint = std::array::from_fn(|k| here[k] + there[k] - next.line.from[k]);
         let [one, other] = [this, next].map(|s| deviation(machine, &place, &s.line, settings.height));
         let nearer = if one[0] <= other[0] { one } else { other };
         self.deviation = [self.deviation[0].max(nearer[0]), self.deviation[1].max(nearer[1])];
@@ -434,7 +435,7 @@ impl Corner {
 /// Largest factor for a blend that begins a period earlier.
 const MOST_LATE: f64 = 4.0;
 
-fn joints_at(machine: &Machine, place: &Place) -> Place {
+fn joints_at(machine: &Machine, place: &JointPoint) -> JointPoint {
     machine.joints(&Point3::new(place[0], place[1], place[2]), [place[3], place[4]]).all()
 }
 
@@ -468,9 +469,9 @@ mod tests {
     }
 
     /// Lines at one feed, mm/s.
-    fn lines(places: &[Place], feed: f64) -> Vec<Line> {
-        let way = |a: &Place, b: &Place| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
-        let line = |p: &[Place]| Line { from: p[0], to: p[1], time: way(&p[0], &p[1]) / feed, stop: false };
+    fn lines(places: &[JointPoint], feed: f64) -> Vec<Line> {
+        let way = |a: &JointPoint, b: &JointPoint| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
+        let line = |p: &[JointPoint]| Line { from: p[0], to: p[1], time: way(&p[0], &p[1]) / feed, stop: false };
         places.windows(2).map(line).collect()
     }
 
@@ -550,13 +551,13 @@ mod tests {
     /// Measured on the controller: 24 % for flank milling in lines of 0.24 mm at 16.7 mm/s.
     #[test]
     fn short_lines_that_turn_are_slower_than_their_feed() {
-        let places: Vec<Place> = (0..100).map(f64::from).map(|k| [0.24 * k, 0.0, 0.0, 0.002 * k, 0.0]).collect();
+        let places: Vec<JointPoint> = (0..100).map(f64::from).map(|k| [0.24 * k, 0.0, 0.0, 0.002 * k, 0.0]).collect();
         let time = |feed: f64| ran(&lines(&places, feed), HEIGHT).iter().map(|r| r.time).sum::<f64>();
         let way = 0.24 * 99.0;
         assert!(time(16.0) > 1.5 * way / 16.0);
         assert!(time(4.0) < 1.1 * way / 4.0);
         // Straight lines without turn are run through.
-        let straight: Vec<Place> = places.iter().map(|p| [p[0], 0.0, 0.0, 0.0, 0.0]).collect();
+        let straight: Vec<JointPoint> = places.iter().map(|p| [p[0], 0.0, 0.0, 0.0, 0.0]).collect();
         let found: f64 = ran(&lines(&straight, 16.0), HEIGHT).iter().map(|r| r.time).sum();
         assert!((found - way / 16.0 - 16.0 / 300.0).abs() < 0.05 * found, "{found}");
     }

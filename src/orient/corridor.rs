@@ -141,7 +141,7 @@ impl Corridor {
             }
             square.add(2 * n + axis, 2 * n + axis, 2.0 * weights.peak * h * n as f64);
         }
-        let mut rows = Rows::default();
+        let mut rows = CorridorRows::default();
         for (k, (cone, angles)) in self.cones.iter().zip(run).enumerate() {
             self.in_cone(&mut rows, k, cone, *angles, tool_axis)?;
             for (axis, value) in angles.iter().enumerate() {
@@ -170,7 +170,7 @@ impl Corridor {
     /// Rows that keep the axis of a station inside of its cone.
     fn in_cone(
         &self,
-        rows: &mut Rows,
+        rows: &mut CorridorRows,
         k: usize,
         cone: &EllipticCone,
         [first, second]: [f64; 2],
@@ -221,12 +221,12 @@ impl Triplets {
 
 /// Linear constraints.
 #[derive(Default)]
-struct Rows {
+struct CorridorRows {
     matrix: Triplets,
     bounds: Vec<f64>,
 }
 
-impl Rows {
+impl CorridorRows {
     /// Sum of factors times unknowns is at most a bound.
     fn at_most(&mut self, terms: &[(usize, f64)], bound: f64) {
         for (column, factor) in terms {
@@ -238,7 +238,7 @@ impl Rows {
 
 /// Minimum of x P x / 2 + q x under the constraints; P is given by its upper half. `None` when the solver finds no
 /// solution.
-fn solve_quadratic(square: &Triplets, linear: &[f64], rows: &Rows, count: usize) -> Option<Vec<f64>> {
+fn solve_quadratic(square: &Triplets, linear: &[f64], rows: &CorridorRows, count: usize) -> Option<Vec<f64>> {
     let p = square.matrix(count, count);
     let a = rows.matrix.matrix(rows.bounds.len(), count);
     let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.bounds.len())];

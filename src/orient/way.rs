@@ -74,7 +74,7 @@ impl Costs {
             return Ok(least.into_iter().collect());
         };
         // A state is a step: the candidates at both of its ends, and the least cost of a sequence that ends with it.
-        let mut layers: Vec<Layer> = Vec::with_capacity(stations.len());
+        let mut layers: Vec<AxisLayer> = Vec::with_capacity(stations.len());
         layers.push(self.steps(first, second));
         for (i, step) in layers[0].iter_mut().enumerate() {
             step.before = i;
@@ -121,13 +121,13 @@ impl Costs {
     }
 
     /// All steps from one station to the next, each with only its own cost.
-    fn steps(&self, from: &[Candidate], to: &[Candidate]) -> Layer {
+    fn steps(&self, from: &[Candidate], to: &[Candidate]) -> AxisLayer {
         let mut steps = Vec::new();
         for (i, a) in from.iter().enumerate() {
             for (j, b) in to.iter().enumerate() {
                 let difference = Self::difference(&a.joints, &b.joints);
                 if difference[3].abs().max(difference[4].abs()) <= self.most_turn {
-                    steps.push(Step { from: i, to: j, before: 0, difference, cost: self.step(&difference) });
+                    steps.push(AxisStep { from: i, to: j, before: 0, difference, cost: self.step(&difference) });
                 }
             }
         }
@@ -135,10 +135,10 @@ impl Costs {
     }
 }
 
-type Layer = Vec<Step>;
+type AxisLayer = Vec<AxisStep>;
 
 /// A step between neighbouring stations.
-struct Step {
+struct AxisStep {
     from: usize,
     to: usize,
     before: usize,

@@ -10,7 +10,7 @@ const MOST_LINKS: usize = 40;
 
 /// A file or folder that exists, however it is spelt.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Node {
+enum FileNode {
     /// Device and number on it.
     #[cfg(unix)]
     Number(u64, u64),
@@ -19,7 +19,7 @@ enum Node {
     Path(PathBuf),
 }
 
-impl Node {
+impl FileNode {
     #[cfg(unix)]
     fn new(_path: &Path, metadata: &Metadata) -> Option<Self> {
         use std::os::unix::fs::MetadataExt as _;
@@ -39,8 +39,8 @@ impl Node {
 /// A file, existing or not.
 #[derive(Clone, Debug)]
 pub(super) struct Identity {
-    existing: Option<Node>,
-    folder: Option<Node>,
+    existing: Option<FileNode>,
+    folder: Option<FileNode>,
     name: OsString,
     /// Names in its folder differ by more than case.
     case_matters: bool,
@@ -74,7 +74,7 @@ pub(super) enum Kind {
 
 /// The place of an output.
 #[derive(Clone, Debug)]
-pub(super) struct Target {
+pub(super) struct OutputTarget {
     /// Path with the symbolic link at its end resolved: where the text goes.
     pub(super) file: PathBuf,
     pub(super) kind: Kind,
@@ -108,10 +108,10 @@ fn followed(path: &Path) -> Result<PathBuf, String> {
 pub(super) fn case_matters(file: &Path) -> bool {
     let Some(name) = file.file_name().and_then(|n| n.to_str()) else { return true };
     let other = file.with_file_name(name.to_uppercase());
-    other == file || Node::of(&other).is_none_or(|node| Some(node) != Node::of(file))
+    other == file || FileNode::of(&other).is_none_or(|node| Some(node) != FileNode::of(file))
 }
 
-impl Target {
+impl OutputTarget {
     /// Looks at a path without touching what is there.
     ///
     /// # Errors
@@ -132,7 +132,8 @@ impl Target {
         let Some(name) = file.file_name().filter(|_| !ends_open).map(OsString::from) else {
             return Err("it names a folder".to_owned());
         };
-        let identity = Identity { existing: Node::of(path), folder: Node::of(folder(&file)), name, case_matters: true };
+        let identity =
+            Identity { existing: FileNode::of(path), folder: FileNode::of(folder(&file)), name, case_matters: true };
         if identity.folder.is_none() {
             return Err("there is no such folder".to_owned());
         }
@@ -147,7 +148,7 @@ impl Target {
 pub(super) fn identity(path: &Path) -> Option<Identity> {
     let path = path.canonicalize().ok()?;
     let name = path.file_name().map(OsString::from).unwrap_or_default();
-    Some(Identity { existing: Node::of(&path), folder: Node::of(folder(&path)), name, case_matters: true })
+    Some(Identity { existing: FileNode::of(&path), folder: FileNode::of(folder(&path)), name, case_matters: true })
 }
 
 /// Whether a file may be replaced: its rights speak, also to those who may do everything.
@@ -211,7 +212,7 @@ pub(super) fn standard() -> Vec<(&'static str, Identity)> {
         let metadata = fd.try_clone_to_owned().and_then(|fd| std::fs::File::from(fd).metadata());
         let Ok(metadata) = metadata else { continue };
         if terminal || !metadata.file_type().is_char_device() {
-            let existing = Node::new(Path::new(""), &metadata);
+            let existing = FileNode::new(Path::new(""), &metadata);
             found.push((name, Identity { existing, folder: None, name: OsString::new(), case_matters: true }));
         }
     }

@@ -26,11 +26,11 @@ pub struct Chart<'a> {
     pub kind: SurfaceKind,
     part: &'a Part,
     extent: Extent,
-    form: Form,
+    form: ChartForm,
 }
 
 #[derive(Clone, Debug)]
-enum Form {
+enum ChartForm {
     /// v at the lower and upper border of a face, row by row.
     Face { face: FaceId, borders: Vec<[f64; 2]> },
     /// Centre of the rolling ball, and unit vectors from the centre to face and hub.
@@ -131,7 +131,7 @@ pub fn edges(part: &Part) -> impl Iterator<Item = Chart<'_>> {
 pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
     [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)].map(|(kind, u)| {
         let ranges = blade.faces().map(|id| borders(part, id, u));
-        Chart { kind, part, extent: part.extent(blade), form: Form::Edge { blade, u, ranges } }
+        Chart { kind, part, extent: part.extent(blade), form: ChartForm::Edge { blade, u, ranges } }
     })
 }
 
@@ -150,7 +150,12 @@ fn rows() -> impl IndexedParallelIterator<Item = f64> {
 
 fn face(part: &Part, id: FaceId) -> Chart<'_> {
     let borders = rows().map(|u| borders(part, id, u)).collect();
-    Chart { kind: SurfaceKind::Face(id), part, extent: part.extent(id.blade), form: Form::Face { face: id, borders } }
+    Chart {
+        kind: SurfaceKind::Face(id),
+        part,
+        extent: part.extent(id.blade),
+        form: ChartForm::Face { face: id, borders },
+    }
 }
 
 fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
@@ -174,7 +179,7 @@ fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
         kind: SurfaceKind::Fillet(id),
         part,
         extent: part.extent(id.blade),
-        form: Form::Fillet { radius, u, balls },
+        form: ChartForm::Fillet { radius, u, balls },
     })
 }
 
@@ -183,7 +188,7 @@ fn hub<'a>(part: &'a Part, passage: &Passage) -> Option<Chart<'a>> {
     let border = |i| opening.at(i as f64 / ROWS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
     let borders: Option<Vec<[f64; 2]>> = (0..=ROWS).map(border).collect();
     let extent = part.extent(BladeId::MAIN);
-    Some(Chart { kind: SurfaceKind::Hub(passage.id), part, extent, form: Form::Hub { borders: borders? } })
+    Some(Chart { kind: SurfaceKind::Hub(passage.id), part, extent, form: ChartForm::Hub { borders: borders? } })
 }
 
 impl Chart<'_> {
@@ -219,7 +224,7 @@ impl Chart<'_> {
 impl Shape for Chart<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         match &self.form {
-            Form::Face { face, borders } => {
+            ChartForm::Face { face, borders } => {
                 let [low, high] = level(borders, x);
                 let v = low + (high - low) * y;
                 let face = self.part.face(*face);
@@ -227,7 +232,7 @@ impl Shape for Chart<'_> {
                 let normal = su.cross(&sv).normalize() * face.orientation;
                 Place { position, normal, parameters: [x, v] }
             }
-            Form::Fillet { radius, u, balls } => {
+            ChartForm::Fillet { radius, u, balls } => {
                 let [centre, to_face, to_hub] = smooth(balls, x);
                 let (to_face, to_hub) = (to_face.normalize(), to_hub.normalize());
                 // From the face contact to the hub contact.
@@ -235,13 +240,13 @@ impl Shape for Chart<'_> {
                 let position = Point3::from(centre + direction * *radius);
                 Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
             }
-            Form::Hub { borders } => {
+            ChartForm::Hub { borders } => {
                 let [from, angle] = level(borders, x);
                 let azimuth = from + angle * y;
                 let position = self.part.hub.point(x, azimuth);
                 Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
             }
-            Form::Edge { blade, u, ranges } => {
+            ChartForm::Edge { blade, u, ranges } => {
                 /// Step of differences: their relative error over the thickness of a vane is below 1e-9.
                 const STEP: f64 = 1e-5;
                 let at = |x: f64, y: f64| self.on_edge(*blade, *u, ranges, x, y);
@@ -259,7 +264,7 @@ impl Shape for Chart<'_> {
 
     /// Fillets end at the inlet cone and the outlet cylinder.
     fn is_milled(&self, position: &Point3<f64>) -> bool {
-        !matches!(self.form, Form::Fillet { .. }) || self.extent.holds(position)
+        !matches!(self.form, ChartForm::Fillet { .. }) || self.extent.holds(position)
     }
 }
 

@@ -34,11 +34,11 @@ const SLIVER: f64 = 1e-3;
 pub struct Kept<'a> {
     /// Kind of the surface.
     pub kind: SurfaceKind,
-    form: Form<'a>,
+    form: KeptForm<'a>,
 }
 
 #[derive(Clone, Debug)]
-enum Form<'a> {
+enum KeptForm<'a> {
     /// A straight line of the meridian plane, rotated once around, and its unit normal (r, z) out of the material.
     Ring { ends: [Vector2<f64>; 2], normal: Vector2<f64> },
     /// u of the shroud and azimuth of the upper border of the pressure and of the suction face, row by row.
@@ -60,7 +60,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
     let ring = |kind, from: [f64; 2], to: [f64; 2], normal: [f64; 2]| {
         let ends = [Vector2::from(from), Vector2::from(to)];
-        let form = Form::Ring { ends, normal: Vector2::from(normal) };
+        let form = KeptForm::Ring { ends, normal: Vector2::from(normal) };
         ((ends[1] - ends[0]).norm() > SLIVER && from[0].max(to[0]) > 0.0).then_some(Kept { kind, form })
     };
     let mut all: Vec<Kept<'a>> = [
@@ -76,7 +76,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     .collect();
     all.extend(part.blade_ids().map(|blade| tip(part, blade)));
     if !milled_edges {
-        all.extend(chart::edges(part).map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }));
+        all.extend(chart::edges(part).map(|chart| Kept { kind: chart.kind, form: KeptForm::Chart(chart) }));
     }
     all.extend(roots(part));
     all
@@ -84,7 +84,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
 
 /// The milled surfaces of the part as kept surfaces: before finishing no cutter may touch them.
 pub fn milled(part: &Part) -> Vec<Kept<'_>> {
-    charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: Form::Chart(chart) }).collect()
+    charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: KeptForm::Chart(chart) }).collect()
 }
 
 fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
@@ -97,7 +97,7 @@ fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
         };
         (0..=ROWS).into_par_iter().map(at).collect()
     });
-    Kept { kind: SurfaceKind::Tip(blade), form: Form::Tip { part, borders } }
+    Kept { kind: SurfaceKind::Tip(blade), form: KeptForm::Tip { part, borders } }
 }
 
 /// Roots at inlet and outlet; none without fillets, or where a fillet ends before inlet or outlet.
@@ -128,7 +128,7 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
         let normal = Vector2::new(across.y, -across.x);
         let away = hub - part.end_line(blade, 1.0 - end)[0];
         let normal = if normal.dot(&away) < 0.0 { -normal } else { normal };
-        Some(Kept { kind, form: Form::Root { borders: [border(&pressure)?, border(&suction)?], normal } })
+        Some(Kept { kind, form: KeptForm::Root { borders: [border(&pressure)?, border(&suction)?], normal } })
     };
     let ends = [(SurfaceKind::InletRoot(blade), 0.0), (SurfaceKind::OutletRoot(blade), 1.0)];
     ends.into_iter().filter_map(root).collect()
@@ -137,12 +137,12 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
 impl Kept<'_> {
     /// True for a surface that goes all around; other surfaces exist once per sector.
     pub fn is_ring(&self) -> bool {
-        matches!(self.form, Form::Ring { .. })
+        matches!(self.form, KeptForm::Ring { .. })
     }
 
     /// Middle of a patch, and a radius that contains the patch, mm; `None` where these are not known in closed form.
     pub fn ball(&self, patch: &Patch) -> Option<(Point3<f64>, f64)> {
-        let Form::Ring { ends, .. } = &self.form else { return None };
+        let KeptForm::Ring { ends, .. } = &self.form else { return None };
         let [x, y] = [patch.x, patch.y].map(|range| 0.5 * (range[0] + range[1]));
         let half = |range: [f64; 2]| 0.5 * (range[1] - range[0]);
         let widest = ends[0].x.max(ends[1].x);
@@ -188,18 +188,18 @@ fn place([r, z]: [f64; 2], azimuth: f64, normal: Vector2<f64>, parameters: [f64;
 impl Shape for Kept<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         match &self.form {
-            Form::Ring { ends: [from, to], normal } => {
+            KeptForm::Ring { ends: [from, to], normal } => {
                 let p = from + (to - from) * y;
                 place([p.x, p.y], TAU * x, *normal, [x, y])
             }
-            Form::Tip { part, borders } => {
+            KeptForm::Tip { part, borders } => {
                 let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
                 let (u, azimuth) = (p[0] + (s[0] - p[0]) * y, between(p[1], s[1], y));
                 let normal = part.shroud.normal(u, azimuth);
                 Place { position: part.shroud.point(u, azimuth), normal, parameters: [x, y] }
             }
-            Form::Chart(chart) => chart.place(x, y),
-            Form::Root { borders, normal } => {
+            KeptForm::Chart(chart) => chart.place(x, y),
+            KeptForm::Root { borders, normal } => {
                 let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
                 let at = [0, 1].map(|k| p[k] + (s[k] - p[k]) * y);
                 place(at, between(p[2], s[2], y), *normal, [x, y])
@@ -208,7 +208,7 @@ impl Shape for Kept<'_> {
     }
 
     fn is_milled(&self, position: &Point3<f64>) -> bool {
-        if let Form::Chart(chart) = &self.form { chart.is_milled(position) } else { true }
+        if let KeptForm::Chart(chart) = &self.form { chart.is_milled(position) } else { true }
     }
 }
 

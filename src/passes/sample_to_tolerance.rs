@@ -14,7 +14,7 @@ const LONGEST_RUN: usize = 200;
 
 /// A station with its rotary angles.
 #[derive(Clone, Copy)]
-struct Station {
+struct AngledPoint {
     point: ClPoint,
     rotary: Angles,
 }
@@ -51,10 +51,10 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
 }
 
 fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
-    let mut stations: Vec<Station> = Vec::with_capacity(points.len());
+    let mut stations: Vec<AngledPoint> = Vec::with_capacity(points.len());
     for point in points {
         let before = stations.last().map_or(0.0, |s| s.rotary[1]);
-        stations.push(Station { point: *point, rotary: chain.unwound(&point.axis, 0, before) });
+        stations.push(AngledPoint { point: *point, rotary: chain.unwound(&point.axis, 0, before) });
     }
     let mut kept: Vec<ClPoint> = points.first().copied().into_iter().collect();
     let mut from = 0;
@@ -70,7 +70,7 @@ fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoin
 }
 
 /// True when the interpolation between both ends passes all stations between them within tolerance.
-fn replaces(chain: &Chain, run: &[Station], heights: &[(f64, f64)]) -> bool {
+fn replaces(chain: &Chain, run: &[AngledPoint], heights: &[(f64, f64)]) -> bool {
     let [from, middle @ .., to] = run else { return true };
     let chord = to.point.tip - from.point.tip;
     let length = chord.norm_squared();

@@ -270,7 +270,7 @@ impl Interpreter<'_> {
 
     /// Kind and feed. What is faster than the process feed can only be a link; what says its time is a way at rapid
     /// where it takes the time of one, or is faster than any feed of the operation.
-    fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &Way) -> (MoveKind, Option<f64>) {
+    fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &ReadMove) -> (MoveKind, Option<f64>) {
         let most = operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING);
         let feed = match (m.feed, m.time) {
             (_, Some(time)) if way.is_rapid(time) => return (MoveKind::Rapid, None),
@@ -348,12 +348,12 @@ impl<'a> Course<'a> {
     }
 
     /// The way to the end of a block.
-    fn way(&self, m: &NcMove, rotary: Angles) -> Way<'a> {
+    fn way(&self, m: &NcMove, rotary: Angles) -> ReadMove<'a> {
         let machine = self.machine;
         let joints = machine.joints(&m.tip, rotary);
         let start = self.made.moves.last().map_or(joints, |from| from.joints);
         let tips = [self.last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
-        Way { machine, length_of_tool: self.length_of_tool, tips, joints: [start, joints] }
+        ReadMove { machine, length_of_tool: self.length_of_tool, tips, joints: [start, joints] }
     }
 
     /// Adds the move of a block, with its pass. A pass begins with the first rapid after feed.
@@ -392,14 +392,14 @@ fn station(joints: Joints) -> JointMove {
 }
 
 /// The way of one move.
-struct Way<'a> {
+struct ReadMove<'a> {
     machine: &'a Machine,
     length_of_tool: f64,
     tips: [Point3<f64>; 2],
     joints: [Joints; 2],
 }
 
-impl Way<'_> {
+impl ReadMove<'_> {
     fn length(&self) -> f64 {
         (self.tips[1] - self.tips[0]).norm()
     }

@@ -4,8 +4,8 @@
 //! are the same, bit by bit, for vectors of any width.
 
 use super::moving::Moving;
-use super::shape::{Profile, Round, Shape};
-use super::sweep::{Line, Look, Pose};
+use super::shape::{RadiusProfile, Round, SolidShape};
+use super::sweep::{RayLine, StepPose, StepQuery};
 
 /// Number of intervals per query.
 pub(super) const LANES: usize = 8;
@@ -29,7 +29,7 @@ pub(super) struct Lanes {
 }
 
 /// Position of a body relative to a line.
-struct Found {
+struct LaneHit {
     /// Part of the line inside of the body; `high` is below `low` when the line misses the body.
     low: f64,
     high: f64,
@@ -62,7 +62,7 @@ pub(super) struct Told {
 /// Least value over a time before or after of a parabola with a value, slope and second derivative, less linear and
 /// cubic terms with the factors `drift` and `twist`.
 #[inline(always)]
-fn least(look: &Look, run: f64, drift: f64, twist: f64) -> f64 {
+fn least(look: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
     let square = run * run;
     let slope = look.slope * run - (drift + twist * square) * run.abs();
     let bend = look.bend * square;
@@ -97,8 +97,8 @@ impl pulp::WithSimd for Question<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Told {
         match self.moving.shape {
-            Shape::Flat { radius, top } => self.told(&Round::<false> { radius, top }),
-            Shape::Ball { radius, top } if top > 2.0 * radius => self.told(&Round::<true> { radius, top }),
+            SolidShape::Flat { radius, top } => self.told(&Round::<false> { radius, top }),
+            SolidShape::Ball { radius, top } if top > 2.0 * radius => self.told(&Round::<true> { radius, top }),
             shape => self.told(&shape),
         }
     }
@@ -111,11 +111,11 @@ impl Question<'_> {
         let mut told = Told::default();
         for i in 0..LANES {
             let pose = moving.sweep.stand(lanes.t[i]);
-            let line = Line { x: lanes.x[i], y: lanes.y[i] };
+            let line = RayLine { x: lanes.x[i], y: lanes.y[i] };
             let (back, ahead) = (lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]);
             let span = larger(-back, ahead);
             let (a, b) = (lanes.a[i], lanes.b[i]);
-            let Found { low, high, from, to, nearest } = body.stand(&pose, &line, [a, b], moving.speed * span);
+            let LaneHit { low, high, from, to, nearest } = body.stand(&pose, &line, [a, b], moving.speed * span);
             let inside = low < high;
             let (before, after) = (high <= a, low >= b);
             let beside = inside & (before | after);
@@ -147,7 +147,7 @@ impl Question<'_> {
         for i in 0..LANES {
             if told.state[i] == HALF_CUT {
                 let pose = moving.sweep.stand(lanes.t[i]);
-                let look = pose.look(body, &Line { x: lanes.x[i], y: lanes.y[i] }, told.from[i]);
+                let look = pose.look(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, told.from[i]);
                 let runs = [lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]];
                 let span = larger(-runs[0], runs[1]);
                 let least = runs.map(|run| least(&look, run, moving.drift, moving.twist));
@@ -161,22 +161,22 @@ impl Question<'_> {
 }
 
 /// A body with its position relative to a line.
-trait Standing: Profile {
+trait Standing: RadiusProfile {
     /// `from` and `to` bound the part that the body may reach while no point of it moves farther than `margin`.
-    fn stand(&self, pose: &Pose, line: &Line, stretch: [f64; 2], margin: f64) -> Found;
+    fn stand(&self, pose: &StepPose, line: &RayLine, stretch: [f64; 2], margin: f64) -> LaneHit;
 }
 
-impl Standing for Shape {
+impl Standing for SolidShape {
     #[inline(always)]
-    fn stand(&self, pose: &Pose, line: &Line, [from, to]: [f64; 2], _margin: f64) -> Found {
+    fn stand(&self, pose: &StepPose, line: &RayLine, [from, to]: [f64; 2], _margin: f64) -> LaneHit {
         let ([low, high], nearest) = pose.stretch_by_tangents(self, line, [from, to]);
-        Found { low, high, from, to, nearest }
+        LaneHit { low, high, from, to, nearest }
     }
 }
 
 impl<const BALL: bool> Standing for Round<BALL> {
     #[inline(always)]
-    fn stand(&self, pose: &Pose, line: &Line, [a, b]: [f64; 2], margin: f64) -> Found {
+    fn stand(&self, pose: &StepPose, line: &RayLine, [a, b]: [f64; 2], margin: f64) -> LaneHit {
         const FAR: f64 = f64::INFINITY;
         let (radius, top) = (self.radius, self.top);
         let along = pose.axis.z;
@@ -219,13 +219,13 @@ impl<const BALL: bool> Standing for Round<BALL> {
         let (bottom, end) = planes(-margin, top + margin);
         let from = larger(larger(a, bottom), centre - half);
         let to = smaller(smaller(b, end), centre + half);
-        Found { low, high, from, to: if may { to } else { -FAR }, nearest }
+        LaneHit { low, high, from, to: if may { to } else { -FAR }, nearest }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweep::Sweep;
+    use super::super::sweep::StepSweep;
     use super::*;
     use nalgebra::Vector3;
 
@@ -234,9 +234,9 @@ mod tests {
     fn vectors_change_no_bit() {
         let axis = |a: f64| Vector3::new(a.sin() * 0.6, 0.8 * a.sin(), a.cos());
         let tips = [Vector3::new(1.0, 2.0, -1.0), Vector3::new(2.5, 2.4, -1.2)];
-        let sweep = Sweep::through(tips, [0.3, 0.31, 0.325].map(axis));
+        let sweep = StepSweep::through(tips, [0.3, 0.31, 0.325].map(axis));
         let mut states = [0; 4];
-        for shape in [Shape::Flat { radius: 3.0, top: 20.0 }, Shape::Ball { radius: 3.0, top: 20.0 }] {
+        for shape in [SolidShape::Flat { radius: 3.0, top: 20.0 }, SolidShape::Ball { radius: 3.0, top: 20.0 }] {
             let moving = Moving::new(sweep, shape, 0.0);
             for k in 0..200 {
                 let at = |i: usize, f: f64| (f64::from(k) * f + i as f64).sin();

@@ -49,12 +49,12 @@ impl Mesh {
 const NONE: u32 = u32::MAX;
 
 /// State of one layer of cell centres, inside or outside, with a border outside.
-struct Layer {
+struct MeshLayer {
     inside: Vec<bool>,
     width: usize,
 }
 
-impl Layer {
+impl MeshLayer {
     /// Layer `k` of the grid, from -1 to its height.
     fn new(field: &Field, k: i64) -> Self {
         let [nx, ny, nz] = field.cells();
@@ -83,10 +83,10 @@ impl Field {
         let mut mesh = Mesh::default();
         // Centres are numbered with the border, from 0 to n + 1; cube i lies between centres i and i + 1.
         let (width, rows) = (nx + 1, ny + 1);
-        let mut below = Layer::new(self, -1);
+        let mut below = MeshLayer::new(self, -1);
         let mut cubes_below: Vec<u32> = vec![NONE; width * rows];
         for k in 0..=nz {
-            let above = Layer::new(self, k as i64);
+            let above = MeshLayer::new(self, k as i64);
             let corner = |n: usize, i: usize, j: usize| {
                 let layer = if n & 4 == 0 { &below } else { &above };
                 layer.at(i + (n & 1), j + (n >> 1 & 1))

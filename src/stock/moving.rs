@@ -3,8 +3,8 @@
 //! Times run from 0 to 1. Tangents with their second derivatives bound the function of the body from below over this
 //! time, since the function of a turning body is not convex.
 
-use super::shape::Shape;
-use super::sweep::{GAP, Line, Sweep};
+use super::shape::SolidShape;
+use super::sweep::{GAP, RayLine, StepSweep};
 use nalgebra::Vector3;
 
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray converges in far
@@ -14,8 +14,8 @@ pub(super) const MOST_NEWTON: u32 = 40;
 /// A body in motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving {
-    pub(super) sweep: Sweep,
-    pub(super) shape: Shape,
+    pub(super) sweep: StepSweep,
+    pub(super) shape: SolidShape,
     /// Speed at which the true motion may deviate from `sweep` from both of its ends on, mm per unit of time; 0 for a
     /// step.
     pub(super) drift: f64,
@@ -23,7 +23,7 @@ pub(super) struct Moving {
     pub(super) turn: f64,
     /// Largest speed of a point of the body.
     pub(super) speed: f64,
-    /// [`Sweep::bow`] and [`Sweep::twist`] of the body.
+    /// [`StepSweep::bow`] and [`StepSweep::twist`] of the body.
     bow: f64,
     pub(super) twist: f64,
     /// Corners of a box around the whole sweep.
@@ -41,7 +41,7 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    pub(super) fn new(sweep: Sweep, shape: Shape, drift: f64) -> Self {
+    pub(super) fn new(sweep: StepSweep, shape: SolidShape, drift: f64) -> Self {
         let (from, to, radius) = shape.extent();
         let reach = shape.reach();
         let poses = [0.0, 0.5, 1.0].map(|t| sweep.pose(t));
@@ -79,7 +79,7 @@ impl Moving {
     }
 
     /// Part of a line that can lie within `lateral` of the sweep.
-    pub(super) fn window(&self, line: &Line, lateral: f64) -> Option<[f64; 2]> {
+    pub(super) fn window(&self, line: &RayLine, lateral: f64) -> Option<[f64; 2]> {
         let w = line.point(0.0) - self.tip;
         let (along, s0) = (self.axis.z, w.dot(&self.axis));
         let a = 1.0 - along * along;
@@ -105,7 +105,7 @@ impl Moving {
     }
 
     /// True when no point within `lateral` of the interval a..b of a line can lie inside the sweep.
-    pub(super) fn clear(&self, line: &Line, [a, b]: [f64; 2], lateral: f64, guess: &mut f64) -> bool {
+    pub(super) fn clear(&self, line: &RayLine, [a, b]: [f64; 2], lateral: f64, guess: &mut f64) -> bool {
         let limit = lateral + self.error();
         let first = self.sweep.least(&self.shape, line, a, [0.0, 1.0], *guess, limit);
         *guess = first.t;
@@ -132,7 +132,7 @@ impl Moving {
     }
 
     /// Place of the deepest point inside the sweep on an interval, and its depth; `None` when no depth exceeds `least`.
-    pub(super) fn deepest(&self, line: &Line, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> Option<(f64, f64)> {
+    pub(super) fn deepest(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> Option<(f64, f64)> {
         let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, f64::INFINITY);
         let (mut low, mut high) = ((a, look(a, *guess)), (b, look(b, *guess)));
         *guess = low.1.t;

@@ -2,8 +2,8 @@
 
 use super::field::frame;
 use super::moving::Moving;
-use super::shape::Shape;
-use super::sweep::Sweep;
+use super::shape::SolidShape;
+use super::sweep::StepSweep;
 use super::{Field, Step, StepKind, Touched};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ const RUN_DRIFT: f64 = 0.3;
 pub(super) struct Prepared {
     /// For each step the index of its block in the batch.
     pub(super) ordinals: Vec<u32>,
-    pub(super) sweeps: Vec<Sweep>,
+    pub(super) sweeps: Vec<StepSweep>,
     /// Parts of the tool that must not touch, over the whole run.
     pub(super) forbidden: Vec<(Touched, Moving)>,
     /// The cutter over the whole run, and step by step, for steps that cut.
@@ -56,7 +56,7 @@ pub(super) fn prepare(
     steps: &[Step],
     ordinals: &[u32],
     runs: &[Range<usize>],
-    (cutter, body): (&Shape, &[(Touched, Shape)]),
+    (cutter, body): (&SolidShape, &[(Touched, SolidShape)]),
     frame: &Frame,
 ) -> Vec<Prepared> {
     let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);
@@ -64,8 +64,8 @@ pub(super) fn prepare(
         .map(|range| {
             let kind = steps[range.start].kind;
             let own = &steps[range.clone()];
-            let sweeps: Vec<Sweep> = own.iter().map(|s| sweep(s, |v| frame.turned(v))).collect();
-            let moving = |shape: &Shape| {
+            let sweeps: Vec<StepSweep> = own.iter().map(|s| sweep(s, |v| frame.turned(v))).collect();
+            let moving = |shape: &SolidShape| {
                 let (whole, drift) = if sweeps.len() == 1 { (sweeps[0], 0.0) } else { joined(&sweeps, shape.reach()) };
                 Some(Moving::new(whole, *shape, drift)).filter(|m| !outside(m))
             };
@@ -91,7 +91,7 @@ pub(super) fn prepare(
 
 /// The motion through both ends and the middle of a run, and the speed at which the steps deviate from it. The time of
 /// the run is divided in proportion to the lengths of the steps.
-fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
+fn joined(sweeps: &[StepSweep], reach: f64) -> (StepSweep, f64) {
     let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
     let total: f64 = lengths.iter().sum();
     let mut before = 0.0;
@@ -108,7 +108,7 @@ fn joined(sweeps: &[Sweep], reach: f64) -> (Sweep, f64) {
     let middle = times.iter().rposition(|[start, _]| *start <= 0.5).unwrap_or(0);
     let at = ((0.5 - times[middle][0]) / times[middle][1]).clamp(0.0, 1.0);
     let (start, end) = (first.pose(0.0), last.pose(1.0));
-    let whole = Sweep::through([start.0, end.0], [start.1, sweeps[middle].pose(at).1, end.1]);
+    let whole = StepSweep::through([start.0, end.0], [start.1, sweeps[middle].pose(at).1, end.1]);
     let mut drift: f64 = 0.0;
     for (n, (sweep, [begin, share])) in sweeps.iter().zip(&times).enumerate() {
         let off = |t: f64| {
@@ -152,7 +152,7 @@ pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
         }
         // Halve the run while its steps deviate too much.
         while end - start > 1 {
-            let sweeps: Vec<Sweep> = steps[start..end].iter().map(|s| sweep(s, |v| *v)).collect();
+            let sweeps: Vec<StepSweep> = steps[start..end].iter().map(|s| sweep(s, |v| *v)).collect();
             let (whole, drift) = joined(&sweeps, reach);
             if drift <= RUN_DRIFT * whole.way().norm() {
                 break;
@@ -166,8 +166,8 @@ pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
 }
 
 /// The motion of a step in another frame.
-fn sweep(step: &Step, turned: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Sweep {
-    Sweep::through(step.tips.map(|t| turned(&t.coords)), step.axes.map(|a| turned(&a)))
+fn sweep(step: &Step, turned: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> StepSweep {
+    StepSweep::through(step.tips.map(|t| turned(&t.coords)), step.axes.map(|a| turned(&a)))
 }
 
 fn follows(before: &Step, step: &Step) -> bool {

@@ -8,7 +8,7 @@ use crate::collide::{Cutter, Section, ToolSolid};
 
 /// A body about the tool axis; heights are over the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Shape {
+pub(super) enum SolidShape {
     /// Cylinder from the tip to `top`.
     Flat { radius: f64, top: f64 },
     /// Cylinder to `top` with a half ball below.
@@ -21,16 +21,16 @@ pub(super) enum Shape {
 
 /// Value of the function and its derivatives by the distance from the axis and by the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Value {
+pub(super) struct RadiusValue {
     pub(super) f: f64,
     pub(super) by_rho: f64,
     pub(super) by_s: f64,
 }
 
 /// A body given by its function.
-pub(super) trait Profile {
+pub(super) trait RadiusProfile {
     /// The function at a distance from the axis and a height.
-    fn at(&self, rho: f64, s: f64) -> Value;
+    fn at(&self, rho: f64, s: f64) -> RadiusValue;
 }
 
 /// Cylinder up to `top`, flat at the tip or with a half ball.
@@ -39,10 +39,10 @@ pub(super) struct Round<const BALL: bool> {
     pub(super) top: f64,
 }
 
-impl<const BALL: bool> Profile for Round<BALL> {
+impl<const BALL: bool> RadiusProfile for Round<BALL> {
     /// Without branches, for vectorised loops.
     #[inline(always)]
-    fn at(&self, rho: f64, s: f64) -> Value {
+    fn at(&self, rho: f64, s: f64) -> RadiusValue {
         let side = rho - self.radius;
         let (f, by_rho, by_s) = if BALL {
             let h = s - self.radius;
@@ -60,7 +60,7 @@ impl<const BALL: bool> Profile for Round<BALL> {
         };
         let above = s - self.top;
         let over = above > f;
-        Value {
+        RadiusValue {
             f: if over { above } else { f },
             by_rho: if over { 0.0 } else { by_rho },
             by_s: if over { 1.0 } else { by_s },
@@ -68,7 +68,7 @@ impl<const BALL: bool> Profile for Round<BALL> {
     }
 }
 
-impl Shape {
+impl SolidShape {
     /// The cutter of a tool, closed at the end of the flutes.
     pub(super) fn cutter(solid: &ToolSolid) -> Self {
         let top = solid.flute_length;
@@ -107,27 +107,27 @@ impl Shape {
     }
 }
 
-impl Profile for Shape {
+impl RadiusProfile for SolidShape {
     #[inline]
-    fn at(&self, rho: f64, s: f64) -> Value {
+    fn at(&self, rho: f64, s: f64) -> RadiusValue {
         let (value, top) = match *self {
             Self::Flat { radius, top } => return Round::<false> { radius, top }.at(rho, s),
             Self::Ball { radius, top } => return Round::<true> { radius, top }.at(rho, s),
             Self::Other { cutter, top } => {
                 let slope = cutter.slope(rho, s);
-                (Value { f: slope.value, by_rho: slope.rho, by_s: slope.s }, top)
+                (RadiusValue { f: slope.value, by_rho: slope.rho, by_s: slope.s }, top)
             }
             Self::Frustum { from, to, radius, side } => {
                 let out = (rho - radius) * side[0] + (s - from) * side[1];
                 if from - s > out {
-                    (Value { f: from - s, by_rho: 0.0, by_s: -1.0 }, to)
+                    (RadiusValue { f: from - s, by_rho: 0.0, by_s: -1.0 }, to)
                 } else {
-                    (Value { f: out, by_rho: side[0], by_s: side[1] }, to)
+                    (RadiusValue { f: out, by_rho: side[0], by_s: side[1] }, to)
                 }
             }
         };
         let above = s - top;
-        if above > value.f { Value { f: above, by_rho: 0.0, by_s: 1.0 } } else { value }
+        if above > value.f { RadiusValue { f: above, by_rho: 0.0, by_s: 1.0 } } else { value }
     }
 }
 
@@ -148,7 +148,9 @@ mod tests {
             Cutter::Barrel { radius: 5.0, barrel: 60.0, tip: 1.0 },
         ] {
             let solid = solid(cutter);
-            for (shape, is_cutter) in [(Shape::cutter(&solid), true), (Shape::section(&section).unwrap(), false)] {
+            for (shape, is_cutter) in
+                [(SolidShape::cutter(&solid), true), (SolidShape::section(&section).unwrap(), false)]
+            {
                 for i in 0..60 {
                     for j in 0..120 {
                         let (rho, s) = (f64::from(i) * 0.203 + 0.011, f64::from(j) * 0.503 - 5.017);

@@ -6,10 +6,10 @@
 
 use super::moving::Moving;
 use super::run::{self, Frame, Prepared, RUN};
-use super::shape::Shape;
+use super::shape::SolidShape;
 use super::stretches::Stretches;
-use super::sweep::Sweep;
-use super::tile::{Overlap, Removal, Run, SIDE, Tile};
+use super::sweep::StepSweep;
+use super::tile::{Overlap, RayRun, Removal, SIDE, Tile};
 use super::{END_ERROR, Field, Step, Touched};
 use crate::collide::ToolSolid;
 use nalgebra::Point3;
@@ -73,13 +73,13 @@ struct Said {
 /// reported, and inside the cutter at rapid. Only the cutter at feed removes: so depths do not depend on how a way is
 /// divided into steps.
 pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<Item = Step>) -> Outcome {
-    let cutter = Shape::cutter(solid);
-    let body: Vec<(Touched, Shape)> = solid
+    let cutter = SolidShape::cutter(solid);
+    let body: Vec<(Touched, SolidShape)> = solid
         .shank
         .iter()
         .map(|s| (Touched::Shank, s))
         .chain(solid.holder.iter().map(|s| (Touched::Holder, s)))
-        .filter_map(|(what, s)| Shape::section(s).map(|shape| (what, shape)))
+        .filter_map(|(what, s)| SolidShape::section(s).map(|shape| (what, shape)))
         .collect();
     let mut outcome = Outcome::default();
     let mut steps = steps.into_iter();
@@ -93,7 +93,13 @@ pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<I
 }
 
 /// Sends the steps of a batch through all tiles.
-fn run_batch(field: &mut Field, cutter: &Shape, body: &[(Touched, Shape)], steps: &[Step], outcome: &mut Outcome) {
+fn run_batch(
+    field: &mut Field,
+    cutter: &SolidShape,
+    body: &[(Touched, SolidShape)],
+    steps: &[Step],
+    outcome: &mut Outcome,
+) {
     // Blocks of the batch, and for each step its ordinal among them.
     let mut blocks: Vec<u32> = Vec::new();
     let ordinals: Vec<u32> = steps
@@ -221,7 +227,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     for &n in list {
         let run = &prepared[n as usize];
         // Parts that touch nothing of the stock as it is before the run touch nothing during it.
-        let near: Vec<(Touched, Shape)> = run
+        let near: Vec<(Touched, SolidShape)> = run
             .forbidden
             .iter()
             .filter(|(_, m)| tile.meets(&m.low, &m.high) && tile.overlap(m, CONTACT - m.error()).is_some())
@@ -248,7 +254,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
 
 /// The deepest place of stock inside a part that must not touch, over a step; divided until its depth is exact to
 /// [`FORBIDDEN_ERROR`].
-fn touch(tile: &mut Tile, sweep: &Sweep, shape: &Shape) -> Option<Overlap> {
+fn touch(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape) -> Option<Overlap> {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
     if error <= FORBIDDEN_ERROR {
@@ -281,7 +287,7 @@ impl Said {
             },
         };
         let mut removals = [Removal::NONE; RUN];
-        tile.remove(&Run { whole, steps: cut }, work, &mut removals);
+        tile.remove(&RayRun { whole, steps: cut }, work, &mut removals);
         for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {

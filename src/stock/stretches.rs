@@ -7,7 +7,7 @@
 use super::lanes::{self, LANES, Lanes, Question, Told};
 use super::moving::{MOST_NEWTON, Moving};
 use super::ray::SKIN;
-use super::sweep::{GAP, Line, Look};
+use super::sweep::{GAP, RayLine, StepQuery};
 
 /// Bow below which a piece of time is not divided, mm: two tangents that intersect inside have an error of a quarter of
 /// it.
@@ -16,7 +16,7 @@ const FLAT: f64 = 1e-3;
 /// A part removed from a ray, and the times at which its ends are cut.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chip {
-    pub(super) line: Line,
+    pub(super) line: RayLine,
     /// Index of the ray in its group.
     pub(super) ray: u8,
     pub(super) from: f64,
@@ -36,7 +36,7 @@ pub(super) struct Stretches {
     /// Intervals that the last round of queries did not decide.
     unsettled: Vec<Open>,
     /// Removed parts, interval by interval.
-    parts: Vec<Part>,
+    parts: Vec<IntervalPart>,
     /// Parts removed from the rays since the last [`Self::clear`].
     pub(super) chips: Vec<Chip>,
     /// End of the time that decided most of the last queries, and is queried first.
@@ -58,7 +58,7 @@ struct Open {
 
 /// A part removed from an interval, and the times at which its ends are cut.
 #[derive(Clone, Copy)]
-struct Part {
+struct IntervalPart {
     stretch: usize,
     from: f64,
     to: f64,
@@ -103,7 +103,7 @@ impl Stretches {
     }
 
     /// Adds an interval of a ray.
-    pub(super) fn push(&mut self, line: &Line, ray: u8, [a, b]: [f64; 2]) {
+    pub(super) fn push(&mut self, line: &RayLine, ray: u8, [a, b]: [f64; 2]) {
         self.x.push(line.x);
         self.y.push(line.y);
         self.a.push(a);
@@ -193,7 +193,7 @@ impl Stretches {
                     lanes::UNTOUCHED => {}
                     lanes::CUT if take => {
                         let (from, to) = (from[i], to[i]);
-                        self.parts.push(Part { stretch: open.stretch, from, to, times: [open.t; 2] });
+                        self.parts.push(IntervalPart { stretch: open.stretch, from, to, times: [open.t; 2] });
                     }
                     _ => self.unsettled.push(Open { slope: slope[i], ..*open }),
                 }
@@ -204,11 +204,11 @@ impl Stretches {
     /// Divides the time of an undecided interval into pieces for further queries.
     fn divide(&mut self, moving: &Moving, open: Open) {
         let n = open.stretch;
-        let line = Line { x: self.x[n], y: self.y[n] };
+        let line = RayLine { x: self.x[n], y: self.y[n] };
         let part = moving.part([self.a[n], self.b[n]]);
         if open.bow(moving, &line, part) < FLAT {
             if let Some(([from, to], times)) = cut_from_both(moving, open.times, &line, part) {
-                self.parts.push(Part { stretch: n, from, to, times });
+                self.parts.push(IntervalPart { stretch: n, from, to, times });
             }
             return;
         }
@@ -238,8 +238,8 @@ impl Stretches {
                 }
                 next += 1;
             }
-            let Part { stretch: n, from, to, times } = whole;
-            let line = Line { x: self.x[n], y: self.y[n] };
+            let IntervalPart { stretch: n, from, to, times } = whole;
+            let line = RayLine { x: self.x[n], y: self.y[n] };
             self.chips.push(Chip { line, ray: self.ray[n], from, to, times });
             let (head, tail) = (from > self.a[n] + SKIN, to < self.b[n] - SKIN);
             if head && tail {
@@ -272,7 +272,7 @@ impl Open {
     }
 
     /// [`super::sweep::Sweep::bow`] for an interval.
-    fn bow(&self, moving: &Moving, line: &Line, [a, b]: [f64; 2]) -> f64 {
+    fn bow(&self, moving: &Moving, line: &RayLine, [a, b]: [f64; 2]) -> f64 {
         let span = self.times[1] - self.times[0];
         let tip = moving.sweep.pose(self.times[0]).0;
         let far = |z: f64| (line.point(z) - tip).norm_squared();
@@ -282,7 +282,7 @@ impl Open {
 }
 
 /// The part removed from an interval, by tangents from both of its ends, as if the body were convex in place and time.
-fn cut_from_both(moving: &Moving, times: [f64; 2], line: &Line, [a, b]: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
+fn cut_from_both(moving: &Moving, times: [f64; 2], line: &RayLine, [a, b]: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
     let (shape, turn) = (&moving.shape, moving.turn * (times[1] - times[0]));
     let least = |x: f64, guess: f64, cutoff: f64| moving.sweep.least(shape, line, x, times, guess, cutoff);
     let guess = 0.5 * (times[0] + times[1]);
@@ -298,7 +298,7 @@ fn cut_from_both(moving: &Moving, times: [f64; 2], line: &Line, [a, b]: [f64; 2]
     }
     // Tangent steps from an end outside of the body, steeper by the turn. If a step still ends inside, a secant brings
     // it back.
-    let approach = |mut x: f64, mut look: Look, sign: f64| {
+    let approach = |mut x: f64, mut look: StepQuery, sign: f64| {
         let mut outside: Option<(f64, f64)> = None;
         for _ in 0..MOST_NEWTON {
             match outside {

@@ -2,9 +2,9 @@
 //!
 //! For a step without turn, the function is convex in place and time together, so that tangents bound it from below.
 //! The least value over time is found within a known gap, and a ray that leaves the body never meets it again. During a
-//! turn, the path of a point in the frame of the body deviates from its tangent; the same holds up to [`Sweep::bow`].
+//! turn, the path of a point in the frame of the body deviates from its tangent; the same holds up to [`StepSweep::bow`].
 
-use super::shape::{Profile, Shape};
+use super::shape::{RadiusProfile, SolidShape};
 use nalgebra::Vector3;
 
 /// Gap at which the search in time ends, mm.
@@ -15,7 +15,7 @@ const MOST_LOOKS: u32 = 42;
 
 /// Motion of a tool over a step, time from 0 to 1.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sweep {
+pub(super) struct StepSweep {
     tip: Vector3<f64>,
     way: Vector3<f64>,
     /// Coefficients of 1, t and t^2 of the axis.
@@ -24,7 +24,7 @@ pub(super) struct Sweep {
 
 /// The function of a moving body at a place, as a plane that lies below the function near this place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct StepQuery {
     /// Value.
     pub(super) f: f64,
     /// Derivative along Z.
@@ -40,12 +40,12 @@ pub(super) struct Look {
 
 /// A line along Z.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct RayLine {
     pub(super) x: f64,
     pub(super) y: f64,
 }
 
-impl Line {
+impl RayLine {
     /// The point at a height.
     #[inline]
     pub(super) fn point(&self, z: f64) -> Vector3<f64> {
@@ -55,7 +55,7 @@ impl Line {
 
 /// A pose of a moving tool with its speeds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pose {
+pub(super) struct StepPose {
     pub(super) tip: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
     way: Vector3<f64>,
@@ -73,10 +73,10 @@ pub(super) struct Pose {
     pub(super) t: f64,
 }
 
-impl Pose {
+impl StepPose {
     /// The function on a line at a height.
     #[inline(always)]
-    pub(super) fn look(&self, body: &impl Profile, line: &Line, z: f64) -> Look {
+    pub(super) fn look(&self, body: &impl RadiusProfile, line: &RayLine, z: f64) -> StepQuery {
         let d = line.point(z) - self.tip;
         let s = d.dot(&self.axis);
         let across = d - self.axis * s;
@@ -90,7 +90,7 @@ impl Pose {
         let turn = across.dot(&self.turning) * share;
         let (r1, r2) =
             (-across.dot(&self.way) * share - s * turn, -2.0 * s1 * turn - s * across.dot(&self.pull) * share);
-        Look {
+        StepQuery {
             f: v.f,
             rise: across.z * share * v.by_rho + self.axis.z * v.by_s,
             slope: v.by_rho * r1 + v.by_s * s1,
@@ -101,7 +101,7 @@ impl Pose {
 
     /// The part of a line inside of the body, by tangents from both ends of an interval, and approximately the place
     /// where the body is nearest.
-    pub(super) fn stretch_by_tangents(&self, shape: &Shape, line: &Line, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
+    pub(super) fn stretch_by_tangents(&self, shape: &SolidShape, line: &RayLine, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
         let look = |z: f64| {
             let look = self.look(shape, line, z);
             (z, look.f, look.rise)
@@ -156,17 +156,17 @@ const EMPTY: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// Square of a component below which a line counts as parallel.
 const PARALLEL: f64 = 1e-9;
 
-impl Sweep {
+impl StepSweep {
     /// The pose at a time with its speeds.
     #[inline(always)]
-    pub(super) fn stand(&self, t: f64) -> Pose {
+    pub(super) fn stand(&self, t: f64) -> StepPose {
         let (tip, axis) = self.pose(t);
         let turning = self.axis[1] + self.axis[2] * (2.0 * t);
         let (advance, swing) = (axis.dot(&self.way), turning.dot(&self.way));
         let square = 1.0 - axis.z * axis.z;
         let by_square = 1.0 / if square > PARALLEL { square } else { f64::INFINITY };
         let by_along = 1.0 / if axis.z.abs() > PARALLEL { axis.z } else { f64::INFINITY };
-        Pose {
+        StepPose {
             tip,
             axis,
             way: self.way,
@@ -242,7 +242,7 @@ impl Sweep {
 
     /// The function at a place and a time.
     #[inline]
-    fn look(&self, shape: &Shape, line: &Line, z: f64, t: f64) -> Look {
+    fn look(&self, shape: &SolidShape, line: &RayLine, z: f64, t: f64) -> StepQuery {
         self.stand(t).look(shape, line, z)
     }
 
@@ -250,20 +250,20 @@ impl Sweep {
     /// [`GAP`] below the true value, or anywhere between `cutoff` and the true value.
     pub(super) fn least(
         &self,
-        shape: &Shape,
-        line: &Line,
+        shape: &SolidShape,
+        line: &RayLine,
         z: f64,
         [from, to]: [f64; 2],
         guess: f64,
         cutoff: f64,
-    ) -> Look {
+    ) -> StepQuery {
         let first = self.look(shape, line, z, guess);
         let end = if first.slope > 0.0 { from } else { to };
         // Largest fall of the function to both sides.
         let fall = |run: f64| (first.slope + first.bend.min(0.0) * run) * run;
         let gap = -fall(from - first.t).min(fall(to - first.t)).min(0.0);
         if gap < GAP || first.f - gap > cutoff {
-            return Look { f: first.f - gap, ..first };
+            return StepQuery { f: first.f - gap, ..first };
         }
         let other = self.look(shape, line, z, end);
         if other.slope * (end - 0.5 * (from + to)) <= 0.0 {
@@ -278,7 +278,7 @@ impl Sweep {
             let best = if low.f < high.f { low } else { high };
             if best.f - bound < GAP || bound > cutoff {
                 let rise = low.rise * share + high.rise * (1.0 - share);
-                return Look { f: bound, rise, slope: 0.0, ..best };
+                return StepQuery { f: bound, rise, slope: 0.0, ..best };
             }
             // Three candidates in turn: zero of a linear slope; intersection of the tangents, for kinks; the middle,
             // for all cases.
@@ -311,17 +311,17 @@ mod tests {
         let axis = |a: f64, c: f64| Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos());
         let tips = [Vector3::new(1.0, 2.0, -1.0), Vector3::new(3.5, 2.4, -1.5)];
         for turn in [0.01, 0.035] {
-            let sweep = Sweep::through(tips, [0.0, 0.5, 1.0].map(|t| axis(0.5 + turn * t, 0.3 + turn * t)));
+            let sweep = StepSweep::through(tips, [0.0, 0.5, 1.0].map(|t| axis(0.5 + turn * t, 0.3 + turn * t)));
             agrees(&sweep, &tips);
         }
     }
 
-    fn agrees(sweep: &Sweep, tips: &[Vector3<f64>; 2]) {
-        for shape in [Shape::Flat { radius: 3.0, top: 20.0 }, Shape::Ball { radius: 3.0, top: 20.0 }] {
+    fn agrees(sweep: &StepSweep, tips: &[Vector3<f64>; 2]) {
+        for shape in [SolidShape::Flat { radius: 3.0, top: 20.0 }, SolidShape::Ball { radius: 3.0, top: 20.0 }] {
             for k in 0..400 {
                 let x = f64::from(k);
                 let p = Vector3::new(2.0 + 6.0 * (x * 0.7).sin(), 2.0 + 6.0 * (x * 1.3).cos(), -4.0 + x * 0.06);
-                let line = Line { x: p.x, y: p.y };
+                let line = RayLine { x: p.x, y: p.y };
                 let brute = (0..=20_000)
                     .map(|i| sweep.look(&shape, &line, p.z, f64::from(i) / 20_000.0).f)
                     .fold(f64::MAX, f64::min);

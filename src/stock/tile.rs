@@ -4,7 +4,7 @@
 use super::moving::Moving;
 use super::ray::Ray;
 use super::stretches::{Chip, Stretches};
-use super::sweep::Line;
+use super::sweep::RayLine;
 
 /// Rays along an edge of a tile.
 pub(super) const SIDE: usize = 64;
@@ -225,7 +225,7 @@ impl Tile {
     }
 
     /// Visits the groups of rays that a moving body may meet; the visitor returns whether it changed them.
-    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &Group) -> bool) {
+    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &RayGroup) -> bool) {
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize| {
             let first = ((moving.low[k] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
@@ -234,7 +234,7 @@ impl Tile {
         };
         let (Some(iu), Some(iv)) = (span(0), span(1)) else { return };
         let (origin, cell) = (self.origin, self.cell);
-        let line = |i: f64, j: f64| Line { x: origin[0] + cell * i, y: origin[1] + cell * j };
+        let line = |i: f64, j: f64| RayLine { x: origin[0] + cell * i, y: origin[1] + cell * j };
         let half = |rays: usize| 0.5 * (rays as f64 - 1.0);
         let lateral = |rays: usize| half(rays) * cell * std::f64::consts::SQRT_2;
         let (lateral_fine, lateral_coarse) = (lateral(GROUP), lateral(GROUP * GROUP));
@@ -252,13 +252,13 @@ impl Tile {
                     for fi in (ci * GROUP).max(iu.0 / GROUP)..=(ci * GROUP + GROUP - 1).min(iu.1 / GROUP) {
                         let number = fj * FINE + fi;
                         let first = line((fi * GROUP) as f64, (fj * GROUP) as f64);
-                        let middle = Line { x: first.x + half(GROUP) * cell, y: first.y + half(GROUP) * cell };
+                        let middle = RayLine { x: first.x + half(GROUP) * cell, y: first.y + half(GROUP) * cell };
                         let Some(window) = moving.window(&middle, lateral_fine) else { continue };
                         let bits = [self.bit(window[0]), self.bit(window[1])];
                         if !any(&self.fine[number * self.words..][..self.words], bits) {
                             continue;
                         }
-                        let group = Group { first, cell, middle, lateral: lateral_fine, window };
+                        let group = RayGroup { first, cell, middle, lateral: lateral_fine, window };
                         if visitor(&mut self.rays[number * MEMBERS..(number + 1) * MEMBERS], &group) {
                             self.map_fine(number);
                             changed = true;
@@ -273,7 +273,7 @@ impl Tile {
     }
 
     /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step.
-    pub(super) fn remove(&mut self, run: &Run, work: &mut Stretches, removals: &mut [Removal]) {
+    pub(super) fn remove(&mut self, run: &RayRun, work: &mut Stretches, removals: &mut [Removal]) {
         let steps = run.steps;
         self.visit(run.whole, |rays, group| {
             work.clear();
@@ -323,7 +323,7 @@ impl Tile {
 }
 
 /// A run of steps of a cutter.
-pub(super) struct Run<'a> {
+pub(super) struct RayRun<'a> {
     /// The whole run as one motion.
     pub(super) whole: &'a Moving,
     /// Its steps, in order.
@@ -331,23 +331,23 @@ pub(super) struct Run<'a> {
 }
 
 /// A fine group of rays, with the interval in which a body may meet it.
-struct Group {
+struct RayGroup {
     /// Line of the first ray, and distance between rays.
-    first: Line,
+    first: RayLine,
     cell: f64,
     /// Line in the middle of the rays; all rays lie within `lateral` of it.
-    middle: Line,
+    middle: RayLine,
     lateral: f64,
     window: [f64; 2],
 }
 
-impl Group {
+impl RayGroup {
     /// Visits the material in the window: index of the ray, its line, and the interval.
-    fn stretches(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &Line, [f64; 2])) {
+    fn stretches(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &RayLine, [f64; 2])) {
         let [low, high] = self.window;
         for (n, ray) in (0_u8..).zip(rays) {
             let at = |k: u8| self.cell * f64::from(k);
-            let line = Line { x: self.first.x + at(n % ROW), y: self.first.y + at(n / ROW) };
+            let line = RayLine { x: self.first.x + at(n % ROW), y: self.first.y + at(n / ROW) };
             for [a, b] in ray.intervals() {
                 if a >= high {
                     break;

@@ -102,7 +102,7 @@ pub enum ItemKind {
         /// Bound.
         bound: Expr,
         /// Where it holds; empty is everywhere.
-        scope: Vec<Target>,
+        scope: Vec<ScopeTarget>,
     },
     /// `allow excess on fillet "ground by hand"`
     Allow {
@@ -111,7 +111,7 @@ pub enum ItemKind {
         /// Part of the tool, after `clearance`.
         body: Option<Name>,
         /// Where.
-        scope: Vec<Target>,
+        scope: Vec<ScopeTarget>,
         /// Why.
         reason: Text,
     },
@@ -126,7 +126,7 @@ pub enum ItemKind {
 
 /// A word after `on`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Target {
+pub struct ScopeTarget {
     /// True when `operation` stands before the name.
     pub operation: bool,
     /// Surface or operation.

@@ -1,10 +1,10 @@
 //! From text to [`File`]: pest reads one item after another, and pairs become the tree.
 
 use super::ast::{
-    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Spline, SplinePoints, Target,
+    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, ScopeTarget, Spline, SplinePoints,
     Text, ToolSource, Value,
 };
-use super::scan::{self, ITEMS, MAX_FAULTS, Piece};
+use super::scan::{self, ITEMS, ItemText, MAX_FAULTS};
 use crate::diag::codes::syntax as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, Span};
@@ -69,7 +69,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
 }
 
 /// One item; `None` when its head cannot be read.
-fn read_piece(text: &str, source: SourceId, piece: &Piece, sink: &mut Sink) -> Option<Item> {
+fn read_piece(text: &str, source: SourceId, piece: &ItemText, sink: &mut Sink) -> Option<Item> {
     let slice = &text[piece.range.clone()];
     let word = scan::first_word(slice);
     if !ITEMS.contains(&word) {
@@ -100,7 +100,7 @@ fn read_piece(text: &str, source: SourceId, piece: &Piece, sink: &mut Sink) -> O
     }
 }
 
-fn unknown_item(source: SourceId, piece: &Piece, slice: &str, word: &str) -> Diag {
+fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> Diag {
     let start = piece.range.start;
     let length = if word.is_empty() { slice.chars().next().map_or(0, char::len_utf8) } else { word.len() };
     let shown = &slice[..length];
@@ -285,13 +285,13 @@ impl Builder<'_> {
     }
 
     /// Words after `on`; none when there is no scope.
-    fn scope(&self, pair: Option<Pair<'_, Rule>>) -> Vec<Target> {
+    fn scope(&self, pair: Option<Pair<'_, Rule>>) -> Vec<ScopeTarget> {
         let targets = pair.into_iter().flat_map(Pair::into_inner).filter(|p| p.as_rule() == Rule::target);
         targets
             .filter_map(|target| {
                 let operation = target.clone().into_inner().any(|p| p.as_rule() == Rule::kw_operation);
                 let name = target.into_inner().find(|p| p.as_rule() == Rule::name)?;
-                Some(Target { operation, name: self.name(&name) })
+                Some(ScopeTarget { operation, name: self.name(&name) })
             })
             .collect()
     }

@@ -1,6 +1,6 @@
 //! Text form of the syntax tree: one line an item or entry, with its place in bytes.
 
-use super::ast::{Block, Expr, ExprKind, File, ItemKind, Name, Operator, SplinePoints, Target, ToolSource, Value};
+use super::ast::{Block, Expr, ExprKind, File, ItemKind, Name, Operator, ScopeTarget, SplinePoints, ToolSource, Value};
 use std::fmt::Write;
 
 /// The tree as text.
@@ -45,7 +45,7 @@ fn quantity(what: &Name, body: Option<&Name>) -> String {
     body.map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text))
 }
 
-fn targets(scope: &[Target]) -> String {
+fn targets(scope: &[ScopeTarget]) -> String {
     let words: Vec<String> = scope
         .iter()
         .map(|t| if t.operation { format!("operation {}", t.name.text) } else { t.name.text.clone() })

@@ -28,7 +28,7 @@ pub(super) const ITEMS: &[&str] =
 
 /// One item of the text.
 #[derive(Debug)]
-pub(super) struct Piece {
+pub(super) struct ItemText {
     /// Its bytes.
     pub(super) range: Range<usize>,
     /// Brackets to add at its end, in order.
@@ -44,7 +44,7 @@ struct Scanner<'a> {
     source: SourceId,
     sink: &'a mut Sink,
     open: Vec<(u8, usize)>,
-    pieces: Vec<Piece>,
+    pieces: Vec<ItemText>,
     comments: Vec<Span>,
     start: Option<usize>,
     damaged: bool,
@@ -54,7 +54,7 @@ struct Scanner<'a> {
 
 /// Cuts the text into items and finds its comments. `None` when it is nested too deeply, too long, or has too many faults,
 /// to go on.
-pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<(Vec<Piece>, Vec<Span>)> {
+pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<(Vec<ItemText>, Vec<Span>)> {
     let mut scanner = Scanner {
         text,
         source,
@@ -255,7 +255,7 @@ impl Scanner<'_> {
         }
         let closers = open.iter().rev().map(|(b, _)| closer(*b)).collect::<String>();
         let damaged = damaged || !closers.is_empty();
-        self.pieces.push(Piece { range: start..end, closers, damaged, unreadable });
+        self.pieces.push(ItemText { range: start..end, closers, damaged, unreadable });
     }
 }
 

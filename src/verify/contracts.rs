@@ -1,7 +1,7 @@
 //! Contracts of the job against what was measured.
 
 use super::certificate::{AllowedReport, Certificate, ContractReport};
-use super::measure::{Figure, Narrow, Unmeasured, measure};
+use super::measure::{Figure, NarrowMeasure, Unmeasured, measure};
 use super::place::describe;
 use super::surface::FAR;
 use crate::contract::{ContractKind, Guarded, OfOperations, Region, Relation, Scope};
@@ -16,7 +16,7 @@ pub(super) fn judge(
     program: &Program,
     motion: &Motion,
     certificate: &Certificate,
-    narrow: &dyn Narrow,
+    narrow: &dyn NarrowMeasure,
     sink: &mut Sink,
 ) -> (Vec<ContractReport>, Vec<AllowedReport>) {
     let judge = Judge { program, motion, certificate, narrow };
@@ -29,7 +29,7 @@ struct Judge<'a> {
     program: &'a Program,
     motion: &'a Motion,
     certificate: &'a Certificate,
-    narrow: &'a dyn Narrow,
+    narrow: &'a dyn NarrowMeasure,
 }
 
 impl Judge<'_> {

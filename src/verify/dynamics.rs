@@ -134,7 +134,7 @@ struct BlockError {
 
 /// A piece of a block with even derivatives.
 #[derive(Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct MotionCell {
     block: u32,
     kind: MoveKind,
     /// Programmed time, s.
@@ -164,7 +164,7 @@ pub(super) struct Cell {
 }
 
 /// A part of a cell as it is run through.
-pub(super) struct Part {
+pub(super) struct MovePart {
     cell: usize,
     /// Programmed time, and time, s.
     width: f64,
@@ -177,7 +177,7 @@ pub(super) struct Part {
 }
 
 /// Limits that a run keeps.
-pub(super) struct Limits {
+pub(super) struct RunLimits {
     speed: [f64; 5],
     acceleration: [f64; 5],
     jerk: [f64; 5],
@@ -189,7 +189,7 @@ pub(super) struct Limits {
 pub(super) type Joint5 = [f64; 5];
 
 /// A block as it begins and ends.
-struct Block {
+struct MotionBlock {
     time: f64,
     cells: std::ops::Range<usize>,
     /// q' at start and end.
@@ -220,9 +220,9 @@ impl Run {
     /// how each block leaves the programmed motion.
     fn measure(
         &mut self,
-        limits: &Limits,
-        cells: &[Cell],
-        parts: &[Part],
+        limits: &RunLimits,
+        cells: &[MotionCell],
+        parts: &[MovePart],
         operation: u32,
         cycle: f64,
     ) -> Vec<BlockError> {
@@ -260,7 +260,7 @@ impl Run {
     }
 
     /// Takes the shares of the limits in a part of a cell.
-    fn raise_shares(&mut self, limits: &Limits, cell: &Cell, part: &Part, at: At) {
+    fn raise_shares(&mut self, limits: &RunLimits, cell: &MotionCell, part: &MovePart, at: At) {
         for k in 0..5 {
             self.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
             self.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
@@ -280,9 +280,9 @@ fn number(kind: MoveKind) -> usize {
 
 /// How far tip or flutes (mm) and the tool axis (degrees) leave the corner at the start of a cell, of which `part` is the
 /// first. At rapid nothing is near that would mind.
-fn rounded_corner(limits: &Limits, cells: &[Cell], part: &Part) -> [f64; 2] {
+fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> [f64; 2] {
     let cell = &cells[part.cell];
-    let rapid = |c: &Cell| c.kind == MoveKind::Rapid;
+    let rapid = |c: &MotionCell| c.kind == MoveKind::Rapid;
     let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
     if cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
         let (away, lean) = jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio));
@@ -298,7 +298,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
     let (machine, t) = (&program.machine, &program.tolerances);
-    let limits = Limits {
+    let limits = RunLimits {
         chain: machine.chain,
         speed: machine.speeds(),
         acceleration: machine.accelerations(),
@@ -330,9 +330,9 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
 }
 
 /// Cells of all blocks that take time, with the corners between them.
-fn cells(machine: &Machine, limits: &Limits, moves: &[JointMove]) -> Vec<Cell> {
+fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<MotionCell> {
     let mut cells = Vec::new();
-    let mut last: Option<Block> = None;
+    let mut last: Option<MotionBlock> = None;
     for (i, pair) in moves.windows(2).enumerate() {
         let m = &pair[1];
         if m.time > 0.0 {
@@ -349,11 +349,11 @@ fn cells(machine: &Machine, limits: &Limits, moves: &[JointMove]) -> Vec<Cell> {
 }
 
 /// The run without limits of jerk, cell by cell.
-fn trapezoids(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
+fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let nodes = passes(limits, cells);
-    let part = |(i, (cell, [from, to])): (usize, (&Cell, &[f64; 2]))| {
+    let part = |(i, (cell, [from, to])): (usize, (&MotionCell, &[f64; 2]))| {
         let (time, peak) = phases(limits, cell, *from, *to);
-        Part { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
+        MovePart { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
     };
     cells.iter().zip(&nodes).enumerate().map(part).collect()
 }
@@ -400,8 +400,8 @@ fn block(
     from: &Joints,
     to: &Joints,
     (index, kind, time): (u32, MoveKind, f64),
-    cells: &mut Vec<Cell>,
-) -> Block {
+    cells: &mut Vec<MotionCell>,
+) -> MotionBlock {
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     let at = |t: f64| {
         let tip = tips[0] + (tips[1] - tips[0]) * t;
@@ -424,7 +424,7 @@ fn block(
             ends[0] = start_rate;
         }
         ends[1] = end_rate;
-        cells.push(Cell {
+        cells.push(MotionCell {
             block: index,
             kind,
             width,
@@ -444,11 +444,11 @@ fn block(
         });
         q0 = end;
     }
-    Block { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5] }
+    MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5] }
 }
 
 /// Sets the corner between two blocks, and finishes the first of them.
-fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut [Cell]) {
+fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBlock, cells: &mut [MotionCell]) {
     let at = block.cells.start;
     let Some(before) = before else {
         cells[at].ratio = 0.0;
@@ -484,7 +484,7 @@ fn join(limits: &Limits, before: Option<&Block>, block: &mut Block, cells: &mut 
 }
 
 /// Curvature and largest y of a block whose jump at the end is known.
-fn finish(limits: &Limits, block: &Block, jump: &Joint5, cells: &mut [Cell]) {
+fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [MotionCell]) {
     for cell in &mut cells[block.cells.clone()] {
         for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
             cell.bend[k] += start.abs().min(end.abs()) / block.time;
@@ -504,7 +504,7 @@ fn finish(limits: &Limits, block: &Block, jump: &Joint5, cells: &mut [Cell]) {
 }
 
 /// Largest y that is reached from y over a stretch of a cell.
-fn rise(limits: &Limits, cell: &Cell, y: f64, width: f64) -> f64 {
+fn rise(limits: &RunLimits, cell: &MotionCell, y: f64, width: f64) -> f64 {
     (0..5)
         .filter(|k| cell.rate[*k] > 0.0)
         .map(|k| {
@@ -515,7 +515,7 @@ fn rise(limits: &Limits, cell: &Cell, y: f64, width: f64) -> f64 {
 }
 
 /// y at start and end of every cell.
-fn passes(limits: &Limits, cells: &[Cell]) -> Vec<[f64; 2]> {
+fn passes(limits: &RunLimits, cells: &[MotionCell]) -> Vec<[f64; 2]> {
     let mut nodes = vec![[0.0; 2]; cells.len()];
     let mut start = 0.0;
     for (i, cell) in cells.iter().enumerate() {
@@ -537,7 +537,7 @@ fn passes(limits: &Limits, cells: &[Cell]) -> Vec<[f64; 2]> {
 }
 
 /// Time of a cell between two values of y, and the largest y in it.
-fn phases(limits: &Limits, cell: &Cell, from: f64, to: f64) -> (f64, f64) {
+fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f64) {
     // Both slopes meet at the peak, unless the cap cuts it off.
     let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
     let slope = (0..5)

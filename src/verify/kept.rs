@@ -6,8 +6,8 @@
 
 use super::SPACING;
 use super::place::describe;
-use super::proof::cells::{Found, Goals, Looked, Proved, Task};
-use super::proof::grid::{Grid, Surface};
+use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved};
+use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
 use crate::diag::{Diag, Sink, codes::verification};
@@ -52,7 +52,7 @@ pub struct KeptSurfaces {
 /// A surface with the patches that cutters may touch.
 pub(super) struct Covered<'a> {
     /// The surface in its sector.
-    pub(super) surface: Surface<'a>,
+    pub(super) surface: PlacedSurface<'a>,
     /// Its patches, as indices into all grids.
     grids: Vec<usize>,
 }
@@ -60,7 +60,7 @@ pub(super) struct Covered<'a> {
 /// Least distance of cutters to one surface, if below the cutoff.
 pub(super) struct Deepest {
     /// Least measured distance, with its place in the chart; `None` where it is not below the cutoff.
-    pub(super) found: Found,
+    pub(super) found: Extreme,
     /// Proved lower bound of the distance, mm.
     pub(super) low: f64,
 }
@@ -121,7 +121,7 @@ pub(super) fn cover<'a>(
         for sector in 0..sectors {
             let turn = if shape.is_ring() { Rotation3::identity() } else { program.part.sector_rotation(sector) };
             let id = SurfaceId { kind: shape.kind, sector };
-            covered.push(Covered { surface: Surface { shape, turn, id }, grids: (first..all.len()).collect() });
+            covered.push(Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..all.len()).collect() });
         }
     }
     (all, covered)
@@ -138,17 +138,17 @@ pub(super) fn deepest(
     progress: &Progress,
     stage: &'static str,
 ) -> Vec<Deepest> {
-    let tasks: Vec<(usize, Task<'_>)> = covered
+    let tasks: Vec<(usize, PatchTask<'_>)> = covered
         .iter()
         .enumerate()
         .flat_map(|(s, c)| {
-            let of_grid = move |grid: &usize| Task { surface: &c.surface, grid: &grids[*grid], sweeps };
+            let of_grid = move |grid: &usize| PatchTask { surface: &c.surface, grid: &grids[*grid], sweeps };
             c.grids.iter().map(move |grid| (s, of_grid(grid)))
         })
         .collect();
     let work = progress.begin(stage, 2 * tasks.len());
     // Reserve for rounding: a distance equal to the cutoff is still evaluated.
-    let look = |task: &Task<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
+    let look = |task: &PatchTask<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
     let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(look(task))).collect();
     let mut least = vec![FAR; covered.len()];
     for ((s, _), looked) in tasks.iter().zip(&looked) {

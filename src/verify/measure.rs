@@ -39,7 +39,7 @@ pub(super) enum Unmeasured {
 }
 
 /// What the verifier measures again for a narrower question.
-pub(super) trait Narrow {
+pub(super) trait NarrowMeasure {
     /// Surfaces as the cutters of these operations alone leave them.
     fn surfaces(&self, operations: &[bool]) -> Vec<SurfaceReport>;
 
@@ -63,7 +63,7 @@ pub(super) fn measure(
     region: &Region,
     after: Option<usize>,
     certificate: &Certificate,
-    narrow: &dyn Narrow,
+    narrow: &dyn NarrowMeasure,
 ) -> Result<Figure, Unmeasured> {
     match kind {
         ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.point, s.gouge.at))),
@@ -92,7 +92,7 @@ pub(super) fn measure(
 /// The largest value over the surfaces of a region, each surface left by the operations that the region has on it.
 fn worst(
     certificate: &Certificate,
-    narrow: &dyn Narrow,
+    narrow: &dyn NarrowMeasure,
     region: &Region,
     pick: impl Fn(&SurfaceReport) -> (f64, [f64; 3], Option<At>),
 ) -> Figure {
@@ -123,7 +123,7 @@ fn none(value: f64, what: &str) -> Figure {
     Figure { value, found: None, what: what.to_owned(), point: None, at: None, operation: None }
 }
 
-fn clearance(certificate: &Certificate, narrow: &dyn Narrow, body: Guarded, region: &Region) -> Figure {
+fn clearance(certificate: &Certificate, narrow: &dyn NarrowMeasure, body: Guarded, region: &Region) -> Figure {
     let mut all: Vec<(&str, Clearance)> = Vec::new();
     for (o, report) in certificate.operations.iter().enumerate() {
         let surfaces: Vec<SurfaceClass> = SurfaceClass::ALL
@@ -215,7 +215,7 @@ fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasur
 }
 
 /// Stock after an operation, or at the end, less the finished part. A cut into the part counts against what is left.
-fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn Narrow) -> Result<Figure, Unmeasured> {
+fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMeasure) -> Result<Figure, Unmeasured> {
     let part = narrow.part_volume().ok_or(Unmeasured::NoSolid)?;
     let last = match after {
         Some(o) => stock.operations.iter().find(|s| s.operation as usize == o),

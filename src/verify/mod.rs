@@ -221,7 +221,7 @@ struct Narrower<'a> {
     progress: &'a Progress,
 }
 
-impl measure::Narrow for Narrower<'_> {
+impl measure::NarrowMeasure for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();

@@ -10,8 +10,8 @@
 //! cell. It comes from third differences, with a reserve.
 
 pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};
-use super::proof::cells::{Found, Goals, Looked, Proved, Task, deviation};
-use super::proof::grid::{Grid, Surface};
+use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved, deviation};
+use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use crate::part::{
@@ -98,11 +98,11 @@ pub fn certify(
         charts.extend(chart::edges(part));
     }
     let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
-    let mut surfaces: Vec<(&[Grid], Surface<'_>)> = Vec::new();
+    let mut surfaces: Vec<(&[Grid], PlacedSurface<'_>)> = Vec::new();
     for sector in 0..part.vane_count {
         for (chart, grids) in charts.iter().zip(&grids) {
             let id = SurfaceId { kind: chart.kind, sector };
-            surfaces.push((grids, Surface { shape: chart, turn: part.sector_rotation(sector), id }));
+            surfaces.push((grids, PlacedSurface { shape: chart, turn: part.sector_rotation(sector), id }));
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
@@ -113,7 +113,7 @@ pub fn certify(
 pub fn certify_shape(shape: &dyn Shape, id: SurfaceId, sweeps: &[Sweep<'_>], spacing: f64) -> Option<SurfaceReport> {
     let grids = grids(shape, spacing);
     prove(
-        &[(&grids, Surface { shape, turn: Rotation3::identity(), id })],
+        &[(&grids, PlacedSurface { shape, turn: Rotation3::identity(), id })],
         sweeps,
         &Limits::default(),
         &Progress::default(),
@@ -130,7 +130,7 @@ fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
 const TOGETHER: usize = 128;
 
 fn prove(
-    surfaces: &[(&[Grid], Surface<'_>)],
+    surfaces: &[(&[Grid], PlacedSurface<'_>)],
     sweeps: &[Sweep<'_>],
     limits: &Limits,
     progress: &Progress,
@@ -141,7 +141,7 @@ fn prove(
     let mut rest = surfaces;
     while !rest.is_empty() {
         let mut patches = 0;
-        let few = |(grids, _): &&(&[Grid], Surface<'_>)| {
+        let few = |(grids, _): &&(&[Grid], PlacedSurface<'_>)| {
             let few = patches < TOGETHER;
             patches += grids.len();
             few
@@ -154,15 +154,15 @@ fn prove(
 }
 
 fn prove_together(
-    surfaces: &[(&[Grid], Surface<'_>)],
+    surfaces: &[(&[Grid], PlacedSurface<'_>)],
     sweeps: &[Sweep<'_>],
     limits: &Limits,
     work: &Work,
 ) -> Vec<SurfaceReport> {
-    let tasks: Vec<(usize, Task<'_>)> = surfaces
+    let tasks: Vec<(usize, PatchTask<'_>)> = surfaces
         .iter()
         .enumerate()
-        .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, Task { surface, grid, sweeps })))
+        .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, PatchTask { surface, grid, sweeps })))
         .collect();
     let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(task.look())).collect();
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
@@ -177,7 +177,7 @@ fn prove_together(
         .with_max_len(1)
         .map(|((s, task), l)| work.step(task.prove(l, goals[*s])))
         .collect();
-    let all: Vec<(usize, &Task<'_>, &Looked, &Proved)> =
+    let all: Vec<(usize, &PatchTask<'_>, &Looked, &Proved)> =
         tasks.iter().zip(&looked).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
     all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
 }
@@ -226,7 +226,7 @@ fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goa
 }
 
 /// The figures of a surface, from the results of its patches.
-fn report(patches: &[(usize, &Task<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
+fn report(patches: &[(usize, &PatchTask<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
     let surface = patches[0].1.surface;
     let all = patches.iter().fold(Proved::NOTHING, |all, p| all.join(p.3));
     let cells: Vec<(f64, f64, Option<At>)> =
@@ -283,7 +283,7 @@ fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
 }
 
 /// The extreme of g on a surface: a search from the measured extreme (`sign` -1 for the least).
-pub(super) fn extreme(surface: &Surface<'_>, found: Found, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
+pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
     let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
     // Only for a cut deeper than any tolerance can the depth along the normal exceed the distance.
     let deep = sign < 0.0 && value < -DEEP;
@@ -321,7 +321,7 @@ impl Known<'_> {
     }
 }
 
-fn place(surface: &Surface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
+fn place(surface: &PlacedSurface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
     let place = surface.shape.place(x, y);
     (surface.turn * place.position, surface.turn * place.normal, place.parameters)
 }
@@ -360,7 +360,7 @@ const ROUNDS: usize = 100;
 
 /// Maximises a measure over a surface by a pattern search in its chart, down to a step.
 fn climb(
-    surface: &Surface<'_>,
+    surface: &PlacedSurface<'_>,
     start: [f64; 2],
     finest: f64,
     mut measure: impl FnMut([f64; 2]) -> f64,

@@ -25,13 +25,13 @@ pub(super) fn json(value: &impl serde::Serialize) -> String {
 }
 
 /// A cell: its text, and the place that a click leads to.
-pub(super) struct Cell {
+pub(super) struct TableCell {
     text: String,
     class: &'static str,
     place: Option<usize>,
 }
 
-impl Cell {
+impl TableCell {
     /// Words, aligned left.
     pub(super) fn words(text: impl Into<String>) -> Self {
         Self { text: text.into(), class: "", place: None }
@@ -54,14 +54,14 @@ impl Cell {
 }
 
 /// A table with a heading a column; `n` before a heading aligns it right.
-pub(super) fn table(caption: &str, headings: &[&str], rows: &[Vec<Cell>]) -> String {
+pub(super) fn table(caption: &str, headings: &[&str], rows: &[Vec<TableCell>]) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write_table(&mut out, caption, headings, rows);
     out
 }
 
-fn write_table(out: &mut String, caption: &str, headings: &[&str], rows: &[Vec<Cell>]) -> std::fmt::Result {
+fn write_table(out: &mut String, caption: &str, headings: &[&str], rows: &[Vec<TableCell>]) -> std::fmt::Result {
     write!(out, "<div class=scroll><table><caption>{}</caption><thead><tr>", escaped(caption))?;
     for (k, heading) in headings.iter().enumerate() {
         let right = rows.first().and_then(|r| r.get(k)).is_some_and(|c| c.class.starts_with('n'));
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn texts_cannot_become_markup() {
         let hostile = "</script><img src=x onerror='a'>&\"<!--@json-->";
-        let row = vec![Cell::words(hostile), Cell::figure(hostile).place(Some(3))];
+        let row = vec![TableCell::words(hostile), TableCell::figure(hostile).place(Some(3))];
         let page = table(hostile, &[hostile], &[row]);
         assert!(!page.contains("<img") && !page.contains("</script") && !page.contains("onerror='"));
         assert!(!json(&hostile).contains('<'));

@@ -10,17 +10,17 @@ const MOST_VERTICES: usize = 1_200_000;
 
 /// A row of samples of a surface, evenly spaced: how many, and the parameter of the first and the last.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Row(usize, f64, f64);
+struct MeshRow(usize, f64, f64);
 
 /// One surface of sector 0.
 #[derive(Clone, Debug, Serialize)]
-struct Surface {
+struct SurfaceMesh {
     /// Name without its sector, as `pressure face`.
     name: String,
     /// Whether milling makes it.
     milled: bool,
     /// Rows in order.
-    rows: Vec<Row>,
+    rows: Vec<MeshRow>,
 }
 
 /// The part as the page takes it.
@@ -28,7 +28,7 @@ struct Surface {
 pub(super) struct PartData {
     sectors: u32,
     pub(super) frame: Frame,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<SurfaceMesh>,
     /// Triangles with a longer edge are gaps, mm.
     gap: f64,
     /// Samples of which a vertex shows the worst, along and across a row.
@@ -61,15 +61,15 @@ fn name(kind: SurfaceKind) -> String {
 }
 
 /// Rows of samples of one surface: ranges of the samples of sector 0.
-struct Rows {
+struct MeshRows {
     kind: SurfaceKind,
     milled: bool,
     rows: Vec<std::ops::Range<usize>>,
 }
 
 /// Cuts the samples of sector 0 where the surface or its first parameter changes.
-fn rows(sector0: &[Sample]) -> Vec<Rows> {
-    let mut found: Vec<Rows> = Vec::new();
+fn rows(sector0: &[Sample]) -> Vec<MeshRows> {
+    let mut found: Vec<MeshRows> = Vec::new();
     let mut start = 0;
     for (i, s) in sector0.iter().enumerate() {
         let last = sector0.get(i + 1).is_none_or(|next| {
@@ -82,7 +82,7 @@ fn rows(sector0: &[Sample]) -> Vec<Rows> {
             Some(rows) if rows.kind == s.surface.kind => rows.rows.push(start..i + 1),
             _ => {
                 let rows = std::iter::once(start..i + 1).collect();
-                found.push(Rows { kind: s.surface.kind, milled: s.surface.milled(), rows });
+                found.push(MeshRows { kind: s.surface.kind, milled: s.surface.milled(), rows });
             }
         }
         start = i + 1;
@@ -143,7 +143,7 @@ pub(super) fn part(
             starts.push((vertices, kept.len()));
             vertices += kept.len();
             let parameter = |i: Option<&usize>| i.map_or(0.0, |i| rounded(sector0[*i].parameters[1]));
-            listed.push(Row(kept.len(), parameter(kept.first()), parameter(kept.last())));
+            listed.push(MeshRow(kept.len(), parameter(kept.first()), parameter(kept.last())));
             for i in kept {
                 let s = &sector0[i];
                 frame.place([s.position.x, s.position.y, s.position.z]).into_iter().for_each(|v| data.positions.u16(v));
@@ -160,7 +160,7 @@ pub(super) fn part(
                 shown[sample] = first + (share * (n.saturating_sub(1)) as f64).round() as usize;
             }
         }
-        data.surfaces.push(Surface { name: name(surface.kind), milled: surface.milled, rows: listed });
+        data.surfaces.push(SurfaceMesh { name: name(surface.kind), milled: surface.milled, rows: listed });
     }
     for sector in 0..part.vane_count as usize {
         let mut worst = vec![f64::NAN; vertices];

@@ -71,14 +71,14 @@ pub(super) struct PathData {
 }
 
 /// Tip and axis as one point: a straight line in these six is a straight move.
-type Station = [f64; 6];
+type PathRow = [f64; 6];
 
-fn distance2(a: &Station, b: &Station) -> f64 {
+fn distance2(a: &PathRow, b: &PathRow) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
 /// Squared distance of a station to the line between two others.
-fn off_chord2(p: &Station, a: &Station, b: &Station) -> f64 {
+fn off_chord2(p: &PathRow, a: &PathRow, b: &PathRow) -> f64 {
     let (mut along, mut length) = (0.0, 0.0);
     for k in 0..6 {
         along += (p[k] - a[k]) * (b[k] - a[k]);
@@ -94,7 +94,7 @@ fn off_chord2(p: &Station, a: &Station, b: &Station) -> f64 {
 
 /// Marks the stations of a run that must stay so that all others lie within the tolerance of the chords (Douglas and
 /// Peucker); both ends stay.
-fn mark(stations: &[Station], tolerance: f64, keep: &mut [bool]) {
+fn mark(stations: &[PathRow], tolerance: f64, keep: &mut [bool]) {
     let Some(last) = stations.len().checked_sub(1) else { return };
     (keep[0], keep[last]) = (true, true);
     let mut open = vec![(0, last)];
@@ -112,7 +112,7 @@ fn mark(stations: &[Station], tolerance: f64, keep: &mut [bool]) {
 }
 
 /// Which moves of an operation stay at a tolerance.
-fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> {
+fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> {
     let mut keep = vec![tolerance <= 0.0; moves.len()];
     let mut start = 0;
     for i in 0..moves.len() {
@@ -130,7 +130,7 @@ fn thin(stations: &[Station], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
 }
 
 /// Tip and axis at the end of each move, by operation.
-fn stations(program: &Program, motion: &Motion) -> Vec<Vec<Station>> {
+fn stations(program: &Program, motion: &Motion) -> Vec<Vec<PathRow>> {
     let station = |m: &JointMove| {
         let pose = program.machine.forward(&m.joints);
         let (t, a) = (pose.tip, pose.axis * ARM);
@@ -258,7 +258,7 @@ mod tests {
             heights in prop::collection::vec(-1.0..1.0_f64, 2..60),
             tolerance in 0.01..1.0_f64,
         ) {
-            let stations: Vec<Station> =
+            let stations: Vec<PathRow> =
                 heights.iter().enumerate().map(|(i, h)| [i as f64, *h, 0.0, h * h, 0.0, 1.0]).collect();
             let mut keep = vec![false; stations.len()];
             mark(&stations, tolerance, &mut keep);

@@ -1,7 +1,7 @@
 //! The tables of the report, which need no script to be read.
 
 use super::Input;
-use super::markup::{Cell, escaped, table};
+use super::markup::{TableCell, escaped, table};
 use super::places::{Places, figure, proved};
 use crate::contract::clock;
 use crate::diag::Severity;
@@ -52,7 +52,7 @@ pub(super) fn verdict(input: &Input<'_>) -> (&'static str, String) {
 /// Contracts and operations.
 pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
     let certificate = input.certificate;
-    let rows: Vec<Vec<Cell>> = certificate
+    let rows: Vec<Vec<TableCell>> = certificate
         .contracts
         .iter()
         .enumerate()
@@ -61,10 +61,10 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
             let [bound, found] = [0, 1].map(|k| figure(&c.figures[k]));
             let relation = if c.relation == ">=" { "at least" } else { "at most" };
             vec![
-                Cell::words(c.name()),
-                Cell::figure(format!("{relation} {bound}")),
-                Cell::figure(proved(c.kind, &found)).place(places.contracts.get(i).copied().flatten()),
-                Cell::words(word).class(class),
+                TableCell::words(c.name()),
+                TableCell::figure(format!("{relation} {bound}")),
+                TableCell::figure(proved(c.kind, &found)).place(places.contracts.get(i).copied().flatten()),
+                TableCell::words(word).class(class),
             ]
         })
         .collect();
@@ -73,15 +73,15 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
     } else {
         table("Contracts", &["contract", "wanted", "found", "verdict"], &rows)
     };
-    let allowed: Vec<Vec<Cell>> = certificate
+    let allowed: Vec<Vec<TableCell>> = certificate
         .allowed
         .iter()
         .enumerate()
         .map(|(i, a)| {
             vec![
-                Cell::words(format!("{} {}", a.kind, a.scope)),
-                Cell::figure(figure(&a.figure)).place(places.allowed.get(i).copied().flatten()),
-                Cell::words(if a.excuses { a.reason.clone() } else { format!("{} (needless)", a.reason) }),
+                TableCell::words(format!("{} {}", a.kind, a.scope)),
+                TableCell::figure(figure(&a.figure)).place(places.allowed.get(i).copied().flatten()),
+                TableCell::words(if a.excuses { a.reason.clone() } else { format!("{} (needless)", a.reason) }),
             ]
         })
         .collect();
@@ -95,7 +95,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
 pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
     let program = input.program;
     let search = crate::verify::search(program);
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    let mut rows: Vec<Vec<TableCell>> = Vec::new();
     let (mut moves, mut length, mut time) = (0, [0.0; 3], [0.0; 3]);
     for (i, (o, planned)) in input.certificate.operations.iter().zip(&input.motion.operations).enumerate() {
         let declared = &program.operations[planned.operation];
@@ -104,18 +104,18 @@ pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
         };
         let place = |k: usize| places.operations.get(i).and_then(|p| p[k]);
         rows.push(vec![
-            Cell::words(o.name.as_str()),
-            Cell::words(o.tool.as_str()),
-            Cell::figure(format!("{:.0}", declared.speed.get())),
-            Cell::figure(format!("{:.0}", declared.feed.get())),
-            Cell::figure(o.passes.to_string()),
-            Cell::figure(o.moves.to_string()),
-            Cell::figure(format!("{:.2}", o.length[0] * 1e-3)),
-            Cell::figure(clock(o.time[0])),
-            Cell::figure(clock(o.time[1])),
-            Cell::figure(clock(o.time[2])),
-            Cell::figure(gap(&o.shank)).place(place(0)),
-            Cell::figure(gap(&o.holder)).place(place(1)),
+            TableCell::words(o.name.as_str()),
+            TableCell::words(o.tool.as_str()),
+            TableCell::figure(format!("{:.0}", declared.speed.get())),
+            TableCell::figure(format!("{:.0}", declared.feed.get())),
+            TableCell::figure(o.passes.to_string()),
+            TableCell::figure(o.moves.to_string()),
+            TableCell::figure(format!("{:.2}", o.length[0] * 1e-3)),
+            TableCell::figure(clock(o.time[0])),
+            TableCell::figure(clock(o.time[1])),
+            TableCell::figure(clock(o.time[2])),
+            TableCell::figure(gap(&o.shank)).place(place(0)),
+            TableCell::figure(gap(&o.holder)).place(place(1)),
         ]);
         moves += o.moves;
         for k in 0..3 {
@@ -123,18 +123,18 @@ pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
             time[k] += o.time[k];
         }
     }
-    let empty = || Cell::figure("");
+    let empty = || TableCell::figure("");
     rows.push(vec![
-        Cell::words("total"),
-        Cell::words(""),
+        TableCell::words("total"),
+        TableCell::words(""),
         empty(),
         empty(),
         empty(),
-        Cell::figure(moves.to_string()),
-        Cell::figure(format!("{:.2}", length[0] * 1e-3)),
-        Cell::figure(clock(time[0])),
-        Cell::figure(clock(time[1])),
-        Cell::figure(clock(time[2])),
+        TableCell::figure(moves.to_string()),
+        TableCell::figure(format!("{:.2}", length[0] * 1e-3)),
+        TableCell::figure(clock(time[0])),
+        TableCell::figure(clock(time[1])),
+        TableCell::figure(clock(time[2])),
         empty(),
         empty(),
     ]);
@@ -163,10 +163,10 @@ pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
     out.push_str(&axes(input));
     out.push_str(&tools(input));
     if !input.notes.is_empty() {
-        let rows: Vec<Vec<Cell>> = input
+        let rows: Vec<Vec<TableCell>> = input
             .notes
             .iter()
-            .map(|(operation, note)| vec![Cell::words(operation.as_str()), Cell::words(note.as_str())])
+            .map(|(operation, note)| vec![TableCell::words(operation.as_str()), TableCell::words(note.as_str())])
             .collect();
         out.push_str(&table("How the operations were planned", &["operation", "decision"], &rows));
     }
@@ -176,26 +176,30 @@ pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
 /// What each operation takes away and how its tool stands in the stock.
 fn stock(input: &Input<'_>, places: &Places) -> String {
     let Some(stock) = &input.certificate.stock else { return String::new() };
-    let rows: Vec<Vec<Cell>> = stock
+    let rows: Vec<Vec<TableCell>> = stock
         .operations
         .iter()
         .enumerate()
         .map(|(i, o)| {
             let peak = |k: usize, p: &Option<Peak>, scale: f64| {
                 let text = p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.1}", p.value * scale));
-                Cell::figure(text).place(places.stock.get(i).and_then(|p| p[k]))
+                TableCell::figure(text).place(places.stock.get(i).and_then(|p| p[k]))
             };
             vec![
-                Cell::words(o.name.as_str()),
-                Cell::figure(format!("{:.2}", o.removed * 1e-3)),
-                Cell::figure(format!("{:.2}", o.rest * 1e-3)),
-                Cell::figure(clock(o.air)),
-                Cell::figure(format!("{:.1}", o.air_share() * 100.0)),
+                TableCell::words(o.name.as_str()),
+                TableCell::figure(format!("{:.2}", o.removed * 1e-3)),
+                TableCell::figure(format!("{:.2}", o.rest * 1e-3)),
+                TableCell::figure(clock(o.air)),
+                TableCell::figure(format!("{:.1}", o.air_share() * 100.0)),
                 peak(0, &o.depth, 1.0),
                 peak(1, &o.width, 1.0),
                 peak(2, &o.arc, 1.0),
                 peak(3, &o.rate, 60.0),
-                Cell::figure(o.collisions.len().to_string()).class(if o.collisions.is_empty() { "n" } else { "n bad" }),
+                TableCell::figure(o.collisions.len().to_string()).class(if o.collisions.is_empty() {
+                    "n"
+                } else {
+                    "n bad"
+                }),
             ]
         })
         .collect();
@@ -219,7 +223,7 @@ fn stock(input: &Input<'_>, places: &Places) -> String {
 pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
     let mut order: Vec<usize> = (0..input.findings.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(input.findings[*i].severity));
-    let rows: Vec<Vec<Cell>> = order
+    let rows: Vec<Vec<TableCell>> = order
         .into_iter()
         .map(|i| {
             let d = &input.findings[i];
@@ -229,11 +233,11 @@ pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
                 Severity::Remark => ("", "remark"),
             };
             vec![
-                Cell::words(format!("{word} {}", d.code.id())).class(class),
-                Cell::words(d.message.as_str()),
-                Cell::words(d.place.as_ref().map_or_else(String::new, |p| p.what.clone()))
+                TableCell::words(format!("{word} {}", d.code.id())).class(class),
+                TableCell::words(d.message.as_str()),
+                TableCell::words(d.place.as_ref().map_or_else(String::new, |p| p.what.clone()))
                     .place(places.findings.get(i).copied().flatten()),
-                Cell::words(d.help.clone().unwrap_or_default()),
+                TableCell::words(d.help.clone().unwrap_or_default()),
             ]
         })
         .collect();
@@ -241,7 +245,7 @@ pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
 }
 
 fn surfaces(input: &Input<'_>, places: &Places) -> String {
-    let rows: Vec<Vec<Cell>> = input
+    let rows: Vec<Vec<TableCell>> = input
         .certificate
         .surfaces
         .iter()
@@ -252,15 +256,15 @@ fn surfaces(input: &Input<'_>, places: &Places) -> String {
                 if mm >= crate::verify::surface::FAR { "not reached".to_owned() } else { format!("{:.2}", mm * 1e3) }
             };
             vec![
-                Cell::words(s.surface.as_str()),
-                Cell::figure(format!("{:.0}", s.area)),
-                Cell::figure(um(s.gouge.depth)).place(place(0)),
-                Cell::figure(um(s.gouge_bound)),
-                Cell::figure(um(s.excess.value.max(0.0))).place(place(1)),
-                Cell::figure(um(s.excess_bound)),
-                Cell::figure(um(s.percentiles[0])),
-                Cell::figure(um(s.percentiles[1])),
-                Cell::figure(um(s.percentiles[2])),
+                TableCell::words(s.surface.as_str()),
+                TableCell::figure(format!("{:.0}", s.area)),
+                TableCell::figure(um(s.gouge.depth)).place(place(0)),
+                TableCell::figure(um(s.gouge_bound)),
+                TableCell::figure(um(s.excess.value.max(0.0))).place(place(1)),
+                TableCell::figure(um(s.excess_bound)),
+                TableCell::figure(um(s.percentiles[0])),
+                TableCell::figure(um(s.percentiles[1])),
+                TableCell::figure(um(s.percentiles[2])),
             ]
         })
         .collect();
@@ -279,7 +283,7 @@ fn surfaces(input: &Input<'_>, places: &Places) -> String {
 }
 
 fn rest(input: &Input<'_>, places: &Places) -> String {
-    let rows: Vec<Vec<Cell>> = input
+    let rows: Vec<Vec<TableCell>> = input
         .certificate
         .rest
         .iter()
@@ -287,11 +291,11 @@ fn rest(input: &Input<'_>, places: &Places) -> String {
         .map(|(i, r)| {
             let name = input.certificate.operations.get(r.operation as usize).map_or("", |o| o.name.as_str());
             vec![
-                Cell::words(format!("after {name}")),
-                Cell::figure(format!("{:.3}", r.least)),
-                Cell::figure(format!("{:.3}", r.median)),
-                Cell::figure(format!("{:.3}", r.most)).place(places.rest.get(i).copied()),
-                Cell::figure(format!("{:.1}", r.cleared * 100.0)),
+                TableCell::words(format!("after {name}")),
+                TableCell::figure(format!("{:.3}", r.least)),
+                TableCell::figure(format!("{:.3}", r.median)),
+                TableCell::figure(format!("{:.3}", r.most)).place(places.rest.get(i).copied()),
+                TableCell::figure(format!("{:.1}", r.cleared * 100.0)),
             ]
         })
         .collect();
@@ -304,16 +308,16 @@ fn rest(input: &Input<'_>, places: &Places) -> String {
 
 fn axes(input: &Input<'_>) -> String {
     let machine = &input.certificate.machine;
-    let rows: Vec<Vec<Cell>> = machine
+    let rows: Vec<Vec<TableCell>> = machine
         .axes
         .iter()
         .zip(AXIS_UNITS)
         .map(|(a, unit)| {
             vec![
-                Cell::words(format!("{}, {unit}", a.axis)),
-                Cell::figure(format!("{:.3} .. {:.3}", a.used[0], a.used[1])),
-                Cell::figure(format!("{:.1} .. {:.1}", a.travel[0], a.travel[1])),
-                Cell::figure(format!("{:.1}", a.speed_share * 100.0)),
+                TableCell::words(format!("{}, {unit}", a.axis)),
+                TableCell::figure(format!("{:.3} .. {:.3}", a.used[0], a.used[1])),
+                TableCell::figure(format!("{:.1} .. {:.1}", a.travel[0], a.travel[1])),
+                TableCell::figure(format!("{:.1}", a.speed_share * 100.0)),
             ]
         })
         .collect();
@@ -322,19 +326,19 @@ fn axes(input: &Input<'_>) -> String {
 }
 
 fn tools(input: &Input<'_>) -> String {
-    let rows: Vec<Vec<Cell>> = input
+    let rows: Vec<Vec<TableCell>> = input
         .program
         .tools
         .iter()
         .map(|(_, t)| {
             vec![
-                Cell::words(t.name.as_str()),
-                Cell::figure(t.number.to_string()),
-                Cell::words(t.solid.cutter.keyword()),
-                Cell::figure(format!("{:.3}", 2.0 * t.solid.radius())),
-                Cell::figure(t.flutes.to_string()),
-                Cell::figure(format!("{:.1}", t.solid.flute_length)),
-                Cell::figure(format!("{:.1}", t.solid.holder.first().map_or(t.solid.length(), |s| s.from))),
+                TableCell::words(t.name.as_str()),
+                TableCell::figure(t.number.to_string()),
+                TableCell::words(t.solid.cutter.keyword()),
+                TableCell::figure(format!("{:.3}", 2.0 * t.solid.radius())),
+                TableCell::figure(t.flutes.to_string()),
+                TableCell::figure(format!("{:.1}", t.solid.flute_length)),
+                TableCell::figure(format!("{:.1}", t.solid.holder.first().map_or(t.solid.length(), |s| s.from))),
             ]
         })
         .collect();

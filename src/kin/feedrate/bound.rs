@@ -5,7 +5,7 @@
 //! every run, and a larger speed at one end never reduces the allowed speed at the other. One pass forward and one
 //! backward therefore give the largest y at every knot, and from it the least time.
 
-use super::path::Span;
+use super::path::PathSpan;
 use super::{AXES, Limits};
 
 /// An axis over a span: largest and least |q'|, and the upper bound of the change of z.
@@ -15,7 +15,7 @@ struct Axis {
     change: f64,
 }
 
-fn axis(span: &Span, k: usize, limits: &Limits) -> Axis {
+fn axis(span: &PathSpan, k: usize, limits: &Limits) -> Axis {
     let r = span.rate.map(|r| r[k]);
     let least = if r.iter().all(|x| *x > 0.0) || r.iter().all(|x| *x < 0.0) {
         r.iter().fold(f64::INFINITY, |m, x| m.min(x.abs()))
@@ -29,7 +29,7 @@ fn axis(span: &Span, k: usize, limits: &Limits) -> Axis {
 }
 
 /// Largest y at the other end of a span for a y at this end.
-fn reached(span: &Span, limits: &Limits, y: f64, backward: bool) -> f64 {
+fn reached(span: &PathSpan, limits: &Limits, y: f64, backward: bool) -> f64 {
     let (from, to) = if backward { (2, 0) } else { (0, 2) };
     (0..AXES)
         .map(|k| {
@@ -41,7 +41,7 @@ fn reached(span: &Span, limits: &Limits, y: f64, backward: bool) -> f64 {
 }
 
 /// Least time over a span between two upper bounds of y.
-fn span_time(span: &Span, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 {
+fn span_time(span: &PathSpan, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 {
     let mut most = 0.0_f64;
     let fastest = |k: usize| limits.speed[k] / axis(span, k, limits).least;
     let cap = (0..AXES).map(|k| fastest(k).powi(2)).fold(cap, f64::min);
@@ -68,10 +68,10 @@ fn span_time(span: &Span, limits: &Limits, cap: f64, from: f64, to: f64) -> f64 
 }
 
 /// The least time; `caps` are the largest y of each span by process feed.
-pub(super) fn least_time(spans: &[Span], limits: &Limits, caps: &[f64]) -> f64 {
+pub(super) fn least_time(spans: &[PathSpan], limits: &Limits, caps: &[f64]) -> f64 {
     let n = spans.len();
     let pointwise = |i: usize| {
-        let own = |span: &Span, end: usize| {
+        let own = |span: &PathSpan, end: usize| {
             (0..AXES).map(|k| limits.speed[k] / span.rate[end][k].abs()).fold(f64::INFINITY, f64::min).powi(2)
         };
         if i < n { own(&spans[i], 0).min(caps[i]) } else { f64::INFINITY }.min(if i > 0 {

@@ -21,7 +21,7 @@ mod path;
 pub mod ramp;
 
 use jerk::{Bounds, Rows};
-use path::{Path, Span};
+use path::{PathSpan, SpeedPath};
 use ramp::{Creep, Even, Most, Ramp};
 use rayon::prelude::*;
 
@@ -111,15 +111,15 @@ pub struct Profile {
 
 /// The spans of a run as rows of the jerk.
 struct SpanRows<'a> {
-    spans: &'a [Span],
+    spans: &'a [PathSpan],
     limits: &'a Limits,
     /// For each span and axis the largest |q'|, |q''| and |q'''|.
     most: Vec<Most>,
 }
 
 impl<'a> SpanRows<'a> {
-    fn new(spans: &'a [Span], limits: &'a Limits) -> Self {
-        let most = |s: &Span| {
+    fn new(spans: &'a [PathSpan], limits: &'a Limits) -> Self {
+        let most = |s: &PathSpan| {
             let bends: [[f64; 2]; AXES] = std::array::from_fn(|k| s.bend(k));
             [
                 std::array::from_fn(|k| s.most_rate(k)),
@@ -176,7 +176,7 @@ impl Rows for SpanRows<'_> {
 }
 
 /// Square of the largest rate of the parameter in a span, by process feed and axis speeds.
-fn cap(span: &Span, feed: f64, speed: &Axes) -> f64 {
+fn cap(span: &PathSpan, feed: f64, speed: &Axes) -> f64 {
     (0..AXES).map(|k| speed[k] / span.most_rate(k)).fold(feed, f64::min).powi(2)
 }
 
@@ -187,15 +187,15 @@ fn knot_caps(caps: &[f64]) -> Vec<f64> {
 }
 
 /// Knots with the spans between them.
-struct Grid {
+struct SpeedGrid {
     knots: Vec<(f64, u32)>,
-    spans: Vec<Span>,
+    spans: Vec<PathSpan>,
     caps: Vec<f64>,
 }
 
-impl Grid {
-    fn new(path: &Path, knots: Vec<(f64, u32)>, speed: &Axes) -> Self {
-        let spans: Vec<Span> =
+impl SpeedGrid {
+    fn new(path: &SpeedPath, knots: Vec<(f64, u32)>, speed: &Axes) -> Self {
+        let spans: Vec<PathSpan> =
             knots.par_windows(2).with_min_len(CHUNK).map(|pair| path.span(pair[1].1, pair[0].0, pair[1].0)).collect();
         let caps = spans.iter().zip(&knots[1..]).map(|(s, k)| cap(s, path.rate[k.1 as usize], speed)).collect();
         Self { knots, spans, caps }
@@ -207,7 +207,7 @@ impl Grid {
 
     /// The knots with the additional knots for changes of speed, and these changes.
     fn resolved(&self, y: &[f64], limits: &Limits) -> (Vec<(f64, u32)>, Vec<Ramp>) {
-        let even = |(span, cap): (&Span, &f64)| {
+        let even = |(span, cap): (&PathSpan, &f64)| {
             let least = |most: &Axes| (0..AXES).map(|k| most[k] / span.most_rate(k)).fold(f64::INFINITY, f64::min);
             Even { cap: *cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
         };
@@ -262,15 +262,15 @@ pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profi
 
 /// Plans the run through stations that all differ from their predecessors.
 fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usize, profile: &mut Profile) {
-    let path = Path::new(stations, &limits.acceleration, rounding);
-    let mut grid = Grid::new(&path, path.knots(), &limits.speed);
+    let path = SpeedPath::new(stations, &limits.acceleration, rounding);
+    let mut grid = SpeedGrid::new(&path, path.knots(), &limits.speed);
     let limited = limits.jerk.iter().any(|j| j.is_finite());
     if limited {
         grid.keep_steady(limits);
     }
     let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
     let (knots, ramps) = grid.resolved(&y, limits);
-    grid = Grid::new(&path, knots, &limits.speed);
+    grid = SpeedGrid::new(&path, knots, &limits.speed);
     if limited {
         grid.keep_steady(limits);
     }
@@ -299,7 +299,14 @@ fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usi
 }
 
 /// The run within the jerk: adds its legs; returns length and time of its start from rest and of its end to rest.
-fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, legs: &mut Vec<Leg>) -> [[f64; 2]; 2] {
+fn smooth(
+    path: &SpeedPath,
+    grid: SpeedGrid,
+    y: &[f64],
+    ramps: &[Ramp],
+    limits: &Limits,
+    legs: &mut Vec<Leg>,
+) -> [[f64; 2]; 2] {
     let n = grid.spans.len();
     // Both spans at a knot share its upper bound.
     let caps = knot_caps(&grid.caps);
@@ -336,8 +343,8 @@ fn smooth(path: &Path, grid: Grid, y: &[f64], ramps: &[Ramp], limits: &Limits, l
 }
 
 /// Computes times, speeds and shares of legs.
-fn settle(legs: &[Leg], limits: &Limits, path: &Path, first: usize, profile: &mut Profile) {
-    let spans: Vec<Span> = legs.iter().map(|l| path.span(l.segment, l.from, l.from + l.width)).collect();
+fn settle(legs: &[Leg], limits: &Limits, path: &SpeedPath, first: usize, profile: &mut Profile) {
+    let spans: Vec<PathSpan> = legs.iter().map(|l| path.span(l.segment, l.from, l.from + l.width)).collect();
     let rows = SpanRows::new(&spans, limits);
     for segment in &mut profile.segments[first + 1..first + path.at.len()] {
         *segment = Segment { time: 0.0, share: 0.0 };

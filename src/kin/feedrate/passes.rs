@@ -5,11 +5,11 @@
 //! half-planes of (y at the start, y at the end) per axis. The backward pass finds the largest y at each knot from
 //! which the end can be reached; the forward pass takes the largest y below these values.
 
-use super::path::Span;
+use super::path::PathSpan;
 use super::{AXES, Axes};
 
 /// Coefficients of y at start and end of the span in the Bernstein coefficients of the acceleration of an axis.
-fn rows(span: &Span, k: usize) -> [[f64; 2]; 3] {
+fn rows(span: &PathSpan, k: usize) -> [[f64; 2]; 3] {
     let [start, end] = span.bend(k);
     let [a, b, c] = span.rate.map(|r| 0.5 * r[k] / span.width);
     [[start - a, a], [0.5 * end - b, 0.5 * start + b], [-c, end + c]]
@@ -23,7 +23,7 @@ struct Edge {
 }
 
 /// Largest and least y at the end of a span for a y at its start, with the half-planes that limit them.
-fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
+fn ends(span: &PathSpan, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
     let mut upper = (most, Edge { offset: most, slope: 0.0 });
     let mut lower = (0.0, Edge { offset: 0.0, slope: 0.0 });
     for (k, limit) in limit.iter().enumerate() {
@@ -46,7 +46,7 @@ fn ends(span: &Span, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
 }
 
 /// Largest y at the start of a span, up to `cap`, from which some y up to `most` at its end can be reached.
-fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
+fn controllable(span: &PathSpan, limit: &Axes, cap: f64, most: f64) -> f64 {
     let mut y = cap;
     // Half-planes that do not depend on the end.
     for (k, limit) in limit.iter().enumerate() {
@@ -75,7 +75,7 @@ fn controllable(span: &Span, limit: &Axes, cap: f64, most: f64) -> f64 {
 }
 
 /// Largest y at every knot, zero at both ends; `cap` is the largest y at each knot.
-pub(super) fn run(spans: &[Span], limit: &Axes, cap: &[f64]) -> Vec<f64> {
+pub(super) fn run(spans: &[PathSpan], limit: &Axes, cap: &[f64]) -> Vec<f64> {
     let mut y = cap.to_vec();
     if let Some(last) = y.last_mut() {
         *last = 0.0;

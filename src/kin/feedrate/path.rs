@@ -15,7 +15,7 @@ const SAME_KNOT: f64 = 1e-9;
 /// deviates from the corner by |D| l/6. Where segments differ in length, the integrated path deviates from the polygon
 /// by up to |D| (r - l)/3. This is less than the deviation of the chords from the curve that they represent; only the
 /// derivatives of the path are used.
-pub(super) struct Path {
+pub(super) struct SpeedPath {
     /// Parameter of every station.
     pub(super) at: Vec<f64>,
     /// Derivative of the joints on the segment that ends at a station; the first is unused.
@@ -28,7 +28,7 @@ pub(super) struct Path {
 
 /// Derivatives of the joints over a span of the path, in which the joints are polynomials.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub(super) struct PathSpan {
     /// Length of the parameter.
     pub(super) width: f64,
     /// Bernstein coefficients of the first derivative, which is quadratic.
@@ -39,7 +39,7 @@ pub(super) struct Span {
     twist: Axes,
 }
 
-impl Span {
+impl PathSpan {
     /// Second derivative at both ends.
     pub(super) fn bend(&self, k: usize) -> [f64; 2] {
         [self.bend[0][k], self.bend[1][k]]
@@ -60,7 +60,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-impl Path {
+impl SpeedPath {
     /// The path through stations that differ from their predecessors; `weight` divides each axis in the length.
     pub(super) fn new(stations: &[Station], weight: &Axes, rounding: &Rounding) -> Self {
         let n = stations.len();
@@ -141,11 +141,11 @@ impl Path {
     }
 
     /// The span between two places of one segment, without a knot between them.
-    pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> Span {
+    pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> PathSpan {
         let (width, inside) = (to - from, 0.5 * (from + to));
         let [start, bend, twist] = self.derivatives(segment as usize, from, inside);
         let [end, last, _] = self.derivatives(segment as usize, to, inside);
         let middle = std::array::from_fn(|k| start[k] + 0.5 * width * bend[k]);
-        Span { width, rate: [start, middle, end], bend: [bend, last], twist }
+        PathSpan { width, rate: [start, middle, end], bend: [bend, last], twist }
     }
 }

@@ -50,13 +50,13 @@ const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
 pub(crate) type Blocked = (Point3<f64>, Vector3<f64>);
 
 /// Ball centres of a pass, the length of the path to each, and the lengths at which axes are chosen.
-struct Way {
+struct PassWay {
     centres: Vec<Point3<f64>>,
     table: Vec<f64>,
     stops: Vec<f64>,
 }
 
-impl Way {
+impl PassWay {
     fn new(pass: &ClPass, radius: f64, step: f64) -> Self {
         let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
         let table = lengths(&centres);
@@ -96,19 +96,19 @@ impl Way {
 }
 
 /// Stations of a pass with their candidates.
-struct Stations {
-    way: Way,
+struct WayStations {
+    way: PassWay,
     /// Clear axes of each station; empty where no axis is clear.
     candidates: Vec<Vec<Candidate>>,
     /// The direction of the channel at each station.
     middles: Vec<Vector3<f64>>,
 }
 
-impl Stations {
+impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Self {
         let radius = room.radius();
-        let way = Way::new(pass, radius, STEP);
+        let way = PassWay::new(pass, radius, STEP);
         let middles: Vec<Vector3<f64>> =
             way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
         let stops = way.stops.iter().zip(&middles);
@@ -162,9 +162,9 @@ pub(crate) fn shortest(
     passes: &[ClPass],
     work: &Work,
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
-    let looked: Vec<Option<Stations>> = passes
+    let looked: Vec<Option<WayStations>> = passes
         .par_iter()
-        .map(|pass| work.step((pass.points.len() > 1).then(|| Stations::new(room, machine, pass))))
+        .map(|pass| work.step((pass.points.len() > 1).then(|| WayStations::new(room, machine, pass))))
         .collect();
     let costs = Costs {
         speed: machine.speeds(),
@@ -180,7 +180,7 @@ pub(crate) fn shortest(
             continue;
         };
         stations.lean_towards(&machine.chain, &chosen);
-        let Stations { way, candidates, middles } = &stations;
+        let WayStations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {
                 // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
@@ -208,7 +208,7 @@ pub(crate) fn greedy_axes(
     passes: &[ClPass],
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let radius = room.radius();
-    let ways: Vec<Way> = passes.iter().map(|pass| Way::new(pass, radius, CONTACTS)).collect();
+    let ways: Vec<PassWay> = passes.iter().map(|pass| PassWay::new(pass, radius, CONTACTS)).collect();
     let (bends, mean) = curvatures(planned, &ways);
     let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
         .par_iter()
@@ -260,14 +260,14 @@ pub(crate) fn greedy_axes(
     if !faults.is_empty() {
         return Err(faults);
     }
-    let points = |((way, pass), row): ((&Way, &ClPass), &Vec<Vector3<f64>>)| {
+    let points = |((way, pass), row): ((&PassWay, &ClPass), &Vec<Vector3<f64>>)| {
         way.between(chain, pass, &rotary(chain, row.iter().copied()), radius)
     };
     Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
 }
 
 /// Mean curvature at every stop of every pass, and the mean of the absolute values.
-fn curvatures(planned: &[CcPass], ways: &[Way]) -> (Vec<Vec<Option<f64>>>, f64) {
+fn curvatures(planned: &[CcPass], ways: &[PassWay]) -> (Vec<Vec<Option<f64>>>, f64) {
     let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
     // Azimuths count from the first contact: a channel spans less than half a turn.
     let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| libm::atan2(p.position.y, p.position.x));

@@ -16,21 +16,21 @@ use crate::passes::context::{
     PassContext, STATIONS,
     limits::{check_fillet, check_points},
 };
-use crate::passes::lines::{self, Direction, Ground, Lines, METRIC_STATIONS, constant_scallop, scallop};
+use crate::passes::lines::{self, Direction, Ground, LaidLines, METRIC_STATIONS, constant_scallop, scallop};
 use nalgebra::Vector2;
 
 /// Contacts with the hub of the ball that rolls in the fillet: (u of the hub, azimuth), ascending in u.
 type Contact = Vec<[f64; 2]>;
 
 /// The machined surface: the hub of channel 0 between the two lines where the ball leaves the fillets.
-struct Floor<'a> {
+struct ChannelFloor<'a> {
     part: &'a Part,
     /// Radius of the ball of the tool.
     radius: f64,
     walls: [Contact; 2],
 }
 
-impl Floor<'_> {
+impl ChannelFloor<'_> {
     /// Azimuth of the first wall, and the angle from it to the second.
     fn walls(&self, u: f64) -> (f64, f64) {
         let a = azimuth(&self.walls[0], u);
@@ -50,7 +50,7 @@ impl Floor<'_> {
     }
 }
 
-impl Ground for Floor<'_> {
+impl Ground for ChannelFloor<'_> {
     fn name(&self) -> String {
         "channel".to_owned()
     }
@@ -120,11 +120,11 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         );
         return Err(Aborted);
     };
-    let floor = Floor { part, radius, walls: [first, second] };
+    let floor = ChannelFloor { part, radius, walls: [first, second] };
     check_fit(cx, operation, &floor)?;
     let speed = [0.0, 1.0].map(|u| part.hub.meridian(u).first.norm());
     let directions = lines::directions(operation, radius, speed, order);
-    let Lines { mut lines, notes } = match spacing {
+    let LaidLines { mut lines, notes } = match spacing {
         Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), &directions)?,
         Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
     };
@@ -167,7 +167,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
 }
 
 /// Refuses a ball that is too big for the fillets or for the space between them.
-fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &Floor<'_>) -> Result<(), Aborted> {
+fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &ChannelFloor<'_>) -> Result<(), Aborted> {
     let part = floor.part;
     let tool = &cx.program.tools[operation.tool];
     check_fillet(cx, operation, ["this operation goes up to the fillets", "this ball would cut into the vanes there"])?;
@@ -210,7 +210,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let fits = |radius: f64| {
         let walls = contact(part, ahead, radius).zip(contact(part, behind, radius));
         walls.is_some_and(|(first, second)| {
-            let floor = Floor { part, radius, walls: [first, second] };
+            let floor = ChannelFloor { part, radius, walls: [first, second] };
             -sharpest * radius < 1.0 && stations().all(|u| floor.walls(u).1 > 0.0)
         })
     };
@@ -237,10 +237,10 @@ fn what_would_do(part: &Part, below: f64) -> String {
 fn equal_division(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    floor: &Floor<'_>,
+    floor: &ChannelFloor<'_>,
     height: f64,
     directions: &[Direction; 2],
-) -> Result<Lines, Aborted> {
+) -> Result<LaidLines, Aborted> {
     let grid = &directions[0].grid;
     let (part, radius) = (floor.part, floor.radius);
     let [first, second] = &floor.walls;
@@ -288,7 +288,7 @@ fn equal_division(
         place.2,
         scallop::formula_9_step(radius, height)
     )];
-    Ok(Lines { lines, notes })
+    Ok(LaidLines { lines, notes })
 }
 
 /// Contact line of the ball that rolls between the hub and a face of sector 0.

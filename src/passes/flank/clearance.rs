@@ -42,7 +42,7 @@ pub(crate) struct Clearances<'a> {
 }
 
 /// Result of a check of a path.
-pub(crate) struct Found {
+pub(crate) struct ClearanceCheck {
     /// True where all clearances and the travel are kept.
     pub(crate) kept: bool,
     /// Points near their limit, as bounds.
@@ -79,7 +79,7 @@ impl<'a> Clearances<'a> {
 
     /// Points near shank and holder along a path, and stations where the tilt of the axis is near the travel of rotary
     /// axis 1.
-    pub(crate) fn found(&self, path: &DualCurve) -> Found {
+    pub(crate) fn found(&self, path: &DualCurve) -> ClearanceCheck {
         let station = |i: usize| {
             let t = i as f64 / LOOKS as f64;
             let at = path.at(t);
@@ -96,6 +96,6 @@ impl<'a> Clearances<'a> {
             bodies.chain(lean).collect::<Vec<_>>()
         };
         let found: Vec<(f64, Target)> = (0..=LOOKS).into_par_iter().flat_map_iter(station).collect();
-        Found { kept: found.iter().all(|x| x.0 >= 0.0), near: found.into_iter().map(|x| x.1).collect() }
+        ClearanceCheck { kept: found.iter().all(|x| x.0 >= 0.0), near: found.into_iter().map(|x| x.1).collect() }
     }
 }

@@ -6,8 +6,8 @@
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
 use super::refusals::{MOST_STRIPS, NEARLY, fitting, lacking, never, no_ball};
-use super::sweep::{self, NO_LACK, Sweep, Task};
-use crate::analysis::flank::{self, Band, LEAVE, Surroundings, Worst};
+use super::sweep::{self, NO_LACK, StripPath, StripTask};
+use crate::analysis::flank::{self, Band, LEAVE, Surroundings, WorstError};
 use crate::collide::Cutter;
 use crate::diag::Aborted;
 use crate::geom::DualCurve;
@@ -34,7 +34,7 @@ struct Planned {
     side: FaceId,
     strip: u32,
     points: Vec<CcPoint>,
-    sweep: Option<Sweep>,
+    sweep: Option<StripPath>,
 }
 
 /// Plans a flank operation.
@@ -62,11 +62,11 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
 /// Strips of one face.
 enum Bands {
     /// Their paths, from the root. With a number of strips from the job, paths may violate the bounds.
-    Found(Vec<Sweep>),
+    Found(Vec<StripPath>),
     /// Even the largest number of strips violates the bounds.
     Never {
         /// The largest error with the largest number of strips.
-        worst: Worst,
+        worst: WorstError,
         /// The error that the bounds allow on each side, mm.
         needed: f64,
         /// For numbers of strips the largest cutter that keeps the bounds, as a share of its size.
@@ -86,7 +86,7 @@ pub fn axis_paths(
     let operation = &program.operations[id];
     let OperationKind::Flank { flank, .. } = operation.kind else { return None };
     let progress = &Progress::default();
-    let task = Task { progress, program, operation: id, choices: flank, obstacles };
+    let task = StripTask { progress, program, operation: id, choices: flank, obstacles };
     match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
         Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
         Bands::Never { .. } => None,
@@ -94,9 +94,9 @@ pub fn axis_paths(
 }
 
 /// The paths of the strips of a face. `None` where no ball rolls along the root.
-fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
-    let sweeps = |bands: &[(Band<'_>, Worst)]| {
-        bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<Sweep>>>()
+fn bands(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
+    let sweeps = |bands: &[(Band<'_>, WorstError)]| {
+        bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<StripPath>>>()
     };
     let room = task.room(SurfaceKind::Face(side), side);
     // One strip where no contract requires anything.
@@ -116,7 +116,7 @@ fn bands(task: &Task<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutte
     };
     let mut last: Option<(u32, f64)> = None;
     // Strips that keep the bounds but violate clearances or travel, and the violation.
-    let mut crowded: Option<(Vec<Sweep>, f64)> = None;
+    let mut crowded: Option<(Vec<StripPath>, f64)> = None;
     for strips in 1..=MOST_STRIPS {
         if last.is_some_and(|last| !may(last, strips)) {
             continue;
@@ -166,7 +166,7 @@ fn optimised(
     let program = cx.program;
     let tool = &program.tools[operation.tool];
     let around = Surroundings::new(&program.part);
-    let task = Task { progress: cx.progress, program, operation: id, choices, obstacles: cx.obstacles };
+    let task = StripTask { progress: cx.progress, program, operation: id, choices, obstacles: cx.obstacles };
     let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
     let found: Vec<Option<Bands>> =
         faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();
@@ -223,7 +223,7 @@ fn optimised(
 }
 
 /// Contact stations of an optimised strip, with the ends of both leads.
-fn stations(part: &Part, side: FaceId, sweep: &Sweep) -> Vec<CcPoint> {
+fn stations(part: &Part, side: FaceId, sweep: &StripPath) -> Vec<CcPoint> {
     let face = part.face(side);
     let at = |t: f64| {
         let tip = sweep.path.at(t).lower;

@@ -1,7 +1,7 @@
 //! What flank milling refuses, with what would do.
 
-use super::sweep::Task;
-use crate::analysis::flank::{self, Surroundings, Worst};
+use super::sweep::StripTask;
+use crate::analysis::flank::{self, Surroundings, WorstError};
 use crate::analysis::flank_room::{SLACK, kept};
 use crate::collide::Cutter;
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -49,7 +49,7 @@ pub(crate) fn never(
     cx: &mut PassContext<'_>,
     operation: &Operation,
     side: FaceId,
-    worst: &Worst,
+    worst: &WorstError,
     needed: f64,
     fitting: &[(u32, Option<f64>)],
 ) {
@@ -87,7 +87,7 @@ pub(crate) fn never(
 pub(crate) fn lacking(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    task: &Task<'_>,
+    task: &StripTask<'_>,
     around: &Surroundings<'_>,
     side: FaceId,
     strips: u32,

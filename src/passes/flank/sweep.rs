@@ -43,7 +43,7 @@ const REACH: f64 = 3.0;
 
 /// The axis path of a strip.
 #[derive(Clone, Debug)]
-pub(crate) struct Sweep {
+pub(crate) struct StripPath {
     /// Path of the tip, and of a point of the axis further up.
     pub(crate) path: DualCurve,
     /// Contacts on the lower edge of the strip: parameter of the path, (u, v) of the face; ascending.
@@ -63,7 +63,7 @@ pub(crate) struct Sweep {
 }
 
 /// Input of the optimisation of a strip.
-pub(crate) struct Task<'a> {
+pub(crate) struct StripTask<'a> {
     /// Knows whether the run was cancelled.
     pub(crate) progress: &'a Progress,
     pub(crate) program: &'a Program,
@@ -74,7 +74,7 @@ pub(crate) struct Task<'a> {
 
 /// Density of the last check of a path.
 #[derive(Clone, Copy, PartialEq)]
-enum Look {
+enum LastLook {
     /// Between the points of the search.
     Between,
     /// On crests as well, which arise where the envelope folds. A path that is shifted along itself comes near to that.
@@ -82,7 +82,7 @@ enum Look {
 }
 
 /// Points that bound a path.
-struct Points {
+struct StripPoints {
     /// Points in the constraints of the programs.
     looked_at: Vec<Target>,
     /// Points among which violations are searched.
@@ -91,7 +91,7 @@ struct Points {
     dense: Vec<(Target, Placed)>,
 }
 
-impl Task<'_> {
+impl StripTask<'_> {
     /// Deviations that the contracts leave to the plan on a surface.
     pub(crate) fn room(&self, kind: SurfaceKind, side: FaceId) -> Option<[f64; 2]> {
         room(self.program, self.operation, self.choices.side, kind, side)
@@ -102,7 +102,7 @@ impl Task<'_> {
     /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
     /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
     /// Twisted faces give little room to lean along them: of the height of a band with its square.
-    pub(crate) fn sweep(&self, band: &Band<'_>) -> Option<Sweep> {
+    pub(crate) fn sweep(&self, band: &Band<'_>) -> Option<StripPath> {
         if self.progress.is_cancelled() {
             return None;
         }
@@ -128,7 +128,7 @@ impl Task<'_> {
             self.giving(target, placed, band)
         };
         let dense = band.near(&start, band.targets(DENSE), |p| p.target);
-        let mut points = Points {
+        let mut points = StripPoints {
             looked_at: coarse.iter().map(bounded).collect(),
             all: fine.iter().map(bounded).collect(),
             dense: dense.iter().map(|p| (bounded(p), *p)).collect(),
@@ -136,12 +136,12 @@ impl Task<'_> {
         let clearances = Clearances::new(self.program, self.operation, self.obstacles);
         let tool = Mounted { body: clearances.body(), ..band.tool() };
         let start = least.clone().map_or(start, |l| l.0);
-        let (path, lacks, _) = self.within_bounds(start, band, &tool, &bounded, &mut points, Look::Between);
+        let (path, lacks, _) = self.within_bounds(start, band, &tool, &bounded, &mut points, LastLook::Between);
         let mut clear = || {
             self.cleared(&path, &clearances, |path, near| {
                 points.looked_at.extend(near);
                 points.all.extend(near);
-                self.within_bounds(path, band, &tool, &bounded, &mut points, Look::OnCrests)
+                self.within_bounds(path, band, &tool, &bounded, &mut points, LastLook::OnCrests)
             })
         };
         let (path, crowded) = match if lacks > NO_LACK { Ok(path.clone()) } else { clear() } {
@@ -166,7 +166,7 @@ impl Task<'_> {
         let length = [operation.lead_in.get(), operation.lead_out.get()];
         let (directions, blocked) = leads(band, &path, length, &points.all, &clearances);
         let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
-        Some(Sweep { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
+        Some(StripPath { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
     }
 
     /// A path near `path` that keeps shank, holder and travel within their limits; else the violation, mm. `within`
@@ -201,8 +201,8 @@ impl Task<'_> {
         band: &Band<'_>,
         tool: &Mounted<'_>,
         bounded: &impl Fn(&Placed) -> Target,
-        points: &mut Points,
-        look: Look,
+        points: &mut StripPoints,
+        look: LastLook,
     ) -> (DualCurve, f64, f64) {
         let mut lacks = 0.0;
         let mut broken = Vec::new();
@@ -243,7 +243,7 @@ impl Task<'_> {
                 near.sort_by(|a, b| b.0.total_cmp(&a.0));
                 let crests: Vec<Placed> = near.iter().take(CRESTS).map(|x| x.1.1).collect();
                 let mut finer: Vec<Target> = near.iter().map(|x| x.1.0).collect();
-                if look == Look::OnCrests {
+                if look == LastLook::OnCrests {
                     finer.extend(band.about(&crests, DENSE).iter().map(bounded));
                 }
                 broken = broken_of(&finer);

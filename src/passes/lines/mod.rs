@@ -61,7 +61,7 @@ pub(crate) trait Ground: Sync {
     fn metric(&self, height: f64) -> BandMetric;
 
     /// Highest measured ridge between lines; `None` where the metric is exact enough.
-    fn highest_ridge(&self, _lines: &[Line]) -> Option<f64> {
+    fn highest_ridge(&self, _lines: &[SurfaceLine]) -> Option<f64> {
         None
     }
 
@@ -70,7 +70,7 @@ pub(crate) trait Ground: Sync {
 }
 
 /// A line on a surface.
-pub(crate) struct Line {
+pub(crate) struct SurfaceLine {
     /// Contacts on the surface, on the leads and on the arcs.
     points: Vec<CcPoint>,
     /// Contacts on the surface with their x, ascending.
@@ -79,7 +79,7 @@ pub(crate) struct Line {
     partial: bool,
 }
 
-impl Line {
+impl SurfaceLine {
     /// A line of contacts on the surface only, by ascending x.
     pub(crate) fn whole(on_surface: Vec<(f64, CcPoint)>) -> Self {
         Self { points: Vec::new(), on_surface, partial: false }
@@ -92,7 +92,7 @@ impl Line {
 }
 
 /// Lines over a surface in sector 0, with notes for the report.
-pub(crate) struct Lines {
+pub(crate) struct LaidLines {
     pub(crate) lines: Vec<Vec<CcPoint>>,
     pub(crate) notes: Vec<String>,
 }
@@ -150,14 +150,14 @@ pub(crate) fn constant_scallop(
     radius: f64,
     height: f64,
     directions: &[Direction; 2],
-) -> Result<Lines, Aborted> {
+) -> Result<LaidLines, Aborted> {
     let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
         let lines = lay(cx, operation, ground, radius, planned, directions)?;
         let ridge = ground.highest_ridge(&lines);
         Ok((lines, ridge))
     })?;
-    let length: f64 = lines.iter().map(Line::length).sum();
+    let length: f64 = lines.iter().map(SurfaceLine::length).sum();
     let least = ground.least_length(height);
     let partial = lines.iter().filter(|l| l.partial).count();
     let name = ground.name();
@@ -177,7 +177,7 @@ pub(crate) fn constant_scallop(
         ]
     };
     notes.extend(ridge.filter(|_| count > 1).map(|r| format!("highest ridge between lines {r:.4} mm")));
-    Ok(Lines { lines: lines.into_iter().map(|l| l.points).collect(), notes })
+    Ok(LaidLines { lines: lines.into_iter().map(|l| l.points).collect(), notes })
 }
 
 /// Lays lines for ridges of a height, measures the highest ridge, and repeats with another height until the ridge has
@@ -214,7 +214,7 @@ fn lay(
     radius: f64,
     planned: f64,
     directions: &[Direction; 2],
-) -> Result<Vec<Line>, Aborted> {
+) -> Result<Vec<SurfaceLine>, Aborted> {
     cx.go_on()?;
     let grid = &directions[0].grid;
     let metric = ground.metric(planned);
@@ -274,7 +274,7 @@ fn line(
     (j, track): (usize, &Track),
     arcs: [f64; 2],
     grid: &[f64],
-) -> Line {
+) -> SurfaceLine {
     let last = tracks.len() - 1;
     // A station very close to an end would give its piece an arbitrary direction.
     let apart = 0.5 / STATIONS as f64;
@@ -324,5 +324,5 @@ fn line(
     if to.is_finite() && arcs[1] > 0.0 {
         points.extend(arc(to, arcs[1], 1.0).map(lifted));
     }
-    Line { points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
+    SurfaceLine { points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
 }

@@ -130,7 +130,7 @@ fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
 
 /// A place on a pass, with rotary angles that do not jump.
 #[derive(Clone, Copy)]
-struct Station {
+struct PathPoint {
     point: ClPoint,
     rotary: Angles,
     /// False for stations inserted between the planned ones.
@@ -139,11 +139,11 @@ struct Station {
 
 /// Stations of a pass, dense enough that two of them bound a step of the stock. Between planned stations the machine
 /// moves the tip straight and both rotary angles evenly.
-fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
-    let mut found: Vec<Station> = Vec::with_capacity(pass.points.len());
+fn stations(machine: &Machine, pass: &ClPass) -> Vec<PathPoint> {
+    let mut found: Vec<PathPoint> = Vec::with_capacity(pass.points.len());
     for point in &pass.points {
         let before = found.last().map_or(0.0, |s| s.rotary[1]);
-        let to = Station { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
+        let to = PathPoint { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
             let turn = machine.turn(from.rotary, to.rotary);
@@ -153,7 +153,7 @@ fn stations(machine: &Machine, pass: &ClPass) -> Vec<Station> {
                 let rotary = between(from.rotary, to.rotary, t);
                 let axis = machine.chain.tool_axis(rotary);
                 let point = ClPoint { tip: from.point.tip + way * t, axis, contact: None };
-                Station { point, rotary, planned: false }
+                PathPoint { point, rotary, planned: false }
             }));
         }
         found.push(to);
@@ -174,7 +174,7 @@ fn steps<'a>(
         .enumerate()
         .flat_map(move |(i, pass)| {
             let stations = stations(machine, pass);
-            let pairs: Vec<(usize, [Station; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
+            let pairs: Vec<(usize, [PathPoint; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
             pairs
         })
         .enumerate()
@@ -257,7 +257,7 @@ fn leaves_along_axis(solid: &ToolSolid) -> bool {
 }
 
 /// Length of the path of the tip, mm.
-fn way(stations: &[Station]) -> f64 {
+fn way(stations: &[PathPoint]) -> f64 {
     stations.windows(2).map(|w| (w[1].point.tip - w[0].point.tip).norm()).sum()
 }
 
@@ -272,7 +272,7 @@ struct Ways<'a> {
 
 impl Ways<'_> {
     /// Parts of a pass that remain, by their first and last station; `cuts` is true for each step that cuts.
-    fn runs(&self, stations: &[Station], cuts: &[bool]) -> Vec<Range<usize>> {
+    fn runs(&self, stations: &[PathPoint], cuts: &[bool]) -> Vec<Range<usize>> {
         let last = cuts.len();
         if self.whole {
             return if cuts.contains(&true) { std::iter::once(0..last).collect() } else { Vec::new() };
@@ -300,7 +300,7 @@ impl Ways<'_> {
     }
 
     /// True when the link over the clearance sphere takes less time than the cut between two stations.
-    fn pays(&self, stations: &[Station], gap: Range<usize>) -> bool {
+    fn pays(&self, stations: &[PathPoint], gap: Range<usize>) -> bool {
         let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
         let [out, back] = [from, to].map(|p| self.sphere.exit(&p.tip, &p.axis));
         let over = self.sphere.way(&(from.tip + from.axis * out), &(to.tip + to.axis * back));

@@ -11,7 +11,7 @@ use crate::part::{
     chart::{Chart, Shape},
 };
 use crate::passes::context::Lean;
-use crate::passes::lines::{Ground, Line, METRIC_STATIONS};
+use crate::passes::lines::{Ground, METRIC_STATIONS, SurfaceLine};
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
@@ -138,7 +138,7 @@ const RIDGES: usize = 8;
 const WINDOW: f64 = 0.06;
 
 /// A contact with its x on the surface, and the tool there.
-struct Pose {
+struct CutterPose {
     x: f64,
     contact: Point3<f64>,
     tip: Point3<f64>,
@@ -160,24 +160,24 @@ fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 /// Poses of a line near a place.
-fn around(line: &[Pose], x: f64) -> Option<&[Pose]> {
+fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
     let from = line.partition_point(|p| p.x < x - WINDOW);
     let to = line.partition_point(|p| p.x <= x + WINDOW);
     (from < to).then(|| &line[from..to])
 }
 
 impl VaneGround<'_> {
-    fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<Pose> {
+    fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<CutterPose> {
         let axis = self.axes.axis(self.chart.kind, p.u, p.v, Lean::Away(nominal_tilt(&self.cutter)));
         let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
-        Some(Pose { x: *x, contact: p.position, tip, axis })
+        Some(CutterPose { x: *x, contact: p.position, tip, axis })
     }
 
     /// Height that poses leave at a point: the least distance of each line, with a parabola between its poses.
-    fn left_at(&self, lines: &[&[Pose]], p: &Point3<f64>) -> f64 {
+    fn left_at(&self, lines: &[&[CutterPose]], p: &Point3<f64>) -> f64 {
         // For a ball only the sphere: the distance of its side depends on the axis that is chosen later.
         let ball = self.cutter.ends_in_ball().then(|| self.cutter.tip_radius());
-        let gap = |pose: &Pose| match ball {
+        let gap = |pose: &CutterPose| match ball {
             Some(radius) => (p - (pose.tip + pose.axis * radius)).norm() - radius,
             None => {
                 let (rho, s) = tool_coordinates(p, &pose.tip, &pose.axis);
@@ -288,15 +288,15 @@ impl Ground for VaneGround<'_> {
         })
     }
 
-    fn highest_ridge(&self, lines: &[Line]) -> Option<f64> {
-        let poses: Vec<Vec<Pose>> =
+    fn highest_ridge(&self, lines: &[SurfaceLine]) -> Option<f64> {
+        let poses: Vec<Vec<CutterPose>> =
             lines.iter().map(|line| line.on_surface.iter().filter_map(|p| self.pose(p)).collect()).collect();
         let rows = RIDGES * lines.len().max(2);
         let columns: Vec<f64> = (0..=COLUMNS).map(|i| i as f64 / COLUMNS as f64).collect();
         let highest = |x: &f64| {
             let (low, height) = self.walls(*x);
             // Neighbours of a row: the lines around it, and the next lines where lines begin.
-            let near: Vec<&[Pose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
+            let near: Vec<&[CutterPose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
             let left = |row: f64| self.left_at(&near, &self.chart.place(*x, low + height * row / rows as f64).position);
             let values: Vec<f64> = (0..=rows).map(|j| left(j as f64)).collect();
             // A ridge is a local maximum between two rows.

@@ -114,7 +114,7 @@ fn spiral(
         let ridges = [0, 1].map(|side| grounds[side].highest_ridge(&spiral.turns[side]));
         Ok((spiral, ridges.into_iter().flatten().reduce(f64::max)))
     })?;
-    let length: f64 = laid.turns.iter().flatten().map(lines::Line::length).sum();
+    let length: f64 = laid.turns.iter().flatten().map(lines::SurfaceLine::length).sum();
     let least: f64 = grounds.iter().map(|g| g.least_length(height)).sum();
     let note = format!(
         "a spiral of {} turns a vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \

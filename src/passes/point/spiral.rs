@@ -14,7 +14,7 @@
 use crate::ir::CcPoint;
 use crate::part::chart::{Chart, Shape};
 use crate::passes::context::STATIONS;
-use crate::passes::lines::{Ground, Line};
+use crate::passes::lines::{Ground, SurfaceLine};
 use nalgebra::Vector3;
 
 /// Levels at which the steps of a turn are computed.
@@ -38,7 +38,7 @@ pub(crate) struct Around<'a> {
 /// A spiral: its stations, and its turns on each face for the measurement of ridges.
 pub(crate) struct Spiral {
     pub(crate) points: Vec<CcPoint>,
-    pub(crate) turns: [Vec<Line>; 2],
+    pub(crate) turns: [Vec<SurfaceLine>; 2],
 }
 
 impl Around<'_> {
@@ -95,7 +95,7 @@ impl Around<'_> {
                         if side == 0 {
                             on_surface.reverse();
                         }
-                        spiral.turns[side].push(Line::whole(on_surface));
+                        spiral.turns[side].push(SurfaceLine::whole(on_surface));
                     }
                     // The last turn ends on the suction face.
                     _ if portion == 3 && turn == turns + 1 => {}

@@ -50,7 +50,7 @@ pub(crate) fn plan(
 /// Adds the V lines of a layer, the innermost first; returns their number.
 fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(String, Vec<CcPoint>)>) -> usize {
     let Some(outlet) = layer.stations.iter().rfind(|s| s.u <= 1.0) else { return 0 };
-    let room = |s: &super::layers::Station| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
+    let room = |s: &super::layers::LayerStation| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
     // The lines of both sides and the groove divide the arc between the boundaries (S of formula 9).
     let pairs = (0.5 * room(outlet) / step).ceil().max(1.0);
     let spacing = 0.5 * room(outlet) / pairs;

@@ -3,7 +3,7 @@
 //! Before: an operation. After: passes from inlet to outlet, one per layer, from the shroud down to the hub allowance
 //! or to the lowest layer that the tool can complete.
 
-use super::layers::{End, Layer, Roughing};
+use super::layers::{Layer, LayersEnd, Roughing};
 use super::step;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::interpolate;
@@ -49,11 +49,11 @@ pub(crate) fn check_room(
     cx: &mut PassContext<'_>,
     operation: &Operation,
     layers: &[Layer],
-    end: &End,
+    end: &LayersEnd,
     top: f64,
 ) -> Result<f64, Aborted> {
     let Some(last) = layers.last() else {
-        if let End::Narrow { level, u } = end {
+        if let LayersEnd::Narrow { level, u } = end {
             let tool = &cx.program.tools[operation.tool];
             let place = cx.program.part.face(cx.program.part.first_passage().walls[0]).surface.point(*u, *level);
             cx.sink.push(
@@ -78,12 +78,12 @@ pub(crate) fn check_room(
 }
 
 /// Describes the layers in one line.
-pub(crate) fn describe(layers: &[Layer], end: &End, top: f64) -> String {
+pub(crate) fn describe(layers: &[Layer], end: &LayersEnd, top: f64) -> String {
     let reached = layers.last().map_or(top, |l| l.level);
     let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", layers.len(), top, reached);
     match end {
-        End::Floor => format!("{range}: the hub allowance is reached"),
-        End::Narrow { level, u } => {
+        LayersEnd::Floor => format!("{range}: the hub allowance is reached"),
+        LayersEnd::Narrow { level, u } => {
             format!("{range}: at level {level:.3} the tool does not fit at u = {u:.3} with its allowances")
         }
     }

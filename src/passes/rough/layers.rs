@@ -32,18 +32,18 @@ pub(crate) struct Layer {
     /// Nominal height, 0 at the hub to 1 at the shroud.
     pub(crate) level: f64,
     /// Stations from before the inlet to behind the outlet.
-    pub(crate) stations: Vec<Station>,
+    pub(crate) stations: Vec<LayerStation>,
 }
 
 /// Free space for the tool at one u of a layer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Station {
+pub(crate) struct LayerStation {
     pub(crate) u: f64,
     /// Least and largest w at which the tool keeps all allowances.
     pub(crate) room: [f64; 2],
 }
 
-impl Station {
+impl LayerStation {
     /// Middle between the boundaries (Wei: the groove line runs midway between E1 and E2).
     pub(crate) fn middle(&self) -> f64 {
         0.5 * (self.room[0] + self.room[1])
@@ -51,7 +51,7 @@ impl Station {
 }
 
 /// Why the layers end.
-pub(crate) enum End {
+pub(crate) enum LayersEnd {
     /// The floor is reached.
     Floor,
     /// The tool does not fit at this station of this level.
@@ -107,7 +107,7 @@ impl<'a> Roughing<'a> {
 
     /// Layers from `top` (a level already cleared, 1 for the shroud) down, and the reason for their end. `name` is the
     /// name of the operation, for `progress`.
-    pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, End) {
+    pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, LayersEnd) {
         let count = self.layer_count(top);
         let work = progress.begin(format!("{name}, layers"), count as usize);
         let mut layers = Vec::new();
@@ -120,11 +120,11 @@ impl<'a> Roughing<'a> {
                 Ok(layer) => layers.push(work.step(layer)),
                 Err(u) => {
                     work.rest_is_needless();
-                    return (layers, End::Narrow { level, u });
+                    return (layers, LayersEnd::Narrow { level, u });
                 }
             }
         }
-        (layers, End::Floor)
+        (layers, LayersEnd::Floor)
     }
 
     /// Measures a layer; an error is the u at which the tool does not fit.
@@ -142,7 +142,7 @@ impl<'a> Roughing<'a> {
             .into_par_iter()
             .map(|i| {
                 let u = from + (to - from) * i as f64 / count as f64;
-                self.room(u, level).map(|room| Station { u, room }).ok_or(u)
+                self.room(u, level).map(|room| LayerStation { u, room }).ok_or(u)
             })
             .collect::<Vec<_>>();
         // The first station without space, independent of the thread that found it.
@@ -202,8 +202,8 @@ impl<'a> Roughing<'a> {
 
 /// Limits the space in front of the inlet and behind the outlet, where no walls are, to that of the nearest station
 /// inside. A line that widened there would cut across the edges of the vanes.
-fn keep_room_at_edges(stations: &mut [Station]) -> Result<(), f64> {
-    let inside = |s: &&Station| (0.0..=1.0).contains(&s.u);
+fn keep_room_at_edges(stations: &mut [LayerStation]) -> Result<(), f64> {
+    let inside = |s: &&LayerStation| (0.0..=1.0).contains(&s.u);
     let (first, last) = (stations.iter().find(inside).copied(), stations.iter().rfind(inside).copied());
     let (Some(first), Some(last)) = (first, last) else { return Ok(()) };
     for s in stations.iter_mut().filter(|s| !(0.0..=1.0).contains(&s.u)) {

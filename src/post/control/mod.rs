@@ -3,7 +3,7 @@
 //! Nothing is taken for granted at the start: modal groups, tool, tool length, offsets, transformation and the positions
 //! of all axes are unknown until the program says them. A move on what is unknown or wrong is a fault that says what to
 //! write. After a fault the state goes on as the block meant it, so that a text with many faults says them all in one
-//! run. A dialect gives its [`Control`] as data and makes a [`Block`] of each line.
+//! run. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
 
 pub(super) mod modal;
 mod state;
@@ -12,7 +12,7 @@ pub(super) use state::read;
 
 use crate::kin::Machine;
 use crate::post::nc::NcTool;
-use modal::{GROUPS, Group, Modal};
+use modal::{GROUPS, Modal, ModalGroup};
 use std::sync::Arc;
 
 /// Most faults of one text that are told.
@@ -96,7 +96,7 @@ pub(super) struct Control {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Act {
     /// A modal group is set.
-    Set(Group),
+    Set(ModalGroup),
     /// F.
     Feed,
     /// S.
@@ -121,7 +121,7 @@ pub(super) enum Act {
 
 /// Modal motion word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(super) enum MotionWord {
     /// G0.
     Rapid,
     /// G1.
@@ -152,9 +152,9 @@ pub(super) enum Smoothing {
 
 /// What the words of one block say. Angles in radians, ISO sense.
 #[derive(Default)]
-pub(super) struct Block {
+pub(super) struct NcBlock {
     /// Motion word.
-    pub(super) motion: Option<Motion>,
+    pub(super) motion: Option<MotionWord>,
     /// Coordinates are those of the machine, with all offsets out.
     pub(super) machine_frame: bool,
     /// X Y Z, mm.
@@ -197,7 +197,7 @@ fn store(slot: &mut Option<f64>, address: &str, value: f64, limit: f64) -> Resul
     once(slot, address, value)
 }
 
-impl Block {
+impl NcBlock {
     /// X, Y or Z.
     pub(super) fn coordinate(&mut self, axis: usize, value: f64) -> Result<(), String> {
         store(&mut self.tip[axis], ["X", "Y", "Z"][axis], value, FARTHEST)

@@ -2,7 +2,7 @@
 
 /// What modal words decide, over all dialects. A control has those that its table names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::post) enum Group {
+pub(in crate::post) enum ModalGroup {
     /// Plane of tool length and radius.
     Plane,
     /// Inch or mm.
@@ -34,7 +34,7 @@ pub(in crate::post) enum Group {
 }
 
 /// Number of groups.
-pub(in crate::post) const GROUPS: usize = Group::Coolant as usize + 1;
+pub(in crate::post) const GROUPS: usize = ModalGroup::Coolant as usize + 1;
 
 /// Moves that need a group to be right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub(in crate::post) enum Needed {
 /// One modal group of a control.
 pub(in crate::post) struct Modal {
     /// Which one.
-    pub(in crate::post) group: Group,
+    pub(in crate::post) group: ModalGroup,
     /// What it decides, as a message says it.
     pub(in crate::post) what: &'static str,
     /// Words with which moves are right; the first is the one to write.

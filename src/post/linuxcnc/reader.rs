@@ -4,8 +4,8 @@
 //! is accepted and in which order the words of a block act is that of the interpreter (manual, "Order of Execution").
 
 use crate::kin::Machine;
-use crate::post::control::modal::{Group, Modal, Needed};
-use crate::post::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use crate::post::control::modal::{Modal, ModalGroup, Needed};
+use crate::post::control::{self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Longest line of the interpreter, without its line feed; a carriage return counts.
@@ -21,78 +21,84 @@ const NO_ROTATION: &str = "G10 L2 P1 R0";
 const LINUXCNC: Control = Control {
     modal: &[
         Modal {
-            group: Group::Plane,
+            group: ModalGroup::Plane,
             what: "the plane",
             right: &["G17"],
             wrong: &["G18", "G19", "G17.1", "G18.1", "G19.1"],
             needed: Needed::Transformed,
         },
-        Modal { group: Group::Units, what: "lengths in mm", right: &["G21"], wrong: &["G20"], needed: Needed::Always },
         Modal {
-            group: Group::Distance,
+            group: ModalGroup::Units,
+            what: "lengths in mm",
+            right: &["G21"],
+            wrong: &["G20"],
+            needed: Needed::Always,
+        },
+        Modal {
+            group: ModalGroup::Distance,
             what: "absolute coordinates",
             right: &["G90"],
             wrong: &["G91"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::Diameter,
+            group: ModalGroup::Diameter,
             what: "X as a coordinate, not as a diameter",
             right: &["G8"],
             wrong: &["G7"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::FeedMode,
+            group: ModalGroup::FeedMode,
             what: "feed a minute",
             right: &["G94", "G93"],
             wrong: &["G95"],
             needed: Needed::AtFeed,
         },
         Modal {
-            group: Group::SpindleMode,
+            group: ModalGroup::SpindleMode,
             what: "spindle speed in rpm",
             right: &["G97"],
             wrong: &["G96"],
             needed: Needed::AtFeed,
         },
         Modal {
-            group: Group::Compensation,
+            group: ModalGroup::Compensation,
             what: "no cutter radius compensation",
             right: &["G40"],
             wrong: &["G41", "G42", "G41.1", "G42.1"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::WorkOffset,
+            group: ModalGroup::WorkOffset,
             what: "the work offset",
             right: &["G54"],
             wrong: &["G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"],
             needed: Needed::InWorkFrame,
         },
         Modal {
-            group: Group::Shift,
+            group: ModalGroup::Shift,
             what: "no offset of G92 or G52 left over",
             right: &["G92.1", "G92.2"],
             wrong: &["G92.3"],
             needed: Needed::InWorkFrame,
         },
         Modal {
-            group: Group::Rotation,
+            group: ModalGroup::Rotation,
             what: "no rotation of the work offset",
             right: &[NO_ROTATION],
             wrong: &[],
             needed: Needed::InWorkFrame,
         },
         Modal {
-            group: Group::Spindle,
+            group: ModalGroup::Spindle,
             what: "the spindle on, clockwise",
             right: &["M3"],
             wrong: &["M4", "M5"],
             needed: Needed::AtFeed,
         },
         Modal {
-            group: Group::Coolant,
+            group: ModalGroup::Coolant,
             what: "coolant on",
             right: &["M8", "M7"],
             wrong: &["M9"],
@@ -100,26 +106,26 @@ const LINUXCNC: Control = Control {
         },
     ],
     order: &[
-        Act::Set(Group::FeedMode),
+        Act::Set(ModalGroup::FeedMode),
         Act::Feed,
         Act::Speed,
         Act::Select,
         Act::Change,
-        Act::Set(Group::SpindleMode),
-        Act::Set(Group::Spindle),
-        Act::Set(Group::Coolant),
+        Act::Set(ModalGroup::SpindleMode),
+        Act::Set(ModalGroup::Spindle),
+        Act::Set(ModalGroup::Coolant),
         Act::Transform,
         Act::Wait,
-        Act::Set(Group::Plane),
-        Act::Set(Group::Units),
-        Act::Set(Group::Diameter),
-        Act::Set(Group::Compensation),
+        Act::Set(ModalGroup::Plane),
+        Act::Set(ModalGroup::Units),
+        Act::Set(ModalGroup::Diameter),
+        Act::Set(ModalGroup::Compensation),
         Act::Length,
-        Act::Set(Group::WorkOffset),
+        Act::Set(ModalGroup::WorkOffset),
         Act::Smooth,
-        Act::Set(Group::Distance),
-        Act::Set(Group::Shift),
-        Act::Set(Group::Rotation),
+        Act::Set(ModalGroup::Distance),
+        Act::Set(ModalGroup::Shift),
+        Act::Set(ModalGroup::Rotation),
         Act::Move,
         Act::End,
     ],
@@ -181,7 +187,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
             return None;
         }
         if code == "%" {
-            let end = Block { end: Some("%"), ..Block::default() };
+            let end = NcBlock { end: Some("%"), ..NcBlock::default() };
             return match std::mem::replace(&mut tape, Tape::Open) {
                 Tape::Start => None,
                 Tape::Open => Some(end),
@@ -274,8 +280,8 @@ struct Parameters {
     motions: usize,
 }
 
-fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<Block> {
-    let mut block = Block::default();
+fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<NcBlock> {
+    let mut block = NcBlock::default();
     let mut parameters = Parameters::default();
     let mut rest = code;
     let mut first = true;
@@ -304,7 +310,7 @@ fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<Bloc
 }
 
 /// What codes and parameters of one block say together.
-fn together(block: &mut Block, parameters: &Parameters) -> Result<(), String> {
+fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> {
     let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST;
     let Parameters { p, q, .. } = *parameters;
     let mut used = [false; 2];
@@ -340,7 +346,7 @@ fn together(block: &mut Block, parameters: &Parameters) -> Result<(), String> {
         if block.tip != [None; 3] || block.rotary != [None; 2] {
             return Err("G10 with axis words changes the work offset: offsets are set at the machine".to_owned());
         }
-        block.modal[Group::Rotation as usize] = Some(NO_ROTATION);
+        block.modal[ModalGroup::Rotation as usize] = Some(NO_ROTATION);
     }
     if block.wait == Some("G4") {
         used[0] = true;
@@ -384,7 +390,7 @@ fn word(
     letter: char,
     text: &str,
     machine: &Machine,
-    block: &mut Block,
+    block: &mut NcBlock,
     parameters: &mut Parameters,
 ) -> Result<(), String> {
     let named = |reason: String| format!("`{letter}{}`: {reason}", shown(text, 20));
@@ -427,7 +433,7 @@ fn code_name(letter: char, value: f64) -> String {
     }
 }
 
-fn preparatory(code: &str, block: &mut Block, parameters: &mut Parameters) -> Result<(), String> {
+fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> Result<(), String> {
     if let Some(done) = block.modal_word(&LINUXCNC, code) {
         return done;
     }
@@ -436,9 +442,9 @@ fn preparatory(code: &str, block: &mut Block, parameters: &mut Parameters) -> Re
         None => Ok(()),
     };
     match code {
-        "G0" => motion(block, Motion::Rapid),
-        "G1" => motion(block, Motion::Feed),
-        "G80" => motion(block, Motion::Cancelled),
+        "G0" => motion(block, MotionWord::Rapid),
+        "G1" => motion(block, MotionWord::Feed),
+        "G80" => motion(block, MotionWord::Cancelled),
         "G53" if block.machine_frame => Err("`G53` stands twice in one block".to_owned()),
         "G53" => {
             block.machine_frame = true;
@@ -474,14 +480,14 @@ fn preparatory(code: &str, block: &mut Block, parameters: &mut Parameters) -> Re
     }
 }
 
-fn motion(block: &mut Block, motion: Motion) -> Result<(), String> {
+fn motion(block: &mut NcBlock, motion: MotionWord) -> Result<(), String> {
     match block.motion.replace(motion) {
         Some(_) => Err("two of G0, G1 and G80, or one twice, in one block".to_owned()),
         None => Ok(()),
     }
 }
 
-fn miscellaneous(code: &str, block: &mut Block) -> Result<(), String> {
+fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
     if let Some(done) = block.modal_word(&LINUXCNC, code) {
         return done;
     }

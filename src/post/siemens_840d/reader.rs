@@ -4,8 +4,8 @@
 //! control a missing one counts as 0, which nobody means. Case means nothing but in names of tools; words may be glued.
 
 use crate::kin::Machine;
-use crate::post::control::modal::{Group, Modal, Needed};
-use crate::post::control::{self, Act, Block, Control, LengthWord, Motion, Smoothing, number, once, shown};
+use crate::post::control::modal::{Modal, ModalGroup, Needed};
+use crate::post::control::{self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 use std::borrow::Cow;
 
@@ -22,63 +22,63 @@ const WIDEST_TURN: f64 = 0.1;
 const SINUMERIK: Control = Control {
     modal: &[
         Modal {
-            group: Group::Plane,
+            group: ModalGroup::Plane,
             what: "the plane, on which the tool length stands",
             right: &["G17"],
             wrong: &["G18", "G19"],
             needed: Needed::Transformed,
         },
         Modal {
-            group: Group::Units,
+            group: ModalGroup::Units,
             what: "lengths in mm, of feeds too",
             right: &["G710"],
             wrong: &["G71", "G70", "G700"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::Distance,
+            group: ModalGroup::Distance,
             what: "absolute coordinates",
             right: &["G90"],
             wrong: &["G91"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::FeedMode,
+            group: ModalGroup::FeedMode,
             what: "feed a minute",
             right: &["G94", "G93"],
             wrong: &["G95", "G96", "G97", "G961", "G962", "G971"],
             needed: Needed::AtFeed,
         },
         Modal {
-            group: Group::Compensation,
+            group: ModalGroup::Compensation,
             what: "no cutter radius compensation",
             right: &["G40"],
             wrong: &["G41", "G42"],
             needed: Needed::Always,
         },
         Modal {
-            group: Group::WorkOffset,
+            group: ModalGroup::WorkOffset,
             what: "the work offset, which TRAORI and TRAFOOF drop",
             right: &["G54"],
             wrong: &["G500", "G55", "G56", "G57"],
             needed: Needed::InWorkFrame,
         },
         Modal {
-            group: Group::Shift,
+            group: ModalGroup::Shift,
             what: "no programmable frame",
             right: &["TRANS"],
             wrong: &[],
             needed: Needed::InWorkFrame,
         },
         Modal {
-            group: Group::VectorFrame,
+            group: ModalGroup::VectorFrame,
             what: "in which frame directions are",
             right: &["ORIWKS"],
             wrong: &["ORIMKS"],
             needed: Needed::Transformed,
         },
         Modal {
-            group: Group::Turning,
+            group: ModalGroup::Turning,
             what: "how the tool turns between two directions",
             right: &["ORIAXES"],
             wrong: &[
@@ -95,14 +95,14 @@ const SINUMERIK: Control = Control {
             needed: Needed::Transformed,
         },
         Modal {
-            group: Group::Spindle,
+            group: ModalGroup::Spindle,
             what: "the spindle on, clockwise",
             right: &["M3"],
             wrong: &["M4", "M5"],
             needed: Needed::AtFeed,
         },
         Modal {
-            group: Group::Coolant,
+            group: ModalGroup::Coolant,
             what: "coolant on",
             right: &["M8", "M7"],
             wrong: &["M9"],
@@ -110,23 +110,23 @@ const SINUMERIK: Control = Control {
         },
     ],
     order: &[
-        Act::Set(Group::Plane),
-        Act::Set(Group::Units),
-        Act::Set(Group::Distance),
-        Act::Set(Group::FeedMode),
+        Act::Set(ModalGroup::Plane),
+        Act::Set(ModalGroup::Units),
+        Act::Set(ModalGroup::Distance),
+        Act::Set(ModalGroup::FeedMode),
         Act::Feed,
         Act::Speed,
-        Act::Set(Group::Compensation),
+        Act::Set(ModalGroup::Compensation),
         Act::Select,
         Act::Change,
-        Act::Set(Group::Spindle),
-        Act::Set(Group::Coolant),
+        Act::Set(ModalGroup::Spindle),
+        Act::Set(ModalGroup::Coolant),
         Act::Length,
         Act::Transform,
-        Act::Set(Group::WorkOffset),
-        Act::Set(Group::Shift),
-        Act::Set(Group::VectorFrame),
-        Act::Set(Group::Turning),
+        Act::Set(ModalGroup::WorkOffset),
+        Act::Set(ModalGroup::Shift),
+        Act::Set(ModalGroup::VectorFrame),
+        Act::Set(ModalGroup::Turning),
         Act::Smooth,
         Act::Wait,
         Act::Move,
@@ -177,7 +177,8 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
         if number == 1 && line.starts_with("%_N_") {
             return None;
         }
-        let mut reader = Reader { machine, block: Block::default(), words: 0, alone: None, frame: None, edge: None };
+        let mut reader =
+            BlockReader { machine, block: NcBlock::default(), words: 0, alone: None, frame: None, edge: None };
         if let Err(reason) = reader.words(line) {
             faults.push(reason);
         }
@@ -189,7 +190,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
 }
 
 /// What stands behind the name of a word.
-enum Value<'a> {
+enum WordValue<'a> {
     /// Nothing.
     None,
     /// A number, or what stands in its place.
@@ -200,9 +201,9 @@ enum Value<'a> {
     Arguments(&'a str),
 }
 
-struct Reader<'a> {
+struct BlockReader<'a> {
     machine: &'a Machine,
-    block: Block,
+    block: NcBlock,
     words: usize,
     /// A word that stands alone in its block.
     alone: Option<&'static str>,
@@ -211,7 +212,7 @@ struct Reader<'a> {
     edge: Option<u32>,
 }
 
-impl Reader<'_> {
+impl BlockReader<'_> {
     /// All words of a block.
     fn words(&mut self, line: &str) -> Result<(), String> {
         let mut rest = line;
@@ -223,7 +224,7 @@ impl Reader<'_> {
             }
             let (name, value, next) = split(rest)?;
             rest = next;
-            let numbered = first && name == "N" && matches!(value, Value::Number(n) if is_count(n));
+            let numbered = first && name == "N" && matches!(value, WordValue::Number(n) if is_count(n));
             first = false;
             if !numbered {
                 self.words += 1;
@@ -232,21 +233,21 @@ impl Reader<'_> {
         }
     }
 
-    fn word(&mut self, name: &str, value: &Value<'_>) -> Result<(), String> {
+    fn word(&mut self, name: &str, value: &WordValue<'_>) -> Result<(), String> {
         match value {
-            Value::Number(text) => self.valued(name, text),
-            Value::Quoted(text) if name == "T" && !text.is_empty() => {
+            WordValue::Number(text) => self.valued(name, text),
+            WordValue::Quoted(text) if name == "T" && !text.is_empty() => {
                 once(&mut self.block.tool, "T", control::name(text))
             }
-            Value::Quoted(_) => Err(format!("`{name}` with a text in quotes is not understood")),
+            WordValue::Quoted(_) => Err(format!("`{name}` with a text in quotes is not understood")),
             // A text on the screen.
-            Value::Arguments(_) if name == "MSG" => Ok(()),
-            Value::Arguments(arguments) if name == "CYCLE832" => {
+            WordValue::Arguments(_) if name == "MSG" => Ok(()),
+            WordValue::Arguments(arguments) if name == "CYCLE832" => {
                 self.alone = Some("CYCLE832");
                 once(&mut self.block.smoothing, "CYCLE832", smoothing(arguments)?)
             }
-            Value::Arguments(_) => Err(format!("`{}(...)` is not understood", shown(name, 40))),
-            Value::None => self.keyword(name),
+            WordValue::Arguments(_) => Err(format!("`{}(...)` is not understood", shown(name, 40))),
+            WordValue::None => self.keyword(name),
         }
     }
 
@@ -314,13 +315,13 @@ impl Reader<'_> {
         if let Some(done) = block.modal_word(&SINUMERIK, code) {
             return done;
         }
-        let motion = |block: &mut Block, motion| match block.motion.replace(motion) {
+        let motion = |block: &mut NcBlock, motion| match block.motion.replace(motion) {
             Some(_) => Err("two of G0 and G1, or one twice, in one block".to_owned()),
             None => Ok(()),
         };
         match code {
-            "G0" => motion(block, Motion::Rapid),
-            "G1" => motion(block, Motion::Feed),
+            "G0" => motion(block, MotionWord::Rapid),
+            "G1" => motion(block, MotionWord::Feed),
             "M6" if block.change => Err("`M6` stands twice in one block".to_owned()),
             "M6" => {
                 block.change = true;
@@ -372,7 +373,7 @@ impl Reader<'_> {
             if self.words > 1 {
                 return Err(format!("{frame} with other words shifts or turns the work frame: alone it takes it back"));
             }
-            block.modal[Group::Shift as usize] = Some("TRANS");
+            block.modal[ModalGroup::Shift as usize] = Some("TRANS");
         }
         match self.alone {
             Some(word) if self.words > 1 => Err(format!("{word} stands alone in its block")),
@@ -382,7 +383,7 @@ impl Reader<'_> {
 }
 
 /// First word of a text: its name in upper case, what stands behind it, and the rest.
-fn split(text: &str) -> Result<(Cow<'_, str>, Value<'_>, &str), String> {
+fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     let letter = text.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
         let why = match letter {
@@ -401,12 +402,12 @@ fn split(text: &str) -> Result<(Cow<'_, str>, Value<'_>, &str), String> {
         let name = upper(name);
         if let Some(inside) = rest.strip_prefix('(') {
             let (arguments, rest) = arguments(inside)?;
-            return Ok((name, Value::Arguments(arguments), rest));
+            return Ok((name, WordValue::Arguments(arguments), rest));
         }
         if rest.trim_start_matches([' ', '\t']).starts_with('=') {
             return Err(format!("`{}=` is not understood", shown(&name, 40)));
         }
-        return Ok((name, Value::None, rest));
+        return Ok((name, WordValue::None, rest));
     }
     let digits = text[1..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |n| n + 1);
     if let Some(behind) = after_equals(&text[digits..]).filter(|_| digits > 1) {
@@ -429,16 +430,16 @@ fn after_equals(text: &str) -> Option<&str> {
 }
 
 /// The value at the start of a text, and the rest.
-fn value(text: &str) -> Result<(Value<'_>, &str), String> {
+fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
     if let Some(inside) = text.strip_prefix('"') {
         let end = inside.find('"').ok_or("a text in quotes does not end")?;
-        return Ok((Value::Quoted(&inside[..end]), &inside[end + 1..]));
+        return Ok((WordValue::Quoted(&inside[..end]), &inside[end + 1..]));
     }
     let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     let wrong = if end == 0 { text.split([' ', '\t', ';']).next().unwrap_or_default() } else { "" };
     if wrong.is_empty() {
-        return Ok((Value::Number(number), rest));
+        return Ok((WordValue::Number(number), rest));
     }
     Err(format!("`{}` is not a number: parameters and expressions are not read", shown(wrong, 20)))
 }

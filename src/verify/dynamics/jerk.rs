@@ -11,7 +11,7 @@
 //! The parameter goes on evenly over corners, so that its scale drifts where blocks end faster than they begin, many times
 //! in a row. Where digits would be lost the run comes to rest at a corner: a feasible run as well, which takes longer.
 
-use super::{Cell, Joint5, Limits, Part};
+use super::{Joint5, MotionCell, MovePart, RunLimits};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
 use crate::kin::feedrate::ramp::{self, Creep, Even, Most, Ramp};
 use crate::kin::feedrate::{self as feedrate};
@@ -24,7 +24,7 @@ const WIDEST: f64 = 16_777_216.0;
 
 /// A cell, or a part of one, by a parameter that goes on evenly over corners.
 #[derive(Clone)]
-struct Span {
+struct JerkSpan {
     cell: usize,
     /// Parameter over programmed time.
     scale: f64,
@@ -34,7 +34,7 @@ struct Span {
 }
 
 /// Time to change each speed of an axis at most by `change`, s.
-fn pulse(limits: &Limits, change: &Joint5) -> f64 {
+fn pulse(limits: &RunLimits, change: &Joint5) -> f64 {
     let one = |k: usize| {
         let (v, a, j) = (change[k].abs(), limits.acceleration[k], limits.jerk[k]);
         if v * j >= a * a { v / a + a / j } else { 2.0 * (v / j).sqrt() }
@@ -43,7 +43,7 @@ fn pulse(limits: &Limits, change: &Joint5) -> f64 {
 }
 
 /// What of a corner is no curvature, by the time of the block behind it.
-fn excess(before: &Cell, cell: &Cell) -> Joint5 {
+fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
     std::array::from_fn(|k| {
         let jump = cell.jump[k] * cell.ratio;
         jump - 0.5 * (before.shared[k] + cell.shared[k] * cell.ratio)
@@ -51,7 +51,7 @@ fn excess(before: &Cell, cell: &Cell) -> Joint5 {
 }
 
 /// How far tip or flutes (mm) and the tool axis (radians) leave a corner that is run through with y before it.
-pub(super) fn rounding(limits: &Limits, before: Option<&Cell>, cell: &Cell, y: f64) -> (f64, f64) {
+pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> (f64, f64) {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
     let lean = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
@@ -59,7 +59,7 @@ pub(super) fn rounding(limits: &Limits, before: Option<&Cell>, cell: &Cell, y: f
 }
 
 /// Largest y before a corner.
-fn corner(limits: &Limits, before: &Cell, cell: &Cell) -> f64 {
+fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
     let excess = excess(before, cell);
     let fits = |y: f64| {
         let root = y.sqrt();
@@ -80,7 +80,7 @@ fn corner(limits: &Limits, before: &Cell, cell: &Cell) -> f64 {
 }
 
 /// Largest change of q'' by the time of a cell, from the middles of its neighbours; none beyond a stop.
-fn twist(cells: &[Cell], i: usize) -> Joint5 {
+fn twist(cells: &[MotionCell], i: usize) -> Joint5 {
     let cell = &cells[i];
     let mut most = [0.0_f64; 5];
     let behind = i.checked_sub(1).filter(|_| cell.ratio > 0.0).map(|b| (&cells[b], 1.0 / cell.ratio));
@@ -95,15 +95,15 @@ fn twist(cells: &[Cell], i: usize) -> Joint5 {
 }
 
 /// Bounds of the spans as the engine takes them, and judged by sums of absolute values.
-struct SpanRows<'a> {
-    spans: &'a [Span],
+struct JerkRows<'a> {
+    spans: &'a [JerkSpan],
     limits: feedrate::Limits,
 }
 
-impl SpanRows<'_> {
+impl JerkRows<'_> {
     /// Largest acceleration and jerk of each axis.
     fn largest(&self, span: usize, y: &[f64; 3]) -> [Joint5; 2] {
-        let Span { width, most: [rate, bend, twist], .. } = &self.spans[span];
+        let JerkSpan { width, most: [rate, bend, twist], .. } = &self.spans[span];
         let top = y[0].max(y[1]).max(y[2]);
         let [first, last] = [2.0 * (y[1] - y[0]) / width, 2.0 * (y[2] - y[1]) / width];
         let (slope, turn) = (first.abs().max(last.abs()), ((last - first) / width).abs());
@@ -114,10 +114,10 @@ impl SpanRows<'_> {
     }
 
     /// A span as it is run through, in the time of its cell.
-    fn part(&self, span: usize, y: [f64; 3]) -> Part {
-        let Span { cell, scale, width, .. } = self.spans[span];
+    fn part(&self, span: usize, y: [f64; 3]) -> MovePart {
+        let JerkSpan { cell, scale, width, .. } = self.spans[span];
         let square = scale * scale;
-        Part {
+        MovePart {
             cell,
             width: width / scale,
             time: jerk::time(width, y),
@@ -128,7 +128,7 @@ impl SpanRows<'_> {
     }
 }
 
-impl Rows for SpanRows<'_> {
+impl Rows for JerkRows<'_> {
     fn bounds(&self, span: usize, most: f64, steep: f64, share: f64) -> Bounds {
         Bounds::new(&self.spans[span].most, &self.limits, most, steep, share)
     }
@@ -143,7 +143,7 @@ impl Rows for SpanRows<'_> {
 }
 
 /// The run through cells, from stop to stop.
-pub(super) fn run(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
+pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let mut parts = Vec::with_capacity(cells.len());
     let mut first = 0;
     while first < cells.len() {
@@ -168,7 +168,7 @@ pub(super) fn run(limits: &Limits, cells: &[Cell]) -> Vec<Part> {
 }
 
 /// Largest y that is reached from y over a span, within the acceleration.
-fn rise(limits: &Limits, span: &Span, y: f64) -> f64 {
+fn rise(limits: &RunLimits, span: &JerkSpan, y: f64) -> f64 {
     let [rate, bend, _] = &span.most;
     (0..5)
         .filter(|k| rate[*k] > 0.0)
@@ -180,7 +180,7 @@ fn rise(limits: &Limits, span: &Span, y: f64) -> f64 {
 }
 
 /// Largest y at the knots within accelerations.
-fn within_accelerations(limits: &Limits, spans: &[Span], knots: &[f64]) -> Vec<f64> {
+fn within_accelerations(limits: &RunLimits, spans: &[JerkSpan], knots: &[f64]) -> Vec<f64> {
     let n = spans.len();
     let mut y = knots.to_vec();
     (y[0], y[n]) = (0.0, 0.0);
@@ -195,15 +195,15 @@ fn within_accelerations(limits: &Limits, spans: &[Span], knots: &[f64]) -> Vec<f
 
 /// The cells from one stop to the next.
 struct Stretch {
-    spans: Vec<Span>,
+    spans: Vec<JerkSpan>,
     /// Largest y at the knots, corners included.
     knots: Vec<f64>,
 }
 
 impl Stretch {
     /// Each cell as a span, by a parameter that goes on evenly over corners.
-    fn new(limits: &Limits, axes: &feedrate::Limits, cells: &[Cell], range: std::ops::Range<usize>) -> Self {
-        let mut spans: Vec<Span> = Vec::with_capacity(range.len());
+    fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell], range: std::ops::Range<usize>) -> Self {
+        let mut spans: Vec<JerkSpan> = Vec::with_capacity(range.len());
         let mut knots = vec![f64::INFINITY];
         let mut scale = 1.0;
         for i in range.clone() {
@@ -215,10 +215,16 @@ impl Stretch {
             let most: Most = [cell.rate, cell.bend, twist(cells, i)];
             let cap = cell.cap.min(jerk::steady(&most, axes)) * scale * scale;
             let by = |d: usize, power: i32| most[d].map(|m| m / scale.powi(power));
-            spans.push(Span { cell: i, scale, width: cell.width * scale, most: [by(0, 1), by(1, 2), by(2, 3)], cap });
+            spans.push(JerkSpan {
+                cell: i,
+                scale,
+                width: cell.width * scale,
+                most: [by(0, 1), by(1, 2), by(2, 3)],
+                cap,
+            });
         }
         knots.push(f64::INFINITY);
-        let side = |j: Option<usize>| j.and_then(|j| spans.get(j)).map_or(f64::INFINITY, |s: &Span| s.cap);
+        let side = |j: Option<usize>| j.and_then(|j| spans.get(j)).map_or(f64::INFINITY, |s: &JerkSpan| s.cap);
         for (i, knot) in knots.iter_mut().enumerate() {
             *knot = knot.min(side(i.checked_sub(1)).min(side(Some(i))));
         }
@@ -226,22 +232,22 @@ impl Stretch {
     }
 
     /// Parts of the cells where changes of speed have to be resolved, with the places of their knots and these changes.
-    fn divided(&self, limits: &Limits) -> (Self, Vec<f64>, Vec<Ramp>) {
+    fn divided(&self, limits: &RunLimits) -> (Self, Vec<f64>, Vec<Ramp>) {
         let mut at = vec![0.0];
         for s in &self.spans {
             at.push(at.last().copied().unwrap_or(0.0) + s.width);
         }
-        let even = |s: &Span| {
+        let even = |s: &JerkSpan| {
             let least = |most: &Joint5| (0..5).map(|k| most[k] / s.most[0][k]).fold(f64::INFINITY, f64::min);
             Even { cap: s.cap, acceleration: least(&limits.acceleration), jerk: least(&limits.jerk) }
         };
         let y = within_accelerations(limits, &self.spans, &self.knots);
         let (fine, ramps) = ramp::resolve(&at, &y, &self.spans.iter().map(even).collect::<Vec<_>>());
-        let mut spans: Vec<Span> = Vec::with_capacity(fine.len());
+        let mut spans: Vec<JerkSpan> = Vec::with_capacity(fine.len());
         let mut knots = vec![self.knots[0]];
         for pair in fine.windows(2) {
             let whole = &self.spans[pair[1].1 as usize];
-            spans.push(Span { width: pair[1].0 - pair[0].0, ..whole.clone() });
+            spans.push(JerkSpan { width: pair[1].0 - pair[0].0, ..whole.clone() });
             // A knot inside of a cell has its cap.
             let end = pair[1].1 as usize + 1;
             knots.push(if pair[1].0 >= at[end] { self.knots[end] } else { whole.cap });
@@ -250,7 +256,7 @@ impl Stretch {
     }
 
     /// Largest y of each span within accelerations.
-    fn ceiling(&self, limits: &Limits) -> Vec<f64> {
+    fn ceiling(&self, limits: &RunLimits) -> Vec<f64> {
         let Self { spans, knots } = self;
         let y = within_accelerations(limits, spans, knots);
         let mean = |i: usize| 0.5 * (y[i] + y[i + 1]);
@@ -259,7 +265,7 @@ impl Stretch {
 }
 
 /// The run from one stop to the next.
-fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts: &mut Vec<Part>) {
+fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize>, parts: &mut Vec<MovePart>) {
     let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
     let (stretch, at, ramps) = Stretch::new(limits, &axes, cells, range).divided(limits);
     let ceiling = stretch.ceiling(limits);
@@ -278,7 +284,7 @@ fn moving(limits: &Limits, cells: &[Cell], range: std::ops::Range<usize>, parts:
         spans[0].width -= ends[0].way;
         spans[n - 1].width -= ends[1].way;
         let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
-        let rows = SpanRows { spans: &spans, limits: axes };
+        let rows = JerkRows { spans: &spans, limits: axes };
         let accelerations = [ends[0].acceleration, ends[1].acceleration];
         let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
         parts.extend((0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))));

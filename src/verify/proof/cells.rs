@@ -1,7 +1,7 @@
 //! Cells of one patch of a surface: g at their corners, then the proof that g stays within goals over each cell.
 
 use super::cutoff::Cutoff;
-use super::grid::{Block, Cell, Grid, Lies, Surface, mix};
+use super::grid::{Cell, CellBlock, Grid, Lies, PlacedSurface, mix};
 use super::hull::Hull;
 use super::lower_bound::Tangent;
 use super::piece::At;
@@ -68,7 +68,7 @@ struct Corner {
 /// Result of the evaluation of the corners of a patch.
 pub(crate) struct Looked {
     /// Blocks of cells, each with the pieces that can be nearest in it.
-    blocks: Vec<(Block, Vec<Near>)>,
+    blocks: Vec<(CellBlock, Vec<Near>)>,
     corners: Vec<Corner>,
     /// True for corners on the part.
     inside: Vec<bool>,
@@ -88,15 +88,15 @@ pub(crate) struct Goals {
 }
 
 /// An extreme of g with its place in the chart.
-pub(crate) type Found = Option<(f64, [f64; 2])>;
+pub(crate) type Extreme = Option<(f64, [f64; 2])>;
 
 /// Result of the proof over a patch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Proved {
     /// Least measured g.
-    pub(crate) least: Found,
+    pub(crate) least: Extreme,
     /// Greatest measured g.
-    pub(crate) most: Found,
+    pub(crate) most: Extreme,
     /// Proved lower bound of g.
     pub(crate) low: f64,
     /// Proved upper bound of g.
@@ -178,25 +178,25 @@ impl<'h> Narrowing<'h> {
 }
 
 /// One patch with the program.
-pub(crate) struct Task<'a> {
+pub(crate) struct PatchTask<'a> {
     /// Surface.
-    pub(crate) surface: &'a Surface<'a>,
+    pub(crate) surface: &'a PlacedSurface<'a>,
     /// Grid of its patch.
     pub(crate) grid: &'a Grid,
     /// Program.
     pub(crate) sweeps: &'a [Sweep<'a>],
 }
 
-impl Task<'_> {
-    fn whole(&self) -> Block {
-        Block { x: [0, self.grid.patch.columns], y: [0, self.grid.patch.rows] }
+impl PatchTask<'_> {
+    fn whole(&self) -> CellBlock {
+        CellBlock { x: [0, self.grid.patch.columns], y: [0, self.grid.patch.rows] }
     }
 
-    fn hull(&self, block: &Block) -> Hull {
+    fn hull(&self, block: &CellBlock) -> Hull {
         self.grid.hull(block, &self.surface.turn)
     }
 
-    fn cell(&self, block: &Block) -> Cell {
+    fn cell(&self, block: &CellBlock) -> Cell {
         self.grid.cell(block)
     }
 
@@ -255,10 +255,11 @@ impl Task<'_> {
 
     /// Divides the patch into blocks, and computes g at the corners of the blocks on the part.
     fn look_at(&self, looked: &mut Looked, cutoff: Option<f64>) {
-        let (columns, rows) = (Block::runs([0, self.grid.patch.columns]), Block::runs([0, self.grid.patch.rows]));
-        let on_part = |b: &Block| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
+        let (columns, rows) =
+            (CellBlock::runs([0, self.grid.patch.columns]), CellBlock::runs([0, self.grid.patch.rows]));
+        let on_part = |b: &CellBlock| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
         let places = (0..columns.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
-        let blocks = places.map(|(i, j)| ((i, j), Block { x: columns[i], y: rows[j] })).filter(|(_, b)| on_part(b));
+        let blocks = places.map(|(i, j)| ((i, j), CellBlock { x: columns[i], y: rows[j] })).filter(|(_, b)| on_part(b));
         let (places, blocks): (Vec<_>, Vec<_>) = blocks.map(|(place, b)| (place, (b, self.hull(&b)))).unzip();
         if blocks.is_empty() {
             return;
@@ -295,9 +296,9 @@ impl Task<'_> {
     }
 
     /// Upper bound of g over each block.
-    fn mosts(&self, blocks: &[(Block, Hull)]) -> Vec<f64> {
+    fn mosts(&self, blocks: &[(CellBlock, Hull)]) -> Vec<f64> {
         let mut last: Option<(usize, u32)> = None;
-        let most = |(_, hull): &(Block, Hull)| {
+        let most = |(_, hull): &(CellBlock, Hull)| {
             let (mut most, mut near) = (FAR + hull.radius, FAR);
             if let Some((k, piece)) = last {
                 let (t, value) = self.sweeps[k].quick_distance(piece, &hull.centre);
@@ -422,7 +423,7 @@ impl Task<'_> {
     /// Proves that g stays above a goal over a block. Pieces that were not kept for the block are nowhere nearer than
     /// the kept pieces, so that only the kept pieces need a proof.
     /// Bounds of g that are to be proved.
-    fn below(&self, block: &Block, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
+    fn below(&self, block: &CellBlock, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
         let mut left: Vec<Candidate> = Vec::new();
         for Near { bound, candidate: c, .. } in near {
@@ -560,12 +561,12 @@ impl Task<'_> {
 }
 
 /// The lower goal changes only when a smaller value than the goal is measured.
-fn lower_goal(goal: f64, least: Found) -> f64 {
+fn lower_goal(goal: f64, least: Extreme) -> f64 {
     least.map_or(goal, |l| if l.0 - LEAST_SLACK < goal { l.0 - SLACK } else { goal })
 }
 
 /// The upper goal changes only when a greater value than the goal is measured.
-fn higher_goal(goal: f64, most: Found) -> f64 {
+fn higher_goal(goal: f64, most: Extreme) -> f64 {
     most.map_or(goal, |m| if m.0 + LEAST_SLACK > goal { m.0 + SLACK } else { goal })
 }
 
@@ -614,18 +615,18 @@ pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (
 
 impl Looked {
     /// Position of a cell relative to the part, in a patch with a number of rows.
-    fn lies_of(&self, cell: &Block, rows: usize) -> Lies {
+    fn lies_of(&self, cell: &CellBlock, rows: usize) -> Lies {
         self.lies[cell.x[0] * rows + cell.y[0]]
     }
 
     /// g at the corners on the part.
-    pub(crate) fn values(&self, task: &Task<'_>) -> PatchCorners {
+    pub(crate) fn values(&self, task: &PatchTask<'_>) -> PatchCorners {
         let values = self.corners.iter().zip(&self.inside).map(|(c, on)| if *on { c.value as f32 } else { f32::NAN });
         PatchCorners { patch: task.grid.patch, values: values.collect() }
     }
 
     /// Mean g, area and nearest move of every cell on the part.
-    pub(crate) fn cells(&self, task: &Task<'_>) -> Vec<(f64, f64, Option<At>)> {
+    pub(crate) fn cells(&self, task: &PatchTask<'_>) -> Vec<(f64, f64, Option<At>)> {
         let patch = &task.grid.patch;
         let rows = patch.rows + 1;
         let mut cells = Vec::with_capacity(patch.columns * patch.rows);
@@ -637,7 +638,7 @@ impl Looked {
                 // Cells across the border count when at least two of their corners lie on the part.
                 let Some(by) = on().map(|c| c.by).next().filter(|_| count >= 2) else { continue };
                 let mean = on().map(|c| c.value).sum::<f64>() / count as f64;
-                let area = task.hull(&Block { x: [i, i + 1], y: [j, j + 1] }).area();
+                let area = task.hull(&CellBlock { x: [i, i + 1], y: [j, j + 1] }).area();
                 cells.push((mean, area, by.map(|c| task.sweeps[c.sweep as usize].at(c.piece))));
             }
         }

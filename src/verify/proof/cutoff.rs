@@ -13,7 +13,7 @@ const LANES: usize = 4;
 
 /// Some corners of blocks.
 #[derive(Clone, Copy, Debug)]
-struct Lanes {
+struct CornerLanes {
     /// Vectors from the middle of the patch, by coordinate.
     way: [[f64; LANES]; 3],
     /// Largest upper bound of the blocks that meet at each corner, bulge included.
@@ -24,7 +24,7 @@ struct Lanes {
 #[derive(Clone, Debug)]
 pub(crate) struct Cutoff<'h> {
     hull: &'h Hull,
-    lanes: Vec<Lanes>,
+    lanes: Vec<CornerLanes>,
     highest: f64,
     /// Largest bulge of any block.
     bulge: f64,
@@ -36,7 +36,7 @@ impl<'h> Cutoff<'h> {
     /// of every block.
     pub(crate) fn new(hull: &'h Hull, corners: &[(Vector3<f64>, f64)], bulge: f64) -> Self {
         let lanes = corners.chunks(LANES).map(|some| {
-            let mut lanes = Lanes { way: [[0.0; LANES]; 3], most: [f64::NEG_INFINITY; LANES] };
+            let mut lanes = CornerLanes { way: [[0.0; LANES]; 3], most: [f64::NEG_INFINITY; LANES] };
             for (k, (way, most)) in some.iter().enumerate() {
                 lanes.most[k] = *most;
                 for (to, from) in lanes.way.iter_mut().zip(way.iter()) {

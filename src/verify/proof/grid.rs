@@ -16,7 +16,7 @@ const THICKNESS: f64 = 0.2;
 const BLOCK: usize = 2;
 
 /// A surface of one sector.
-pub(crate) struct Surface<'a> {
+pub(crate) struct PlacedSurface<'a> {
     /// Its shape in sector 0.
     pub(crate) shape: &'a dyn Shape,
     /// Rotation into the sector.
@@ -25,7 +25,7 @@ pub(crate) struct Surface<'a> {
     pub(crate) id: SurfaceId,
 }
 
-impl Surface<'_> {
+impl PlacedSurface<'_> {
     /// The point at a place of the chart.
     pub(crate) fn point(&self, [x, y]: [f64; 2]) -> Point3<f64> {
         self.turn * self.shape.place(x, y).position
@@ -79,7 +79,7 @@ impl Grid {
     }
 
     /// The hull of a block of cells, rotated into a sector.
-    pub(crate) fn hull(&self, block: &Block, turn: &Rotation3<f64>) -> Hull {
+    pub(crate) fn hull(&self, block: &CellBlock, turn: &Rotation3<f64>) -> Hull {
         let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
         let (x, y) = (along(block.x), along(block.y));
         let size = block.longest() as f64;
@@ -88,7 +88,7 @@ impl Grid {
     }
 
     /// The first cell of a block.
-    pub(crate) fn cell(&self, block: &Block) -> Cell {
+    pub(crate) fn cell(&self, block: &CellBlock) -> Cell {
         let patch = &self.patch;
         let half = [
             0.5 * (patch.x[1] - patch.x[0]) / patch.columns as f64,
@@ -107,14 +107,14 @@ pub(crate) fn mix(range: [f64; 2], i: usize, n: usize) -> f64 {
 
 /// A block of cells of a patch: columns and rows from..to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Block {
+pub(crate) struct CellBlock {
     /// Columns from..to.
     pub(crate) x: [usize; 2],
     /// Rows from..to.
     pub(crate) y: [usize; 2],
 }
 
-impl Block {
+impl CellBlock {
     pub(crate) fn longest(&self) -> usize {
         (self.x[1] - self.x[0]).max(self.y[1] - self.y[0])
     }

@@ -66,7 +66,7 @@ pub(crate) struct Size {
 
 /// Properties of a piece for the hierarchy.
 #[derive(Clone, Copy, Debug)]
-struct Leg {
+struct PieceLeg {
     /// Tip and axis in the middle.
     middle: Vector3<f64>,
     axis: Vector3<f64>,
@@ -86,7 +86,7 @@ impl Hierarchy {
         let height = solid.cutter.tip_radius();
         let width = solid.cutter.widest_below(solid.flute_length);
         let size = Size { height, length: (solid.flute_length - height).max(0.0), width: width.max(height) };
-        let of = |(k, (piece, centres)): (usize, (&Piece, &Capsule))| Leg {
+        let of = |(k, (piece, centres)): (usize, (&Piece, &Capsule))| PieceLeg {
             middle: piece.middle().0.coords,
             axis: piece.middle().1,
             turn: piece.reach().1,
@@ -94,7 +94,7 @@ impl Hierarchy {
             flaw: centres.flaw(),
             piece: u32::try_from(k).unwrap_or(u32::MAX),
         };
-        let mut legs: Vec<Leg> = pieces.iter().zip(centres).enumerate().map(of).collect();
+        let mut legs: Vec<PieceLeg> = pieces.iter().zip(centres).enumerate().map(of).collect();
         let mut nodes = vec![node(&[], 0); 1 + below(legs.len())];
         if let Some((root, rest)) = nodes.split_first_mut() {
             build(&mut legs, 0, root, rest, 1);
@@ -109,7 +109,7 @@ fn below(count: usize) -> usize {
 }
 
 /// Bounds of a run of pieces; `start` is the index of its first piece.
-fn node(legs: &[Leg], start: usize) -> Node {
+fn node(legs: &[PieceLeg], start: usize) -> Node {
     let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(1e-9).unwrap_or_else(Vector3::z);
     // The chord of unit vectors is shorter than the angle; the half turns of the pieces are added to the chord.
     let turn = legs.iter().map(|l| (l.axis - axis).norm() + l.turn).fold(0.0, f64::max);
@@ -121,7 +121,7 @@ fn node(legs: &[Leg], start: usize) -> Node {
 
 /// A box about the centres of pieces. Its first direction points from their mean to the farthest centre, its second to
 /// the centre farthest across the first. A selection of many pieces gives the directions; the box holds all of them.
-fn bounding_box(legs: &[Leg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
+fn bounding_box(legs: &[PieceLeg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     let some = || legs.iter().step_by(legs.len().div_ceil(SOME).max(1)).flat_map(|leg| leg.ends);
     let mean = some().sum::<Vector3<f64>>() / some().count().max(1) as f64;
     let longer = |a: Vector3<f64>, b: Vector3<f64>| if b.norm_squared() > a.norm_squared() { b } else { a };
@@ -155,12 +155,12 @@ fn ranges<const N: usize>(places: impl Iterator<Item = [f64; N]>) -> [[f64; 2]; 
 /// Builds the node `own` of pieces; `start` is the index of the first piece. More pieces than a leaf holds are split at
 /// the median of the widest of the tip and axis coordinates. `rest` takes the nodes below; `first` is the index of the
 /// first of them.
-fn build(legs: &mut [Leg], start: usize, own: &mut Node, rest: &mut [Node], first: usize) {
+fn build(legs: &mut [PieceLeg], start: usize, own: &mut Node, rest: &mut [Node], first: usize) {
     let count = legs.len();
     *own = node(legs, start);
     let [left, right, rest @ ..] = rest else { return };
     own.child = u32::try_from(first).unwrap_or(u32::MAX);
-    let keys = |l: &Leg| {
+    let keys = |l: &PieceLeg| {
         let (p, a) = (&l.middle, l.axis * ARM);
         [p.x, p.y, p.z, a.x, a.y, a.z]
     };
@@ -168,7 +168,7 @@ fn build(legs: &mut [Leg], start: usize, own: &mut Node, rest: &mut [Node], firs
     // The first of the widest coordinates.
     let widest = (0..6).fold(0, |best, k| if widths[k] > widths[best] { k } else { best });
     let half = count / 2;
-    let key = |l: &Leg| if widest < 3 { l.middle[widest] } else { l.axis[widest - 3] };
+    let key = |l: &PieceLeg| if widest < 3 { l.middle[widest] } else { l.axis[widest - 3] };
     legs.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)).then(a.piece.cmp(&b.piece)));
     let (low, high) = legs.split_at_mut(half);
     let (below_left, below_right) = rest.split_at_mut(below(half));

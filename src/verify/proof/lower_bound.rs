@@ -114,7 +114,7 @@ impl Tangent {
 
 /// Result of the first evaluation of a cell and a piece.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct BoundQuery {
     /// Share at which the cutter is nearest to the middle.
     pub(crate) t: f64,
     /// Distance of the middle at this share.
@@ -155,7 +155,7 @@ impl Sweep<'_> {
     }
 
     /// First evaluation of a cell; `None` where the cutter is nowhere in the cell nearer than `enough`.
-    pub(crate) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<Look> {
+    pub(crate) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<BoundQuery> {
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
             if tangent.value - hull.radius >= enough {
@@ -163,7 +163,7 @@ impl Sweep<'_> {
             }
             let bound = tangent.over(hull);
             let value = foot.length - ball.radius;
-            return (bound < enough).then_some(Look { t: foot.t, value, tangent, bound });
+            return (bound < enough).then_some(BoundQuery { t: foot.t, value, tangent, bound });
         }
         let piece = self.piece(index);
         let whole = (0.0, 1.0);
@@ -175,7 +175,7 @@ impl Sweep<'_> {
         let nearest = self.minimum(piece, start, &hull.centre, whole);
         let tangent = Tangent::to_cutter(hull.centre, piece, &nearest, whole, hull.radius);
         let bound = tangent.over(hull);
-        (bound < enough).then_some(Look { t: nearest.t, value: nearest.value, tangent, bound })
+        (bound < enough).then_some(BoundQuery { t: nearest.t, value: nearest.value, tangent, bound })
     }
 
     /// Largest distance of a point of a cell at a share of a piece: the distance is convex.

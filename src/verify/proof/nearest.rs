@@ -13,7 +13,7 @@ const ENOUGH: f64 = 5e-3;
 const DEPTH: usize = 64;
 
 /// Lower bound of the distance to all poses of a node near a point: `value` at the point, with the gradient `slope`.
-struct Floor {
+struct NodeBound {
     value: f64,
     slope: Vector3<f64>,
 }
@@ -117,20 +117,20 @@ impl Sweep<'_> {
 
     /// Lower bound of the distance to the cutter in all poses of a node, for points within a radius of `p`. The search
     /// for a better bound ends at `enough`.
-    fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> Floor {
+    fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> NodeBound {
         let out = p - node.centre;
         let length = out.norm();
         let stray = |slope: &Vector3<f64>| -> f64 { node.sides.iter().map(|side| side.dot(slope).abs()).sum() };
-        let mut support = Floor { value: f64::NEG_INFINITY, slope: Vector3::zeros() };
+        let mut support = NodeBound { value: f64::NEG_INFINITY, slope: Vector3::zeros() };
         if length > 0.0 {
             let slope = out / length;
             let upmost = slope.dot(&node.axis) + node.turn;
             let least = length - stray(&slope);
             if let Some(ball) = self.ball().filter(|ball| upmost <= ball.upper) {
-                return Floor { value: least - ball.radius, slope };
+                return NodeBound { value: least - ball.radius, slope };
             }
             let size = &self.hierarchy.size;
-            support = Floor { value: least - size.width - size.length * upmost.max(0.0), slope };
+            support = NodeBound { value: least - size.width - size.length * upmost.max(0.0), slope };
             if support.value >= enough {
                 return support;
             }
@@ -145,7 +145,7 @@ impl Sweep<'_> {
         let lever = (rho * upward - s * outward).abs() + node.reach + radius;
         let second = 0.5 * turn * turn * (length + node.reach + radius);
         let value = value - stray(&slope) - turn * lever - second;
-        if value > support.value { Floor { value, slope } } else { support }
+        if value > support.value { NodeBound { value, slope } } else { support }
     }
 }
 

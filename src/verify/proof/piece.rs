@@ -121,12 +121,12 @@ impl<'a> Piece<'a> {
         Drift { bend: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
     }
 
-    /// How a tangent at a touch moves with the share, see [`Twist`]; valid for points within a radius.
-    pub(crate) fn twist(&self, touch: &Touch, radius: f64) -> Twist {
+    /// How a tangent at a touch moves with the share, see [`TangentTwist`]; valid for points within a radius.
+    pub(crate) fn twist(&self, touch: &Touch, radius: f64) -> TangentTwist {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
         let (_, axis, change) = self.quick_pose(touch.t);
         let arm = touch.arm() + way + radius;
-        Twist {
+        TangentTwist {
             change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
             bend: self.chain.turning().shortest * turn * turn * arm + 2.0 * turn * way,
             // Once in the derivative of the axis, and twice in that of the gradient.
@@ -246,7 +246,7 @@ impl Touch {
 /// tool, and K that of its turn along the tool. The sum is at most (1 + sqrt 5) / 2 (P + Q + K). For other angles
 /// [`Turning`] has a wider bound.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Twist {
+pub(crate) struct TangentTwist {
     /// Derivative of the gradient by the share.
     pub(crate) change: Vector3<f64>,
     /// Upper bound of the second derivative by the share, mm.

@@ -110,7 +110,7 @@ struct Pair<'a> {
 }
 
 /// Interval of the times at which a pair of pieces is nearest to the corners of a cell.
-struct Run {
+struct CornerRun {
     /// Length, in shares of the first piece.
     time: f64,
     /// Largest distance of a mean of times from the joint, if the interval contains the joint: at a kink of the path
@@ -136,19 +136,19 @@ impl<'a> Pair<'a> {
     }
 
     /// The interval of four shares, each of the first piece or of the later one.
-    fn run(&self, shares: &[(bool, f64); 4]) -> Run {
+    fn run(&self, shares: &[(bool, f64); 4]) -> CornerRun {
         // Time from the joint, in shares of the first piece.
         let times = shares.map(|(later, t)| if later { t * self.stretch } else { t - 1.0 });
         let (early, late) = times.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(*t), h.max(*t)));
         let time = late - early;
         let kinks = early < 0.0 && late > 0.0;
         let across = if kinks { -early * late / time } else { 0.0 };
-        Run { time, across, passes: [early < 0.0 || !kinks, late > 0.0 || !kinks] }
+        CornerRun { time, across, passes: [early < 0.0 || !kinks, late > 0.0 || !kinks] }
     }
 
     /// Largest value over the pieces of an interval; `of` gets a piece and the factor between its shares and those of
     /// the first piece.
-    fn worst(&self, run: &Run, of: impl Fn(&Piece, f64) -> f64) -> f64 {
+    fn worst(&self, run: &CornerRun, of: impl Fn(&Piece, f64) -> f64) -> f64 {
         let pieces = [(self.first, 1.0), (self.second, 1.0 / self.stretch)];
         pieces.iter().zip(run.passes).filter(|p| p.1).map(|((piece, scale), _)| of(piece, *scale)).fold(0.0, f64::max)
     }

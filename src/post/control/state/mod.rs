@@ -2,9 +2,9 @@
 
 mod moves;
 
-use super::{Act, Block, Control, LengthWord, MOST_FAULTS, Motion, ROUNDING, Smoothing, figure};
+use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::Machine;
-use crate::post::control::modal::{GROUPS, Group, Needed, Setting};
+use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
 use crate::post::nc::{Direction, NcSection, NcStation, NcTool, ReadError};
 use nalgebra::Vector3;
 
@@ -18,7 +18,7 @@ enum Transformation {
 
 /// Position of an axis with the transformation off: of the gauge line in the machine frame for X Y Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum AxisPosition {
     /// Wherever the program before left it.
     Unknown,
     /// Where the transformation left it.
@@ -27,7 +27,7 @@ enum Place {
     At(f64),
 }
 
-impl Place {
+impl AxisPosition {
     fn known(self) -> Option<f64> {
         if let Self::At(x) = self { Some(x) } else { None }
     }
@@ -42,18 +42,18 @@ enum Length {
 }
 
 /// State of the control. Nothing is taken for granted at its start.
-struct State<'a> {
+struct ControlState<'a> {
     control: &'a Control,
     machine: &'a Machine,
     line: usize,
     modal: [Setting; GROUPS],
     transformation: Transformation,
-    axes: [Place; 5],
+    axes: [AxisPosition; 5],
     /// Line that last moved an axis with the transformation off.
     placed: usize,
     tip: [Option<f64>; 3],
     direction: Direction,
-    motion: Option<Motion>,
+    motion: Option<MotionWord>,
     feed: Option<f64>,
     ready: Option<NcTool>,
     tool: Option<NcTool>,
@@ -74,7 +74,7 @@ struct State<'a> {
     told: Vec<&'static str>,
 }
 
-impl<'a> State<'a> {
+impl<'a> ControlState<'a> {
     fn new(control: &'a Control, machine: &'a Machine) -> Self {
         Self {
             control,
@@ -82,7 +82,7 @@ impl<'a> State<'a> {
             line: 0,
             modal: [Setting::Unknown; GROUPS],
             transformation: Transformation::Unknown,
-            axes: [Place::Unknown; 5],
+            axes: [AxisPosition::Unknown; 5],
             placed: 0,
             tip: [None; 3],
             direction: Direction::Rotary([0.0; 2]),
@@ -138,7 +138,7 @@ impl<'a> State<'a> {
     }
 
     /// Runs one block. A move runs on a state that may be faulty; then it is no move of the result.
-    fn run(&mut self, block: &Block) {
+    fn run(&mut self, block: &NcBlock) {
         if self.ended {
             return self.fault_once("ended", "text after the end of the program");
         }
@@ -184,11 +184,13 @@ impl<'a> State<'a> {
         }
     }
 
-    fn set(&mut self, group: Group, block: &Block) {
+    fn set(&mut self, group: ModalGroup, block: &NcBlock) {
         let Some(word) = block.modal[group as usize] else { return };
         let before = self.modal[group as usize];
         // A control forgets the feed with its unit.
-        if group == Group::FeedMode && before != Setting::Unknown && !matches!(before, Setting::Said(w, _) if w == word)
+        if group == ModalGroup::FeedMode
+            && before != Setting::Unknown
+            && !matches!(before, Setting::Said(w, _) if w == word)
         {
             self.feed = None;
         }
@@ -210,7 +212,7 @@ impl<'a> State<'a> {
             self.length = Length::Unknown;
         }
         // A change stops the spindle.
-        self.modal[Group::Spindle as usize] = Setting::Unknown;
+        self.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
     }
 
     fn set_length(&mut self, word: &LengthWord) {
@@ -248,21 +250,21 @@ impl<'a> State<'a> {
     }
 
     /// Transformation on or off.
-    fn switch(&mut self, on: bool, block: &Block) {
+    fn switch(&mut self, on: bool, block: &NcBlock) {
         let [word, off] = self.control.transformation;
         if block.has_axis_words() {
             self.fault("the transformation is switched in a move: write the word alone in its block");
         }
         if self.control.switching_drops_frames {
             // The programmable frame is taken back, and so is the work offset.
-            self.modal[Group::WorkOffset as usize] = Setting::Unknown;
-            if let Some(shift) = self.control.modal.iter().find(|m| m.group == Group::Shift) {
-                self.modal[Group::Shift as usize] = Setting::Said(shift.right[0], self.line);
+            self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
+            if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
+                self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
             }
         }
         if !on {
             if self.transformation == Transformation::On {
-                self.axes = [Place::Left; 5];
+                self.axes = [AxisPosition::Left; 5];
             }
             self.transformation = Transformation::Off;
             return;
@@ -377,7 +379,9 @@ impl<'a> State<'a> {
             Transformation::Off => {}
         }
         if !(self.control.end_switches_off && word.starts_with('M')) {
-            for (group, due, what) in [(Group::Spindle, "M5", "the spindle"), (Group::Coolant, "M9", "the coolant")] {
+            for (group, due, what) in
+                [(ModalGroup::Spindle, "M5", "the spindle"), (ModalGroup::Coolant, "M9", "the coolant")]
+            {
                 if let Setting::Said(word, line) = self.modal[group as usize]
                     && word != due
                 {
@@ -391,7 +395,7 @@ impl<'a> State<'a> {
     }
 }
 
-/// Runs a text line by line through a dialect's `block`, which makes a [`Block`] of a line, or none of an empty one. What
+/// Runs a text line by line through a dialect's `block`, which makes a [`NcBlock`] of a line, or none of an empty one. What
 /// it does not understand goes to the list that it is given.
 ///
 /// # Errors
@@ -400,9 +404,9 @@ pub(in crate::post) fn read(
     text: &str,
     control: &Control,
     machine: &Machine,
-    mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<Block>,
+    mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
 ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-    let mut state = State::new(control, machine);
+    let mut state = ControlState::new(control, machine);
     let mut reasons = Vec::new();
     for (i, line) in text.strip_suffix('\n').unwrap_or(text).split('\n').enumerate() {
         state.line = i + 1;

@@ -1,13 +1,13 @@
 //! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
 
-use super::{Length, Place, State, Transformation};
-use crate::post::control::modal::{Group, Setting};
-use crate::post::control::{Block, Control, MOST_MOVES, Motion, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
+use super::{AxisPosition, ControlState, Length, Transformation};
+use crate::post::control::modal::{ModalGroup, Setting};
+use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
 use crate::post::nc::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
 
-impl State<'_> {
-    pub(super) fn moved(&mut self, block: &Block) {
+impl ControlState<'_> {
+    pub(super) fn moved(&mut self, block: &NcBlock) {
         if self.transformation != Transformation::On {
             self.motion = block.motion.or(self.motion);
         }
@@ -34,14 +34,14 @@ impl State<'_> {
     }
 
     /// A move with the transformation off: only at rapid, in the machine frame, and sideways only at the retract height.
-    fn axis_move(&mut self, block: &Block) {
+    fn axis_move(&mut self, block: &NcBlock) {
         let Control { machine_frame, behind, .. } = self.control;
         if block.vector != [None; 3] {
             self.fault("a direction vector with the transformation off");
         }
         match self.motion {
-            Some(Motion::Rapid) => {}
-            Some(Motion::Feed) => {
+            Some(MotionWord::Rapid) => {}
+            Some(MotionWord::Feed) => {
                 self.fault("a move at feed with the transformation off: here only rapids are understood, write G0");
             }
             _ => self.fault("a move before any G0: whether it is a rapid is not known"),
@@ -94,11 +94,11 @@ impl State<'_> {
         }
         for (place, word) in self.axes.iter_mut().zip(words) {
             if let Some(x) = word {
-                *place = Place::At(x);
+                *place = AxisPosition::At(x);
             }
         }
         // As the block meant it.
-        self.axes[2] = self.axes[2].known().map_or(Place::At(retract), |z| Place::At(z.max(retract)));
+        self.axes[2] = self.axes[2].known().map_or(AxisPosition::At(retract), |z| AxisPosition::At(z.max(retract)));
         self.placed = self.line;
     }
 
@@ -133,14 +133,14 @@ impl State<'_> {
     }
 
     /// A move of the tip.
-    fn tip_move(&mut self, block: &Block) {
+    fn tip_move(&mut self, block: &NcBlock) {
         let off = self.control.transformation[1];
         if block.machine_frame {
             self.fault(format!(
                 "a move in the machine frame with the transformation on: write {off} before this block"
             ));
             // As the block meant it.
-            self.switch(false, &Block::default());
+            self.switch(false, &NcBlock::default());
             self.motion = block.motion.or(self.motion);
             return self.axis_move(block);
         }
@@ -161,9 +161,9 @@ impl State<'_> {
         self.tip = [Some(x), Some(y), Some(z)];
         let tip = Point3::new(x, y, z);
         let rapid = match self.motion {
-            Some(Motion::Feed) => false,
-            Some(Motion::Rapid) => true,
-            Some(Motion::Cancelled) | None => {
+            Some(MotionWord::Feed) => false,
+            Some(MotionWord::Rapid) => true,
+            Some(MotionWord::Cancelled) | None => {
                 self.fault("a move before any G0 or G1: write the word in this block");
                 true
             }
@@ -193,7 +193,7 @@ impl State<'_> {
             self.fault_once("moves", format!("more than {MOST_MOVES} moves; split the program by operations"));
         }
         self.direction = direction;
-        self.axes = [Place::Left; 5];
+        self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed) = (self.line, self.speed.unwrap_or(0.0));
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
@@ -205,12 +205,12 @@ impl State<'_> {
     /// Feed of a block in mm/min; in inverse time from its length, with the time that it says, s.
     fn feed_of(
         &mut self,
-        block: &Block,
+        block: &NcBlock,
         before: [Option<f64>; 3],
         tip: &Point3<f64>,
         direction: &Direction,
     ) -> (Option<f64>, Option<f64>) {
-        let inverse = matches!(self.modal[Group::FeedMode as usize], Setting::Said("G93", _));
+        let inverse = matches!(self.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _));
         let Some(word) = (if inverse { block.feed } else { self.feed }) else {
             if inverse {
                 self.fault("a move at feed in inverse time (G93) needs F in its own block");
@@ -242,7 +242,7 @@ impl State<'_> {
         (Some(feed), time)
     }
 
-    fn direction(&mut self, block: &Block) -> Direction {
+    fn direction(&mut self, block: &NcBlock) -> Direction {
         let before = self.direction;
         match (block.vector, block.rotary) {
             ([None, None, None], [None, None]) => before,
