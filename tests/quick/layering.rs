@@ -43,6 +43,9 @@ const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"
 /// Lines from which a file is hard to hold in the head.
 const LONGEST_FILE: usize = 700;
 
+/// Lines from which a function is more than one thought.
+const LONGEST_FUNCTION: usize = 80;
+
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
     entries.sort();
@@ -175,4 +178,44 @@ fn files_have_headers_and_stay_short() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(!FORBIDDEN_NAMES.iter().any(|f| name.contains(f)), "{}", path.display());
     }
+}
+
+/// Name of the function that begins in a line.
+fn function(line: &str) -> Option<String> {
+    let (before, rest) = line.split_once("fn ")?;
+    let declares = before.split_whitespace().all(|w| w.starts_with("pub") || ["const", "async", "unsafe"].contains(&w));
+    declares.then(|| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
+}
+
+/// Functions of a text with their lines, from `fn` to the closing brace at its indentation; those of tests are left out.
+fn functions(text: &str) -> Vec<(String, usize)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut found = Vec::new();
+    let mut tests = false;
+    for (i, line) in lines.iter().enumerate() {
+        tests = (tests || (*line == "mod tests {" && lines[i - 1] == "#[cfg(test)]")) && *line != "}";
+        let Some(name) = function(line).filter(|_| !tests) else { continue };
+        let indent = &line[..line.len() - line.trim_start().len()];
+        // A trait may leave out the body.
+        let ends = |l: &&str| {
+            let l = l.strip_prefix(indent).unwrap_or_default();
+            l == "}" || (l.starts_with(')') && l.ends_with(';'))
+        };
+        let count = if line.ends_with([';', '}']) { 0 } else { lines[i..].iter().position(ends).unwrap() };
+        found.push((name, count + 1));
+    }
+    found
+}
+
+#[test]
+fn functions_stay_short() {
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let mut long = Vec::new();
+    for path in &all {
+        let text = std::fs::read_to_string(path).unwrap();
+        let beyond = functions(&text).into_iter().filter(|(_, lines)| *lines > LONGEST_FUNCTION);
+        long.extend(beyond.map(|(name, lines)| format!("{}: {name} has {lines} lines", path.display())));
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
 }
