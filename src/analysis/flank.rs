@@ -1,7 +1,7 @@
 //! How well the side of a cutter fits a face: what flank milling is asked for at points of the part, where it starts
 //! from, and the least error that is left at one, two and three bands.
 
-use super::flank_room::room;
+use super::tolerance_budget::room;
 use crate::collide::Cutter;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};

@@ -6,13 +6,13 @@ pub mod channel;
 pub mod cost;
 pub mod ends;
 pub mod flank;
-pub mod flank_room;
 pub mod machine_kind;
 pub mod outliers;
 pub mod part_kind;
 pub mod reach;
 mod retract;
 pub mod throat;
+pub mod tolerance_budget;
 pub mod twist;
 
 use crate::diag::codes::geometry as codes;

@@ -163,13 +163,13 @@ impl Question<'_> {
 /// A body with its position relative to a line.
 trait Standing: RadiusProfile {
     /// `from` and `to` bound the part that the body may reach while no point of it moves farther than `margin`.
-    fn stand(&self, pose: &StepPose, line: &RayLine, stretch: [f64; 2], margin: f64) -> LaneHit;
+    fn stand(&self, pose: &StepPose, line: &RayLine, interval: [f64; 2], margin: f64) -> LaneHit;
 }
 
 impl Standing for SolidShape {
     #[inline(always)]
     fn stand(&self, pose: &StepPose, line: &RayLine, [from, to]: [f64; 2], _margin: f64) -> LaneHit {
-        let ([low, high], nearest) = pose.stretch_by_tangents(self, line, [from, to]);
+        let ([low, high], nearest) = pose.interval_by_tangents(self, line, [from, to]);
         LaneHit { low, high, from, to, nearest }
     }
 }

@@ -8,7 +8,7 @@
 //! | `sweep` | such a body in motion: its signed distance, and the least value over time |
 //! | `moving` | such a body in motion with bounds, against a line |
 //! | `lanes` | queries about eight intervals of material at once against such a body |
-//! | `stretches` | what such a body removes of the intervals of a group of lines |
+//! | `intervals` | what such a body removes of the intervals of a group of lines |
 //! | `run` | successive steps as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of the material |
 //! | [`simulate()`] | a stream of steps through all tiles |
@@ -19,6 +19,7 @@
 //! Lengths are in mm.
 
 pub mod field;
+mod intervals;
 mod lanes;
 pub mod mesh;
 mod moving;
@@ -26,7 +27,6 @@ mod ray;
 mod run;
 mod shape;
 pub mod simulate;
-mod stretches;
 mod sweep;
 mod tile;
 

@@ -4,10 +4,10 @@
 //! off in program order. Tiles share nothing, so that the result does not depend on the number of threads; sums over
 //! tiles are made in the order of the tiles.
 
+use super::intervals::Intervals;
 use super::moving::Moving;
 use super::run::{self, Frame, Prepared, RUN};
 use super::shape::SolidShape;
-use super::stretches::Stretches;
 use super::sweep::StepSweep;
 use super::tile::{Overlap, RayRun, Removal, SIDE, Tile};
 use super::{END_ERROR, Field, Step, Touched};
@@ -223,7 +223,7 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
 /// Works off the runs of a tile in order.
 fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     let mut said = Said::default();
-    let mut work = Stretches::default();
+    let mut work = Intervals::default();
     for &n in list {
         let run = &prepared[n as usize];
         // Parts that touch nothing of the stock as it is before the run touch nothing during it.
@@ -276,7 +276,7 @@ impl Said {
     }
 
     /// Takes away what the cutter sweeps in some of the steps of a run.
-    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Stretches) {
+    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Intervals) {
         let cut = &run.steps[steps.clone()];
         let whole = match cut {
             [] => return,

@@ -101,7 +101,7 @@ impl StepPose {
 
     /// The part of a line inside of the body, by tangents from both ends of an interval, and approximately the place
     /// where the body is nearest.
-    pub(super) fn stretch_by_tangents(&self, shape: &SolidShape, line: &RayLine, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
+    pub(super) fn interval_by_tangents(&self, shape: &SolidShape, line: &RayLine, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
         let look = |z: f64| {
             let look = self.look(shape, line, z);
             (z, look.f, look.rise)

@@ -1,9 +1,9 @@
 //! A square of 64 x 64 rays along Z, with two maps of the material along the rays: for groups of 4 x 4 rays, and for
 //! groups of 16 x 16 rays.
 
+use super::intervals::{Chip, Intervals};
 use super::moving::Moving;
 use super::ray::Ray;
-use super::stretches::{Chip, Stretches};
 use super::sweep::RayLine;
 
 /// Rays along an edge of a tile.
@@ -273,11 +273,11 @@ impl Tile {
     }
 
     /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step.
-    pub(super) fn remove(&mut self, run: &RayRun, work: &mut Stretches, removals: &mut [Removal]) {
+    pub(super) fn remove(&mut self, run: &RayRun, work: &mut Intervals, removals: &mut [Removal]) {
         let steps = run.steps;
         self.visit(run.whole, |rays, group| {
             work.clear();
-            group.stretches(rays, |ray, line, part| work.push(line, ray, part));
+            group.intervals(rays, |ray, line, part| work.push(line, ray, part));
             if steps.len() > 1 {
                 work.sift(run.whole);
             }
@@ -308,7 +308,7 @@ impl Tile {
             if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
                 return false;
             }
-            group.stretches(rays, |_, line, part| {
+            group.intervals(rays, |_, line, part| {
                 let least = worst.map_or(least, |w| w.depth);
                 if let Some((x, depth)) = moving.deepest(line, part, least, &mut guess) {
                     let p = line.point(x);
@@ -343,7 +343,7 @@ struct RayGroup {
 
 impl RayGroup {
     /// Visits the material in the window: index of the ray, its line, and the interval.
-    fn stretches(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &RayLine, [f64; 2])) {
+    fn intervals(&self, rays: &[Ray], mut visitor: impl FnMut(u8, &RayLine, [f64; 2])) {
         let [low, high] = self.window;
         for (n, ray) in (0_u8..).zip(rays) {
             let at = |k: u8| self.cell * f64::from(k);

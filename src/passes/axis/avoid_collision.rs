@@ -6,10 +6,10 @@
 //! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
 //! that names the place.
 
+use super::clear_axes::ClearAxes;
 use super::orient_tool::leaning_points;
-use super::room::AxisRoom;
-use super::way;
-use super::way_out::way_out;
+use super::remedy::remedy;
+use super::sequence;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::entity::PrimaryMap;
@@ -43,7 +43,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
         let leans: Vec<Result<f64, Miss>> =
             pairs().map(|(cc, cl)| work.step(clearing_lean(program, obstacles, operation, cc, &cl.points))).collect();
-        let ways_out: Vec<Option<String>> = pairs()
+        let remedies: Vec<Option<String>> = pairs()
             .zip(&leans)
             .map(|((cc, cl), lean)| {
                 lean.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
@@ -51,7 +51,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .collect();
         let mut steepest = 0.0_f64;
         let passes = planned.passes.iter().zip(&mut oriented.passes);
-        for ((cc, pass), (lean, way_out)) in passes.zip(leans.into_iter().zip(ways_out)) {
+        for ((cc, pass), (lean, remedy)) in passes.zip(leans.into_iter().zip(remedies)) {
             match lean {
                 Ok(lean) => {
                     steepest = steepest.max(lean);
@@ -75,7 +75,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     .label(operation.span, "in this operation")
                     .label(tool.span, "with this tool")
                     .place(pass.label.clone(), at);
-                    cx.sink.push(way_out.into_iter().fold(diag, Diag::help));
+                    cx.sink.push(remedy.into_iter().fold(diag, Diag::help));
                 }
             }
         }
@@ -101,13 +101,13 @@ fn clear_axes(
     oriented: &mut ClOperation,
 ) -> Result<(), Aborted> {
     let program = cx.program;
-    let room = AxisRoom::new(program, cx.obstacles, operation);
+    let clear = ClearAxes::new(program, cx.obstacles, operation);
     let work = cx.progress.begin(format!("{}, clear axes", operation.name), planned.passes.len());
     let (passes, planned) = (&oriented.passes, &planned.passes);
     let chosen = if method == AxisMethod::Xu {
-        way::greedy_axes(&room, &program.machine.chain, planned, passes)
+        sequence::greedy_axes(&clear, &program.machine.chain, planned, passes)
     } else {
-        way::shortest(&room, &program.machine, passes, &work)
+        sequence::shortest(&clear, &program.machine, passes, &work)
     };
     let (found, blocked) = match chosen {
         Ok(points) => (points, Vec::new()),
@@ -117,7 +117,8 @@ fn clear_axes(
     for (i, (at, about)) in &blocked {
         let label = oriented.passes.get(*i).map_or_else(String::new, |p| p.label.clone());
         cx.sink.push(
-            room.no_axis(&operation.name, &tool.name, at, about)
+            clear
+                .no_axis(&operation.name, &tool.name, at, about)
                 .place(label, *at)
                 .label(operation.span, "in this operation")
                 .label(tool.span, "with this tool"),
@@ -142,7 +143,7 @@ fn tool_that_clears(
     points: &[ClPoint],
 ) -> String {
     let free = leans_away(operation, cc);
-    way_out(&program.tools[operation.tool].solid, free, |solid| {
+    remedy(&program.tools[operation.tool].solid, free, |solid| {
         let mut program = program.clone();
         let mut tools = PrimaryMap::new();
         for (id, tool) in program.tools.iter() {

@@ -1,9 +1,9 @@
 //! Tool axes: from the operations, then collision-free, then smooth.
 
 pub(crate) mod avoid_collision;
+mod clear_axes;
 pub(crate) mod orient_tool;
-mod room;
+mod remedy;
 pub(crate) mod run;
+mod sequence;
 pub(crate) mod smooth_axis;
-mod way;
-mod way_out;

@@ -7,7 +7,7 @@
 //! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
 //! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals.
 
-use super::room::AxisRoom;
+use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
@@ -60,16 +60,16 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         if operation.kind.axis_method() != Some(AxisMethod::Corridor) {
             continue;
         }
-        let room = AxisRoom::new(program, cx.obstacles, operation);
+        let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
         let smoothed: Vec<Result<Vec<ClPoint>, Fault>> =
-            oriented.passes.par_iter().map(|pass| work.step(smooth(&room, &program.machine.chain, pass))).collect();
+            oriented.passes.par_iter().map(|pass| work.step(smooth(&clear, &program.machine.chain, pass))).collect();
         for (pass, result) in oriented.passes.iter_mut().zip(smoothed) {
             match result {
                 Ok(points) => pass.points = points,
                 Err(fault) => {
                     failed = true;
-                    report(cx, operation, pass, &room, &fault);
+                    report(cx, operation, pass, &clear, &fault);
                 }
             }
         }
@@ -102,8 +102,8 @@ fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
     most
 }
 
-fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
-    let radius = room.radius();
+fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
+    let radius = clear.radius();
     let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
     let table = lengths(&centres);
     let whole = table.last().copied().unwrap_or(0.0);
@@ -127,7 +127,7 @@ fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoi
             let mut cones = Vec::with_capacity(run.len());
             for (place, angles) in places.iter().zip(&run) {
                 let wanted = chain.tool_axis(*angles);
-                let cone = room.cone(place, &wanted, Proof::Rays, margin);
+                let cone = clear.cone(place, &wanted, Proof::Rays, margin);
                 cones.push(cone.ok_or(Fault::NoAxis(*place, wanted))?);
             }
             let corridor = Corridor { cones, spacing };
@@ -140,7 +140,7 @@ fn smooth(room: &AxisRoom<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoi
         let exact = rotary(chain, points.iter().map(|p| p.axis));
         let unproved = (1..points.len()).find(|i| {
             let end = |k: usize| RotaryPose { tip: points[k].tip, rotary: exact[k] };
-            !room.proved(&[end(i - 1), end(*i)])
+            !clear.proved(&[end(i - 1), end(*i)])
         });
         match unproved {
             None => return Ok(points),
@@ -187,12 +187,14 @@ fn report(
     cx: &mut PassContext<'_>,
     operation: &crate::ir::Operation,
     pass: &ClPass,
-    room: &AxisRoom<'_>,
+    clear: &ClearAxes<'_>,
     fault: &Fault,
 ) {
     let tool = &cx.program.tools[operation.tool];
     let diag = match fault {
-        Fault::NoAxis(at, about) => room.no_axis(&operation.name, &tool.name, at, about).place(pass.label.clone(), *at),
+        Fault::NoAxis(at, about) => {
+            clear.no_axis(&operation.name, &tool.name, at, about).place(pass.label.clone(), *at)
+        }
         Fault::NoRun(at, residual) => Diag::error(
             orientation::NOT_SMOOTH,
             format!(

@@ -16,7 +16,7 @@ use crate::passes::context::{
     PassContext, STATIONS,
     limits::{check_fillet, check_points},
 };
-use crate::passes::lines::{self, Direction, Ground, LaidLines, METRIC_STATIONS, constant_scallop, scallop};
+use crate::passes::lines::{self, Direction, DriveSurface, LaidLines, METRIC_STATIONS, constant_scallop, scallop};
 use nalgebra::Vector2;
 
 /// Contacts with the hub of the ball that rolls in the fillet: (u of the hub, azimuth), ascending in u.
@@ -50,7 +50,7 @@ impl ChannelFloor<'_> {
     }
 }
 
-impl Ground for ChannelFloor<'_> {
+impl DriveSurface for ChannelFloor<'_> {
     fn name(&self) -> String {
         "channel".to_owned()
     }

@@ -2,7 +2,7 @@
 
 use super::sweep::StripTask;
 use crate::analysis::flank::{self, Surroundings, WorstError};
-use crate::analysis::flank_room::{SLACK, kept};
+use crate::analysis::tolerance_budget::{SLACK, kept};
 use crate::collide::Cutter;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::Operation;

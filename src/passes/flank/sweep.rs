@@ -3,7 +3,7 @@
 
 use super::clearance::Clearances;
 use crate::analysis::flank::{Band, Placed};
-use crate::analysis::flank_room::{SLACK, room};
+use crate::analysis::tolerance_budget::{SLACK, room};
 use crate::envelope::target::Of;
 use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
 use crate::geom::DualCurve;

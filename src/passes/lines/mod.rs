@@ -38,7 +38,7 @@ const NEARLY: f64 = 1.04;
 const MOST_GROWTH: f64 = 3.0;
 
 /// A surface with x along its lines, from 0 to 1, and y across them.
-pub(crate) trait Ground: Sync {
+pub(crate) trait DriveSurface: Sync {
     /// What a set of lines covers, in words.
     fn name(&self) -> String;
 
@@ -146,21 +146,21 @@ pub(crate) fn left_to_ridges(cx: &PassContext<'_>, height: f64) -> f64 {
 pub(crate) fn constant_scallop(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    ground: &dyn Ground,
+    surface: &dyn DriveSurface,
     radius: f64,
     height: f64,
     directions: &[Direction; 2],
 ) -> Result<LaidLines, Aborted> {
     let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
-        let lines = lay(cx, operation, ground, radius, planned, directions)?;
-        let ridge = ground.highest_ridge(&lines);
+        let lines = lay(cx, operation, surface, radius, planned, directions)?;
+        let ridge = surface.highest_ridge(&lines);
         Ok((lines, ridge))
     })?;
     let length: f64 = lines.iter().map(SurfaceLine::length).sum();
-    let least = ground.least_length(height);
+    let least = surface.least_length(height);
     let partial = lines.iter().filter(|l| l.partial).count();
-    let name = ground.name();
+    let name = surface.name();
     let name = if name.starts_with(['i', 'o']) { format!("an {name}") } else { format!("a {name}") };
     let (count, left) = (lines.len(), height - target);
     let mut notes = if count == 1 {
@@ -210,16 +210,16 @@ pub(crate) fn refined<T>(
 fn lay(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    ground: &dyn Ground,
+    surface: &dyn DriveSurface,
     radius: f64,
     planned: f64,
     directions: &[Direction; 2],
 ) -> Result<Vec<SurfaceLine>, Aborted> {
     cx.go_on()?;
     let grid = &directions[0].grid;
-    let metric = ground.metric(planned);
+    let metric = surface.metric(planned);
     let width = |x: f64| {
-        let (a, across) = ground.walls(x);
+        let (a, across) = surface.walls(x);
         let densest =
             [0.0, 0.5, 1.0].map(|share| metric.form(x, a + across * share)[1]).into_iter().fold(0.0, f64::max);
         across * densest
@@ -233,7 +233,7 @@ fn lay(
     let arcs = [0, 1].map(|back: usize| directions[back].leads.map(quarter));
     let tracks = if steps < NO_WIDTH {
         let middle = |x: f64| {
-            let (a, across) = ground.walls(x);
+            let (a, across) = surface.walls(x);
             a + 0.5 * across
         };
         let range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -242,16 +242,16 @@ fn lay(
         let (first, second): (Vec<f64>, Vec<f64>) = metric
             .stations()
             .map(|x| {
-                let (a, across) = ground.walls(x);
+                let (a, across) = surface.walls(x);
                 (a, a + across)
             })
             .unzip();
-        let slowest = grid.iter().map(|x| ground.speed(*x, ground.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
+        let slowest = grid.iter().map(|x| surface.speed(*x, surface.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
         let short = arcs[0][0].max(arcs[0][1]) / slowest;
         tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8)
     };
     let Some(tracks) = tracks else {
-        let message = format!("the lines of `{}` do not fill the {}", operation.name, ground.name());
+        let message = format!("the lines of `{}` do not fill the {}", operation.name, surface.name());
         cx.sink.push(
             Diag::error(planning::TOO_FINE, message)
                 .label(operation.span, "this operation steps too finely")
@@ -261,14 +261,14 @@ fn lay(
     };
     let lines = tracks.iter().enumerate().map(|(j, track)| {
         let back = j % 2;
-        line(ground, &metric, &tracks, (j, track), arcs[back], &directions[back].grid)
+        line(surface, &metric, &tracks, (j, track), arcs[back], &directions[back].grid)
     });
     Ok(lines.collect())
 }
 
 /// Contacts of a track with its leads or arcs.
 fn line(
-    ground: &dyn Ground,
+    surface: &dyn DriveSurface,
     metric: &BandMetric,
     tracks: &[Track],
     (j, track): (usize, &Track),
@@ -279,7 +279,7 @@ fn line(
     // A station very close to an end would give its piece an arbitrary direction.
     let apart = 0.5 / STATIONS as f64;
     let at = |x: f64| {
-        let (a, across) = ground.walls(x);
+        let (a, across) = surface.walls(x);
         match j {
             0 if last > 0 => a,
             _ if j == last && last > 0 => a + across,
@@ -289,10 +289,10 @@ fn line(
     let point = |x: f64| {
         // On the leads the share is constant.
         let inside = x.clamp(0.0, 1.0);
-        let (a, across) = ground.walls(inside);
-        ground.contact(x, at(x), ((at(inside) - a) / across).clamp(0.0, 1.0))
+        let (a, across) = surface.walls(inside);
+        surface.contact(x, at(x), ((at(inside) - a) / across).clamp(0.0, 1.0))
     };
-    let open = ground.open();
+    let open = surface.open();
     let end = |i: usize| if open[i] || track.range[i].is_finite() { track.range[i] } else { i as f64 };
     let [from, to] = [end(0), end(1)];
     let ends = [from, to].into_iter().filter(|u| u.is_finite());
@@ -305,7 +305,7 @@ fn line(
     // Arc from the end of a line, backwards along the line and lifted.
     let arc = |end: f64, radius: f64, direction: f64| {
         let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
-        let speed = ground.speed(end, at(end), turn);
+        let speed = surface.speed(end, at(end), turn);
         (1..=ARC_STATIONS).map(move |i| {
             let (sin, cos) = libm::sincos(FRAC_PI_2 * i as f64 / ARC_STATIONS as f64);
             (end + direction * radius * sin / speed, radius * (1.0 - cos))

@@ -3,7 +3,7 @@
 //! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves per
 //! operation. The tool comes down along its axis to the start of a pass, runs the pass, leaves along its axis to the
 //! clearance sphere, and goes over the sphere to the next pass. Where a finishing pass begins near the end of its
-//! predecessor, a direct link replaces this (see [`super::hop`]). Passes with direct links between them keep one branch
+//! predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links between them keep one branch
 //! and do not unwind. Where the travel does not allow this, the tool goes over the sphere in the middle of them. Branch
 //! and winding change only there.
 //!
@@ -12,7 +12,7 @@
 
 use super::branch::{self, OutOfTravel};
 use super::clearance_sphere::ClearanceSphere;
-use super::hop::Hops;
+use super::direct_link::DirectLinks;
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation};
@@ -87,19 +87,19 @@ impl<'a> Links<'a> {
     fn new(cx: &PassContext<'_>, operation: &Operation, passes: &'a [ClPass]) -> Self {
         let program = cx.program;
         let sphere = ClearanceSphere::new(program, &program.tools[operation.tool].solid);
-        let hops = Hops::new(program, cx.obstacles, operation);
+        let direct_links = DirectLinks::new(program, cx.obstacles, operation);
         let short = passes
             .par_windows(2)
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
-                let hop = hops.between(from, to).filter(|_| operation.kind.finishes())?;
+                let link = direct_links.between(from, to).filter(|_| operation.kind.finishes())?;
                 // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;
                 let [out, back] = [from, to].map(|p| lifted(&sphere, p));
                 let over = (length(&[*from, out]) + length(&[back, *to])) / feed
                     + sphere.way(&out.tip, &back.tip) / program.machine.rapid;
-                (length(&[*from, hop[0], hop[1], *to]) / feed <= over).then_some(hop)
+                (length(&[*from, link[0], link[1], *to]) / feed <= over).then_some(link)
             })
             .collect();
         Self { passes, short, sphere }

@@ -2,6 +2,6 @@
 
 mod branch;
 mod clearance_sphere;
-mod hop;
+mod direct_link;
 pub(crate) mod link_moves;
 pub mod rest_machining;

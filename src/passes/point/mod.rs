@@ -1,8 +1,8 @@
 //! Point milling of faces, fillets and edges.
 
 mod axes;
-mod ground;
 pub(crate) mod plan;
 mod spiral;
+mod vane_surface;
 
 pub(crate) use axes::vane_points;

@@ -6,8 +6,8 @@
 //! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
 
 use super::axes::{VaneAxis, tip_at};
-use super::ground::{VaneGround, nominal_tilt};
 use super::spiral::Around;
+use super::vane_surface::{VaneSurface, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
@@ -19,7 +19,7 @@ use crate::passes::context::{
     Lean, PassContext,
     limits::{check_fillet, check_points},
 };
-use crate::passes::lines::{self, Ground, constant_scallop};
+use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use crate::units::length;
 use rayon::prelude::*;
 
@@ -48,35 +48,35 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let mut all = charts(part);
     all.extend(edges(part));
     let axes = VaneAxis::new(part);
-    let ground = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
+    let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
         let side = match kind {
             SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
             _ => BladeId::MAIN.faces()[0],
         };
         let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
         let hollow = part.main().fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
-        let mut ground = VaneGround { chart, side, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
+        let mut surface = VaneSurface { chart, side, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
         if matches!(kind, SurfaceKind::Face(_)) {
-            ground.low = lowest(cx, operation, &ground);
+            surface.low = lowest(cx, operation, &surface);
         }
-        check_hollow(cx, operation, &ground)?;
-        Ok(ground)
+        check_hollow(cx, operation, &surface)?;
+        Ok(surface)
     };
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
     let faces = BladeId::MAIN.faces().map(SurfaceKind::Face);
     let round = order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f));
     if round {
-        let grounds = [ground(cx, faces[0])?, ground(cx, faces[1])?];
-        let (points, told) = spiral(cx, operation, [&grounds[0], &grounds[1]], scallop.get())?;
+        let pair = [surface_of(cx, faces[0])?, surface_of(cx, faces[1])?];
+        let (points, told) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
         notes.extend(told);
         laid.push((Drive::Round, "spiral".to_owned(), vec![points]));
     }
     for kind in surfaces.iter().filter(|kind| !(round && faces.contains(kind))) {
-        let ground = ground(cx, *kind)?;
+        let surface = surface_of(cx, *kind)?;
         let speed = [0.0, 1.0]
-            .map(|x| [0.0, 0.5, 1.0].map(|y| ground.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
+            .map(|x| [0.0, 0.5, 1.0].map(|y| surface.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
         let directions = lines::directions(operation, cutter.tip_radius(), speed, order);
-        let lines = constant_scallop(cx, operation, &ground, cutter.tip_radius(), scallop.get(), &directions)?;
+        let lines = constant_scallop(cx, operation, &surface, cutter.tip_radius(), scallop.get(), &directions)?;
         notes.extend(lines.notes);
         let mut lines = lines.lines;
         lines::turn_back(&mut lines, order);
@@ -84,7 +84,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             // From the shroud down.
             lines.reverse();
         }
-        laid.push((Drive::Contact(*kind), ground.name(), lines));
+        laid.push((Drive::Contact(*kind), surface.name(), lines));
     }
     let mut passes = Vec::new();
     for (drive, name, lines) in laid {
@@ -99,23 +99,23 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
 fn spiral(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    grounds: [&VaneGround<'_>; 2],
+    pair: [&VaneSurface<'_>; 2],
     height: f64,
 ) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
     let edges = edges_of(&cx.program.part, BladeId::MAIN);
-    let low = grounds.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
-    let around = Around { faces: [grounds[0], grounds[1]], edges: &edges, low };
+    let low = pair.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
+    let around = Around { faces: [pair[0], pair[1]], edges: &edges, low };
     let target = lines::left_to_ridges(cx, height);
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
     let (laid, _) = lines::refined(target, |planned| {
-        let density = |side: usize, x: f64, y: f64| grounds[side].density(x, y, planned);
+        let density = |side: usize, x: f64, y: f64| pair[side].density(x, y, planned);
         let spiral = around.lay(&density, leads);
         check_points(cx, operation, spiral.points.len() as f64)?;
-        let ridges = [0, 1].map(|side| grounds[side].highest_ridge(&spiral.turns[side]));
+        let ridges = [0, 1].map(|side| pair[side].highest_ridge(&spiral.turns[side]));
         Ok((spiral, ridges.into_iter().flatten().reduce(f64::max)))
     })?;
     let length: f64 = laid.turns.iter().flatten().map(lines::SurfaceLine::length).sum();
-    let least: f64 = grounds.iter().map(|g| g.least_length(height)).sum();
+    let least: f64 = pair.iter().map(|g| g.least_length(height)).sum();
     let note = format!(
         "a spiral of {} turns a vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \
          lower bound {least:.1} mm (area over the larger step)",
@@ -135,14 +135,14 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 }
 
 /// Refuses a cutter that is less curved than a hollow of a surface.
-fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Result<(), Aborted> {
-    let (rest, bulge, [x, y]) = ground.most_hollow();
+fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
+    let (rest, bulge, [x, y]) = surface.most_hollow();
     // A ball in a fillet of its own radius leaves nothing.
-    if rest > 0.0 || (ground.hollow.is_some() && rest > -1e-6) {
+    if rest > 0.0 || (surface.hollow.is_some() && rest > -1e-6) {
         return Ok(());
     }
     let tool = &cx.program.tools[operation.tool];
-    let place = ground.chart.place(x, y);
+    let place = surface.chart.place(x, y);
     let room = -1.0 / bulge;
     cx.sink.push(
         Diag::error(
@@ -150,14 +150,14 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, ground: &VaneGr
             format!(
                 "{} is bigger than the hollow of the {}, whose radius is {}",
                 tool.name,
-                ground.name(),
+                surface.name(),
                 length(room)
             ),
         )
         .label(operation.span, "in this operation")
         .label(tool.span, "this cutter would touch it beside the line that it is to cut")
         .place(
-            format!("{} at u = {:.3}, v = {:.3}", ground.name(), place.parameters[0], place.parameters[1]),
+            format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
             place.position,
         )
         .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * room).floor() / 100.0)),
@@ -173,15 +173,15 @@ const HALVINGS: usize = 10;
 
 /// Lowest y at which the cutter stands on a face without cutting into fillet or hub. For a ball it is the edge of the
 /// fillet.
-fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) -> Vec<f64> {
+fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Vec<f64> {
     let part = &cx.program.part;
     let solid = &cx.program.tools[operation.tool].solid;
     let stations = (0..=BORDER).map(|i| i as f64 / BORDER as f64);
     if solid.cutter.ends_in_ball() {
         let radius = solid.cutter.tip_radius();
         let height = |x: f64| {
-            let [low, high] = [0.0, 1.0].map(|y| ground.chart.place(x, y).parameters[1]);
-            let v = part.fillet_tangent(ground.side, x, radius)?;
+            let [low, high] = [0.0, 1.0].map(|y| surface.chart.place(x, y).parameters[1]);
+            let v = part.fillet_tangent(surface.side, x, radius)?;
             Some(((v - low) / (high - low)).clamp(0.0, 1.0))
         };
         // With a fillet the chart begins where any ball that fits the fillet may stand.
@@ -192,9 +192,9 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, ground: &VaneGround<'_>) 
         };
     }
     let stands = |x: f64, y: f64| {
-        let place = ground.chart.place(x, y);
+        let place = surface.chart.place(x, y);
         let [u, v] = place.parameters;
-        let axis = ground.axes.axis(ground.chart.kind, u, v, Lean::Away(nominal_tilt(&solid.cutter)));
+        let axis = surface.axes.axis(surface.chart.kind, u, v, Lean::Away(nominal_tilt(&solid.cutter)));
         let tip = tip_at(&solid.cutter, &place.position, &place.normal, &axis);
         tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };

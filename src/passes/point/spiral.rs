@@ -14,7 +14,7 @@
 use crate::ir::CcPoint;
 use crate::part::chart::{Chart, Shape};
 use crate::passes::context::STATIONS;
-use crate::passes::lines::{Ground, SurfaceLine};
+use crate::passes::lines::{DriveSurface, SurfaceLine};
 use nalgebra::Vector3;
 
 /// Levels at which the steps of a turn are computed.
@@ -29,7 +29,7 @@ const ROLL: [usize; 2] = [64, 16];
 
 /// Surfaces that a spiral runs round: pressure and suction face, edges at inlet and outlet.
 pub(crate) struct Around<'a> {
-    pub(crate) faces: [&'a dyn Ground; 2],
+    pub(crate) faces: [&'a dyn DriveSurface; 2],
     pub(crate) edges: &'a [Chart<'a>; 2],
     /// Lowest level.
     pub(crate) low: f64,

@@ -106,7 +106,7 @@ struct Pair<'a> {
     first: &'a Piece<'a>,
     second: &'a Piece<'a>,
     /// Ratio of the share of the second piece to that of the first, with which poses pass the joint at one pace.
-    stretch: f64,
+    pace_ratio: f64,
 }
 
 /// Interval of the times at which a pair of pieces is nearest to the corners of a cell.
@@ -128,7 +128,7 @@ impl<'a> Pair<'a> {
             tip.norm() + arm * axis.norm()
         };
         let (a, b) = (pace(first), pace(second));
-        Self { first, second, stretch: if a > 0.0 && b > 0.0 { b / a } else { 1.0 } }
+        Self { first, second, pace_ratio: if a > 0.0 && b > 0.0 { b / a } else { 1.0 } }
     }
 
     fn piece(&self, later: bool) -> &'a Piece<'a> {
@@ -138,7 +138,7 @@ impl<'a> Pair<'a> {
     /// The interval of four shares, each of the first piece or of the later one.
     fn run(&self, shares: &[(bool, f64); 4]) -> CornerRun {
         // Time from the joint, in shares of the first piece.
-        let times = shares.map(|(later, t)| if later { t * self.stretch } else { t - 1.0 });
+        let times = shares.map(|(later, t)| if later { t * self.pace_ratio } else { t - 1.0 });
         let (early, late) = times.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(*t), h.max(*t)));
         let time = late - early;
         let kinks = early < 0.0 && late > 0.0;
@@ -149,7 +149,7 @@ impl<'a> Pair<'a> {
     /// Largest value over the pieces of an interval; `of` gets a piece and the factor between its shares and those of
     /// the first piece.
     fn worst(&self, run: &CornerRun, of: impl Fn(&Piece, f64) -> f64) -> f64 {
-        let pieces = [(self.first, 1.0), (self.second, 1.0 / self.stretch)];
+        let pieces = [(self.first, 1.0), (self.second, 1.0 / self.pace_ratio)];
         pieces.iter().zip(run.passes).filter(|p| p.1).map(|((piece, scale), _)| of(piece, *scale)).fold(0.0, f64::max)
     }
 
@@ -157,7 +157,7 @@ impl<'a> Pair<'a> {
     /// at the middles by half of the second derivatives.
     fn jump(&self, reach: f64) -> f64 {
         let ((tip_a, axis_a), (tip_b, axis_b)) = (self.first.speed(), self.second.speed());
-        (tip_a - tip_b / self.stretch).norm() + (axis_a - axis_b / self.stretch).norm() * reach
+        (tip_a - tip_b / self.pace_ratio).norm() + (axis_a - axis_b / self.pace_ratio).norm() * reach
     }
 
     /// The bound from the ball, with the shares at which the ball is nearest to the corners.

@@ -11,7 +11,7 @@ use crate::part::{
     chart::{Chart, Shape},
 };
 use crate::passes::context::Lean;
-use crate::passes::lines::{Ground, METRIC_STATIONS, SurfaceLine};
+use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine};
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ const LEAST_ACROSS: f64 = 1e-6;
 const BARREL_LEAN: f64 = 0.5;
 
 /// A face, fillet or edge of sector 0 under a cutter.
-pub(crate) struct VaneGround<'a> {
+pub(crate) struct VaneSurface<'a> {
     pub(crate) chart: &'a Chart<'a>,
     /// Its face; for a fillet the face above it, for an edge either face.
     pub(crate) side: FaceId,
@@ -53,7 +53,7 @@ struct Local {
     bulge: Matrix2<f64>,
 }
 
-impl VaneGround<'_> {
+impl VaneSurface<'_> {
     fn local(&self, x: f64, y: f64) -> Local {
         let (x, y) = (x.clamp(STEP, 1.0 - STEP), y.clamp(STEP, 1.0 - STEP));
         let [a, b, c, d] =
@@ -166,7 +166,7 @@ fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
     (from < to).then(|| &line[from..to])
 }
 
-impl VaneGround<'_> {
+impl VaneSurface<'_> {
     fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<CutterPose> {
         let axis = self.axes.axis(self.chart.kind, p.u, p.v, Lean::Away(nominal_tilt(&self.cutter)));
         let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
@@ -235,7 +235,7 @@ pub(crate) fn nominal_tilt(cutter: &Cutter) -> f64 {
     cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end)
 }
 
-impl Ground for VaneGround<'_> {
+impl DriveSurface for VaneSurface<'_> {
     fn name(&self) -> String {
         match self.chart.kind {
             SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),

@@ -25,7 +25,7 @@ pub(super) struct Chip {
 }
 
 /// Intervals of material, as columns.
-pub(super) struct Stretches {
+pub(super) struct Intervals {
     x: Vec<f64>,
     y: Vec<f64>,
     a: Vec<f64>,
@@ -47,7 +47,7 @@ pub(super) struct Stretches {
 /// An undecided interval over a piece of time.
 #[derive(Clone, Copy)]
 struct Open {
-    stretch: usize,
+    interval: usize,
     times: [f64; 2],
     /// Derivatives by time where the body is nearest: at both ends of the piece, and at the last queried time.
     slopes: [f64; 2],
@@ -59,13 +59,13 @@ struct Open {
 /// A part removed from an interval, and the times at which its ends are cut.
 #[derive(Clone, Copy)]
 struct IntervalPart {
-    stretch: usize,
+    interval: usize,
     from: f64,
     to: f64,
     times: [f64; 2],
 }
 
-impl Default for Stretches {
+impl Default for Intervals {
     fn default() -> Self {
         Self {
             x: Vec::new(),
@@ -83,7 +83,7 @@ impl Default for Stretches {
     }
 }
 
-impl Stretches {
+impl Intervals {
     pub(super) fn clear(&mut self) {
         self.keep(0);
         self.chips.clear();
@@ -116,7 +116,7 @@ impl Stretches {
         self.ask_ends(moving, false);
         // The undecided intervals are in ascending order: no entry is overwritten before it is moved.
         for (kept, open) in self.unsettled.iter().enumerate() {
-            let n = open.stretch;
+            let n = open.interval;
             (self.x[kept], self.y[kept], self.ray[kept]) = (self.x[n], self.y[n], self.ray[n]);
             (self.a[kept], self.b[kept]) = (self.a[n], self.b[n]);
         }
@@ -146,7 +146,7 @@ impl Stretches {
     fn ask_ends(&mut self, moving: &Moving, take: bool) {
         let first = self.first;
         let times = [0.0, 1.0];
-        let all = (0..self.x.len()).map(|n| Open { stretch: n, times, slopes: [0.0; 2], slope: 0.0, t: times[first] });
+        let all = (0..self.x.len()).map(|n| Open { interval: n, times, slopes: [0.0; 2], slope: 0.0, t: times[first] });
         self.open.clear();
         self.open.extend(all);
         self.ask(moving, take);
@@ -173,7 +173,7 @@ impl Stretches {
             let (mut lanes, mut who, mut count) = (Lanes::default(), [0; LANES], 0);
             while next < self.open.len() && count < LANES {
                 let open = &self.open[next];
-                let n = open.stretch;
+                let n = open.interval;
                 let [a, b] = moving.part([self.a[n], self.b[n]]);
                 if a < b {
                     (lanes.x[count], lanes.y[count], lanes.a[count], lanes.b[count]) = (self.x[n], self.y[n], a, b);
@@ -193,7 +193,7 @@ impl Stretches {
                     lanes::UNTOUCHED => {}
                     lanes::CUT if take => {
                         let (from, to) = (from[i], to[i]);
-                        self.parts.push(IntervalPart { stretch: open.stretch, from, to, times: [open.t; 2] });
+                        self.parts.push(IntervalPart { interval: open.interval, from, to, times: [open.t; 2] });
                     }
                     _ => self.unsettled.push(Open { slope: slope[i], ..*open }),
                 }
@@ -203,12 +203,12 @@ impl Stretches {
 
     /// Divides the time of an undecided interval into pieces for further queries.
     fn divide(&mut self, moving: &Moving, open: Open) {
-        let n = open.stretch;
+        let n = open.interval;
         let line = RayLine { x: self.x[n], y: self.y[n] };
         let part = moving.part([self.a[n], self.b[n]]);
         if open.bow(moving, &line, part) < FLAT {
             if let Some(([from, to], times)) = cut_from_both(moving, open.times, &line, part) {
-                self.parts.push(IntervalPart { stretch: n, from, to, times });
+                self.parts.push(IntervalPart { interval: n, from, to, times });
             }
             return;
         }
@@ -227,18 +227,18 @@ impl Stretches {
     fn unite(&mut self) {
         self.parts.retain(|p| p.to - p.from > SKIN);
         // From the far end, so that the material beyond a part is not processed again.
-        self.parts.sort_unstable_by(|p, q| p.stretch.cmp(&q.stretch).then(q.to.total_cmp(&p.to)));
+        self.parts.sort_unstable_by(|p, q| p.interval.cmp(&q.interval).then(q.to.total_cmp(&p.to)));
         let mut next = 0;
         while let Some(&first) = self.parts.get(next) {
             let mut whole = first;
             next += 1;
-            while let Some(p) = self.parts.get(next).filter(|p| p.stretch == whole.stretch && p.to >= whole.from) {
+            while let Some(p) = self.parts.get(next).filter(|p| p.interval == whole.interval && p.to >= whole.from) {
                 if p.from < whole.from {
                     (whole.from, whole.times[0]) = (p.from, p.times[0]);
                 }
                 next += 1;
             }
-            let IntervalPart { stretch: n, from, to, times } = whole;
+            let IntervalPart { interval: n, from, to, times } = whole;
             let line = RayLine { x: self.x[n], y: self.y[n] };
             self.chips.push(Chip { line, ray: self.ray[n], from, to, times });
             let (head, tail) = (from > self.a[n] + SKIN, to < self.b[n] - SKIN);

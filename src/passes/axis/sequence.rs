@@ -1,7 +1,7 @@
 //! Sequences of clear tool axes along a pass of the floor: `method corridor` by the shortest path in the axes of the
 //! machine, `method xu` by the greedy choice of Xu 2013.
 
-use super::room::AxisRoom;
+use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};
 use crate::geom::angle::nearest_turn;
 use crate::geom::moving_least_squares::{Patch, curvature};
@@ -106,8 +106,8 @@ struct WayStations {
 
 impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
-    fn new(room: &AxisRoom<'_>, machine: &Machine, pass: &ClPass) -> Self {
-        let radius = room.radius();
+    fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
+        let radius = clear.radius();
         let way = PassWay::new(pass, radius, STEP);
         let middles: Vec<Vector3<f64>> =
             way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
@@ -115,12 +115,11 @@ impl WayStations {
         let candidates = stops
             .map(|(length, middle)| {
                 let centre = way.centre(*length);
-                let mut clear = room.candidates(&centre, middle, MARGIN);
-                if clear.is_empty() {
-                    clear = room.candidates(&centre, middle, 0.0);
+                let mut axes = clear.candidates(&centre, middle, MARGIN);
+                if axes.is_empty() {
+                    axes = clear.candidates(&centre, middle, 0.0);
                 }
-                clear
-                    .iter()
+                axes.iter()
                     .filter(|axis| libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT))
                     .take(MOST_CANDIDATES)
                     .flat_map(|axis| {
@@ -157,14 +156,14 @@ impl WayStations {
 /// For each pass without a sequence: its number and the first place without a clear axis, or out of reach from the
 /// place before.
 pub(crate) fn shortest(
-    room: &AxisRoom<'_>,
+    clear: &ClearAxes<'_>,
     machine: &Machine,
     passes: &[ClPass],
     work: &Work,
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let looked: Vec<Option<WayStations>> = passes
         .par_iter()
-        .map(|pass| work.step((pass.points.len() > 1).then(|| WayStations::new(room, machine, pass))))
+        .map(|pass| work.step((pass.points.len() > 1).then(|| WayStations::new(clear, machine, pass))))
         .collect();
     let costs = Costs {
         speed: machine.speeds(),
@@ -188,7 +187,7 @@ pub(crate) fn shortest(
                 let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
                 let angles = rotary(&machine.chain, axes.into_iter());
-                found.push(way.between(&machine.chain, pass, &angles, room.radius()));
+                found.push(way.between(&machine.chain, pass, &angles, clear.radius()));
             }
             Err(k) => faults.push((i, (way.centre(way.stops[k]), middles[k]))),
         }
@@ -202,12 +201,12 @@ pub(crate) fn shortest(
 /// # Errors
 /// Places without a clear axis, with the pass.
 pub(crate) fn greedy_axes(
-    room: &AxisRoom<'_>,
+    clear: &ClearAxes<'_>,
     chain: &Chain,
     planned: &[CcPass],
     passes: &[ClPass],
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
-    let radius = room.radius();
+    let radius = clear.radius();
     let ways: Vec<PassWay> = passes.iter().map(|pass| PassWay::new(pass, radius, CONTACTS)).collect();
     let (bends, mean) = curvatures(planned, &ways);
     let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
@@ -224,7 +223,7 @@ pub(crate) fn greedy_axes(
                     let about = pass.points[station].axis;
                     // About the clear axis nearest to the normal. In a deep channel there is none near the normal, or
                     // only axes near the pole: then about the direction of the channel.
-                    let laid = |to: &Vector3<f64>, proof: Proof| room.cone(&centre, to, proof, 0.0);
+                    let laid = |to: &Vector3<f64>, proof: Proof| clear.cone(&centre, to, proof, 0.0);
                     let steep = |cone: &EllipticCone| {
                         let axis = cone.axis();
                         libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)

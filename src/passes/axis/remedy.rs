@@ -4,7 +4,7 @@ use crate::collide::{Section, ToolSolid};
 
 /// Lists, in words, the smallest changes with which a pass `works`, each sufficient by itself: a longer reach, or
 /// longer flutes and reach; a slimmer holder; a slimmer shank; and, for `cutter_free`, a smaller cutter with its shank.
-pub(crate) fn way_out(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
+pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
     let from = solid.holder.first().map_or(0.0, |h| h.from);
     let slimmed = |sections: &mut [Section], share: f64| {
         for section in sections {

@@ -7,7 +7,7 @@
 //! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
 //! the distance at the middle is larger than that.
 
-use super::way_out::way_out;
+use super::remedy::remedy;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::Guarded;
 use crate::diag::{Diag, codes::orientation};
@@ -39,7 +39,7 @@ const SEEDS: usize = 8;
 
 /// The tool of an operation among the obstacles.
 #[derive(Clone, Copy)]
-pub(crate) struct AxisRoom<'a> {
+pub(crate) struct ClearAxes<'a> {
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
     /// Required distances of the side of the cutter, of shank and of holder, mm.
@@ -48,7 +48,7 @@ pub(crate) struct AxisRoom<'a> {
     most_lean: f64,
 }
 
-impl<'a> AxisRoom<'a> {
+impl<'a> ClearAxes<'a> {
     pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
         let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
         let solid = &program.tools[operation.tool].solid;
@@ -128,19 +128,19 @@ impl<'a> AxisRoom<'a> {
                  {side} mm to the side of the cutter, {shank} mm to the shank, {holder} mm to the holder"
             ),
         )
-        .help(self.way_out(at, about))
+        .help(self.remedy(at, about))
     }
 
     /// Describes tools with which some axis about a direction is clear, where no axis is clear with this tool.
-    pub(crate) fn way_out(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
-        way_out(self.solid, true, |solid| self.with_any(solid, centre, middle))
+    pub(crate) fn remedy(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
+        remedy(self.solid, true, |solid| self.with_any(solid, centre, middle))
     }
 
     fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
         // A smaller ball would put the tip lower over the same contact: this query is about the upper part of the tool
         // only.
-        let room = AxisRoom { solid, ..*self };
-        around(middle).any(|d| room.clear(centre, &d, 0.0, 0.0))
+        let clear = ClearAxes { solid, ..*self };
+        around(middle).any(|d| clear.clear(centre, &d, 0.0, 0.0))
     }
 }
 

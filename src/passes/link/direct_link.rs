@@ -37,7 +37,7 @@ const HEIGHT_STEP: f64 = 1.0;
 const MOST_TURN: f64 = 0.35;
 
 /// Direct links between passes of an operation.
-pub(crate) struct Hops<'a> {
+pub(crate) struct DirectLinks<'a> {
     machine: &'a Machine,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
@@ -49,7 +49,7 @@ pub(crate) struct Hops<'a> {
     free: Option<f64>,
 }
 
-impl<'a> Hops<'a> {
+impl<'a> DirectLinks<'a> {
     pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
         let least = program.clearance.get();
         let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
