@@ -476,7 +476,7 @@ fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<
         program.name, program.machine.name
     ));
     for c in &certificate.contracts {
-        lines.push(format!("{} {}, asked for {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
+        lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }
     for a in &certificate.allowed {
         lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));

@@ -346,7 +346,7 @@ fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     sink.push(
         Diag::error(
             planning::OVER_MEMORY,
-            format!("the job optimises up to {all} bands; at most {MOST_BANDS} are planned"),
+            format!("the job optimises up to {all} strips of flank milling; at most {MOST_BANDS} are planned"),
         )
         .label(operation.span, format!("{} of them", bands(operation)))
         .help(format!(

@@ -441,10 +441,10 @@ pub fn report(program: &Program, sink: &mut Sink) {
         let (allowed, contracts) = fit.allowed;
         let whose = if contracts { "the contracts leave to the plan on each side" } else { "a finish allows" };
         let verdict = match [one, two, three].iter().position(|e| *e <= allowed) {
-            Some(0) => format!("one band keeps the {} that {whose}", length(allowed)),
-            Some(n) => format!("{} bands keep the {} that {whose}", n + 1, length(allowed)),
+            Some(0) => format!("one strip keeps the {} that {whose}", length(allowed)),
+            Some(n) => format!("{} strips keep the {} that {whose}", n + 1, length(allowed)),
             None => format!(
-                "the face is better point milled: three bands still leave more than the {} that {whose}",
+                "the face is better point milled: three strips still leave more than the {} that {whose}",
                 length(allowed)
             ),
         };
@@ -452,7 +452,7 @@ pub fn report(program: &Program, sink: &mut Sink) {
             Diag::remark(
                 codes::FLANK_FIT,
                 format!(
-                    "flank milling leaves {} on the {} face with {} in one band, {} in two, {} in three",
+                    "flank milling leaves {} on the {} face with {} in one strip, {} in two, {} in three",
                     length(one),
                     fit.side.name(),
                     fit.tool,

@@ -267,7 +267,7 @@ impl ContractReader<'_, '_> {
     fn no_surface(&mut self, kind: ContractKind, surface: SurfaceClass, span: Span) {
         let known: Vec<&str> = kind.surfaces().iter().map(|s| s.name()).collect();
         let diag =
-            Diag::error(codes::WRONG_FORM, format!("`{}` cannot be asked for on `{}`", kind.name(), surface.name()));
+            Diag::error(codes::WRONG_FORM, format!("`{}` cannot be required on `{}`", kind.name(), surface.name()));
         let diag = if known.is_empty() {
             diag.label(span, "this is a surface").help("name an operation: `on flank`, `on operation NAME`")
         } else {

@@ -215,22 +215,26 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
     let (code, text, help) = match contract.kind {
         ContractKind::Gouge => (
             verification::GOUGE,
-            format!("a cutter goes {is} deep into {what}; {wanted} are allowed"),
+            format!("a cutter cuts {is} deep into {what} (allowed gouge {wanted})"),
             "more strips, a thinner tool, a finer chord tolerance, or a wider contract",
         ),
         ContractKind::Excess => (
             verification::EXCESS,
-            format!("{is} stays on {what}; {wanted} are allowed"),
+            if found.value >= FAR {
+                format!("{what}: not machined (allowed excess {wanted})")
+            } else {
+                format!("{what}: {is} of material left (allowed excess {wanted})")
+            },
             "a smaller scallop, more strips, a tool that reaches the place, or all sectors",
         ),
         ContractKind::Clearance(Guarded::Tool) => (
             verification::CLEARANCE,
-            format!("the {what} comes within {is} of the stock; {wanted} are asked for"),
+            format!("the {what} comes within {is} of the stock; required clearance {wanted}"),
             "a longer lead-in or lead-out, so that passes begin and end farther from the stock",
         ),
         ContractKind::Clearance(_) => (
             verification::CLEARANCE,
-            format!("the {what} comes within {is} of the part; {wanted} are asked for"),
+            format!("the {what} comes within {is} of the part; required clearance {wanted}"),
             "a longer reach, a slimmer holder, or a thinner shank",
         ),
         ContractKind::Rest => (

@@ -131,7 +131,11 @@ fn many_operations_and_many_strips_are_refused() {
     let end = start + JOB[start..].find('}').unwrap() + 1;
     let many = JOB.replace(&JOB[start..end], &format!("{}\n", &JOB[start..end]).repeat(100));
     let refused = estimated(&many, None);
-    assert!(refused.sink.diags().iter().any(|d| d.message.contains("bands")), "{:?}", refused.sink.diags());
+    assert!(
+        refused.sink.diags().iter().any(|d| d.message.contains("strips of flank milling")),
+        "{:?}",
+        refused.sink.diags()
+    );
 }
 
 #[test]

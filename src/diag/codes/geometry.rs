@@ -22,10 +22,10 @@ Way out: give vanes with ruled faces and no splitters; `--emit ir` prints any pa
     OUTLIER = "IMP0350", "data point breaks the pattern of the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "width of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",
-        "The error that flank milling leaves on a face at best, with one, two and three bands: that of the swept cutter \
+        "The error that flank milling leaves on a face at best, with one, two and three strips: that of the swept cutter \
 against the face, as much on the side of gouge as on that of excess, the floor and the neighbouring vane being left alone. \
 Whether a face is ruled says little about it: the turn of the normal along the cutter decides.\n\n\
-Way out: none is needed where the error suits the contracts; else more `strips`, a smaller cutter, or, where three bands \
+Way out: none is needed where the error suits the contracts; else more `strips`, a smaller cutter, or, where three strips \
 are still too few, point milling.";
     TWIST = "IMP0352", "twist of a face", include_str!("pages/IMP0352.md");
 }

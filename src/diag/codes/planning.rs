@@ -37,10 +37,10 @@ rests on both sides of the line that it is to cut, and cuts there.\n\nExample: a
 radial over 2 mm, with a ball of 6 mm diameter.\n\n\
 Way out: the help line gives the diameter to stay below; or a surface without the sharp turn.";
     NOT_FLANK_MILLABLE = "IMP0409", "the side of the cutter does not fit the face",
-        "`method minimax` finds the axis path whose swept envelope comes nearest to a band of the face. Even that leaves \
-more than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one band with a 10 mm cutter on \
+        "`method minimax` finds the axis path whose swept envelope comes nearest to a strip of the face. Even that leaves \
+more than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one strip with a 10 mm cutter on \
 a vane whose normal turns by 33 deg along its rulings, and `require gouge <= 1 um`.\n\n\
-Way out: more bands (the error falls with the cube of their height); a smaller cutter (it falls with the radius), of which \
+Way out: more strips (the error falls with the cube of their height); a smaller cutter (it falls with the radius), of which \
 the help line names the largest that would do, found by the same search; wider contracts on this face; or point milling.";
     NO_FILLET_TO_FINISH = "IMP0410", "no fillet to finish",
         "`operation fillet` finishes the fillets between vanes and hub by lines of a ball that is not bigger than they are. \

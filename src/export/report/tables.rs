@@ -41,7 +41,7 @@ pub(super) fn verdict(input: &Input<'_>) -> (&'static str, String) {
     let contracts = &input.certificate.contracts;
     let failed = contracts.iter().filter(|c| !c.holds).count();
     match (failed, errors) {
-        (0, 0) if contracts.is_empty() => ("good", "no fault found, no contract asked for".to_owned()),
+        (0, 0) if contracts.is_empty() => ("good", "no fault found, no contract given".to_owned()),
         (0, 0) if contracts.len() == 1 => ("good", "the contract holds".to_owned()),
         (0, 0) => ("good", format!("all {} contracts hold", contracts.len())),
         (0, n) => ("bad", format!("{n} faults, no NC program")),
@@ -69,7 +69,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
         })
         .collect();
     let mut out = if rows.is_empty() {
-        "<p>The job has no <code>require</code>: nothing was asked for.</p>".to_owned()
+        "<p>The job has no <code>require</code>: nothing was required.</p>".to_owned()
     } else {
         table("Contracts", &["contract", "wanted", "found", "verdict"], &rows)
     };

@@ -63,10 +63,15 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     failed = true;
                     let tool = &cx.program.tools[operation.tool];
                     let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
+                    let how = if distance < 0.0 {
+                        format!("cuts {:.2} mm into the part", -distance)
+                    } else {
+                        format!("comes within {distance:.2} mm of the part")
+                    };
                     let diag = Diag::error(
                         orientation::COLLISION,
                         format!(
-                            "`{}`: {} comes within {distance:.2} mm of the part; {:.2} mm are asked for",
+                            "`{}`: {} {how}; required clearance {:.2} mm",
                             operation.name,
                             tool.name,
                             cx.program.clearance.get()

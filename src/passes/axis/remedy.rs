@@ -65,7 +65,7 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         ways.push(format!("a cutter of {:.1} mm diameter with a shank as thin", 2.0 * solid.radius() * share));
     }
     match ways.as_slice() {
-        [] => "no longer reach, slimmer holder or smaller cutter alone would do; open the channel".to_owned(),
-        ways => format!("with all else as it is, this would do: {}", ways.join("; or ")),
+        [] => "no longer reach, slimmer holder or smaller cutter alone is enough; open the channel".to_owned(),
+        ways => format!("any one of these changes is enough: {}", ways.join("; or ")),
     }
 }

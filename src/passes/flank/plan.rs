@@ -192,7 +192,7 @@ fn optimised(
         let worst =
             sweeps.iter().fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.lacks)]);
         notes.push(format!(
-            "{} face: {strips} band{} by minimax, planned within {} of gouge and {} of excess",
+            "{} face: {strips} strip{} by minimax, planned within {} of gouge and {} of excess",
             side.name(),
             if strips == 1 { "" } else { "s" },
             length(worst[0]),
@@ -289,6 +289,6 @@ fn by_ruling(
         FlankMethod::OnePoint => "one-point offsets along the rulings",
         _ => "two-point offsets (formulas 10 to 12)",
     };
-    let notes = vec![format!("{strips} bands a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
+    let notes = vec![format!("{strips} strips a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
     Ok((bands, notes))
 }

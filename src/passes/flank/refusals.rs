@@ -18,7 +18,8 @@ pub(crate) const NEARLY: f64 = 1.1;
 pub(crate) const MOST_STRIPS: u32 = 8;
 
 /// The law behind the help of both diagnostics.
-const LAW: &str = "the error of a band grows with the radius of the cutter, and with the cube of the band's height";
+const LAW: &str =
+    "the error of a strip grows with the radius of the cutter, and with the cube of the height of the strip";
 
 pub(crate) fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: FaceId, rolling: f64) -> Aborted {
     cx.sink.push(
@@ -37,7 +38,7 @@ fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
     let size = |(strips, share): &(u32, Option<f64>)| {
         // Rounded down to tenths of a millimetre.
         let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
-        Some(format!("{diameter} mm of diameter in {strips} band{}", if *strips == 1 { "" } else { "s" }))
+        Some(format!("{diameter} mm of diameter in {strips} strip{}", if *strips == 1 { "" } else { "s" }))
     };
     let all: Vec<String> = fitting.iter().filter_map(size).collect();
     (!all.is_empty())
@@ -63,7 +64,7 @@ pub(crate) fn never(
     let diag = Diag::error(
         planning::NOT_FLANK_MILLABLE,
         format!(
-            "{MOST_STRIPS} bands of {} leave {} on the {} face; the bounds leave {} to the plan on each side",
+            "{MOST_STRIPS} strips with {} leave {} on the {} face; the bounds leave {} to the plan on each side",
             tool.name,
             length(worst.error),
             side.name(),
@@ -103,14 +104,14 @@ pub(crate) fn lacking(
         Diag::warning(
             planning::NOT_FLANK_MILLABLE,
             format!(
-                "{strips} band{} of {} miss the bounds on the {} face by {}",
+                "{strips} strip{} with {} miss the bounds on the {} face by {}",
                 if strips == 1 { "" } else { "s" },
                 tool.name,
                 side.name(),
                 length(lacks)
             ),
         )
-        .help(format!("more bands (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
+        .help(format!("more strips (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
         .label(operation.span, "in this operation")
         .label(tool.span, "with this cutter")
         .note(LAW),

@@ -76,7 +76,7 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
                 planning::REST_TOO_FINE,
                 format!("the rest stock before `{}` cannot be simulated as finely as it asks", operation.name),
             )
-            .label(operation.span, "rest machining asked for here")
+            .label(operation.span, "rest machining required here")
             .note(reason)
             .help("a bigger thickness after `rest over`, or none"),
         );

@@ -13,7 +13,7 @@ impl ControlState<'_> {
         }
         if !block.has_axis_words() {
             if block.machine_frame {
-                self.fault("the machine frame is asked for without an axis word");
+                self.fault("the machine frame is named without an axis word");
             }
             self.motion = block.motion.or(self.motion);
             return;
