@@ -87,13 +87,13 @@ impl Turning {
     /// The bounds for axes at a right angle.
     pub const RIGHT_ANGLE: Self = Self { second: 1.5, third: 3.0, shortest: Self::GOLDEN };
 
-    /// Slightly more than (1 + sqrt 5) / 2; `Twist` in `verify/proof/piece.rs` gives the reason.
+    /// Slightly more than (1 + sqrt 5) / 2; `TangentTwist` in `verify/proof/piece.rs` gives the reason.
     const GOLDEN: f64 = 1.6181;
 
     /// The bounds for a cosine of the angle between both axes.
     ///
-    /// With the angular velocity w and the angular acceleration w', the second derivative of a direction is at most w^2
-    /// + |w'|. The acceleration is the cross product of both angular velocities. For a given rate it is largest where
+    /// With the angular velocity w and the angular acceleration w', the second derivative of a direction is at most
+    /// w^2 + |w'|. The acceleration is the cross product of both angular velocities. For a given rate it is largest where
     /// both are equal and opposed: sin / (2 (1 - |cos|)) w^2. The third derivative is at most the cube of the sum of
     /// both rates, and this sum is at most sqrt(2 / (1 - |cos|)) w.
     fn new(cosine: f64) -> Self {

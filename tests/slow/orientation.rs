@@ -18,7 +18,8 @@ use impellerc::part::{BladeId, SurfaceKind, sample};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::{Mm, MmPerMin, Rpm};
-use impellerc::verify::{carried, clearance, dynamics, surface, sweep};
+use impellerc::verify::proof::{piece, sweep};
+use impellerc::verify::{carried, clearance, dynamics, surface};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
