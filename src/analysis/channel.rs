@@ -4,6 +4,12 @@ use crate::part::{Face, Part, Surface};
 use nalgebra::Point3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+/// Error at which the search for a place ends, mm.
+const EXACT: f64 = 1e-10;
+
+/// Least step of the search, as a share.
+const LEAST_STEP: f64 = 1e-6;
+
 /// Angle from one azimuth to another, in (-pi, pi].
 pub(crate) fn turn_between(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(TAU);
@@ -71,7 +77,7 @@ impl<'a> Channel<'a> {
         let (mut v0, mut v1) = (0.0, 0.25);
         let (mut f0, mut f1) = (lack(v0), lack(v1));
         for _ in 0..30 {
-            if f1.abs() < 1e-10 {
+            if f1.abs() < EXACT {
                 return (-0.5..=1.5).contains(&v1).then(|| at(v1));
             }
             let slope = (f1 - f0) / (v1 - v0);
@@ -110,7 +116,7 @@ impl<'a> Channel<'a> {
         let (mut d, mut u, mut w) = (best.0, station(best.1), station(best.2));
         let mut ends = (a[best.1], b[best.2]);
         let mut step = 0.03;
-        while step > 1e-6 {
+        while step > LEAST_STEP {
             let mut better = false;
             for (du, dw) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, -1.0)] {
                 let (x, y) = ((u + du * step).clamp(CURVE[0], CURVE[1]), (w + dw * step).clamp(CURVE[0], CURVE[1]));

@@ -18,6 +18,12 @@ use crate::units::length;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
+/// Difference of radii (mm) or of shares of the height that is rounding.
+const SAME: f64 = 1e-9;
+
+/// Least error that is divided by, mm.
+const LEAST_ERROR: f64 = 1e-6;
+
 /// Control points of a guide curve: 14 are enough for the paper's vane (algorithms reference, 1.4).
 pub const CONTROL: usize = 14;
 
@@ -100,7 +106,7 @@ impl<'a> Band<'a> {
 
     /// True when this pass also makes the fillet: its ball has the radius of the fillet.
     fn makes_fillet(&self) -> bool {
-        let same = |f: f64| (f - self.cutter.tip_radius()).abs() < 1e-9;
+        let same = |f: f64| (f - self.cutter.tip_radius()).abs() < SAME;
         self.span[0] == 0.0 && self.around.part.main().fillet.is_some_and(|f| same(f.get()))
     }
 
@@ -177,7 +183,7 @@ impl<'a> Band<'a> {
         };
         let target = match chart.kind {
             SurfaceKind::Face(side) if side == self.side => {
-                let in_band = (low - 1e-9..=high + 1e-9).contains(&y);
+                let in_band = (low - SAME..=high + SAME).contains(&y);
                 touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
             }
             // On beyond the part as well, so that the pass begins and ends as smoothly as it runs.
@@ -246,7 +252,7 @@ impl<'a> Band<'a> {
             (0..=8).map(|i| f64::from(i) / 8.0).map(|u| face.surface.point(u, 1.0) - face.surface.point(u, 0.0));
         let length = length.map(|r| r.norm_squared().sqrt()).fold(0.0, f64::max);
         let touches = self.cutter.tip_radius();
-        let radius = |height: f64| self.cutter.radius_at(height.max(1e-9));
+        let radius = |height: f64| self.cutter.radius_at(height.max(SAME));
         let [low, high] = self.span;
         let [from, to] = self.extent();
         let pairs: Option<Vec<[Point3<f64>; 2]>> = (0..=POINTS)
@@ -339,7 +345,7 @@ pub fn bands<'a>(
     for _ in 0..rounds {
         // As high as the cube law makes all errors the same.
         let even = |(band, w): &(Band<'_>, WorstError)| {
-            (band.span[1] - band.span[0]) * libm::pow(w.error.max(1e-6), -1.0 / 3.0)
+            (band.span[1] - band.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
         };
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
@@ -397,7 +403,7 @@ pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cut
             break;
         }
         // Aims a little below the bound; never up to what was too large.
-        let aimed = share * (0.98 * error / found.error.max(1e-9)).clamp(0.2, 1.5);
+        let aimed = share * (0.98 * error / found.error.max(SAME)).clamp(0.2, 1.5);
         share = aimed.min(1.0);
         if share < SMALLEST {
             break;

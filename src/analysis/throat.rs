@@ -5,6 +5,9 @@ use crate::ir::DataCurve;
 use crate::part::{BladeId, FaceId, FaceSurface, Part, RulingEnd, Surface};
 use nalgebra::Point3;
 
+/// Share of the height within which a place is at root or tip.
+const AT_END: f64 = 1e-6;
+
 /// Width of the channel, all by true distance in space.
 #[derive(Clone, Debug)]
 pub struct Throat {
@@ -35,8 +38,8 @@ impl Narrow {
     /// In words.
     pub fn place(&self) -> String {
         let height = match self.v {
-            v if v < 1e-6 => "root".to_owned(),
-            v if v > 1.0 - 1e-6 => "tip".to_owned(),
+            v if v < AT_END => "root".to_owned(),
+            v if v > 1.0 - AT_END => "tip".to_owned(),
             v => format!("face, v = {v:.3},"),
         };
         format!("{} {height} at u = {:.3}", FaceId::NAMES[0], self.u)

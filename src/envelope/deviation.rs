@@ -10,6 +10,12 @@ use crate::geom::{AxisAt, DualCurve, Pieces};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+/// Share of the whole interval at which the search for the nearest time ends.
+const INTERVAL: f64 = 1e-6;
+
+/// Change of the distance over the whole interval at which the search ends, mm.
+const LEVEL: f64 = 1e-9;
+
 /// The tool in relation to the axis curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounted<'a> {
@@ -168,7 +174,7 @@ fn between(
         let (at, f) = rate(pieces, tool, t, target);
         found = at;
         // The error of the value is quadratic in the remaining interval: less than 1 pm here.
-        if high - low < 1e-6 * width || f.abs() * width < 1e-9 {
+        if high - low < INTERVAL * width || f.abs() * width < LEVEL {
             break;
         }
         if f < 0.0 {

@@ -14,6 +14,9 @@ use crate::geom::angle::nearest_turn;
 use crate::geom::{AxisAt, DualCurve};
 use nalgebra::Vector3;
 
+/// Least length of the path between two stations, mm: rates are divided by it.
+const NO_WAY: f64 = 1e-9;
+
 /// Positions of both rotary axes for a tool axis, radians, each with its derivative by the tool axis.
 pub type Rotary<'a> = dyn Fn(&Vector3<f64>) -> [(f64, Vector3<f64>); 2] + Sync + 'a;
 
@@ -144,7 +147,7 @@ impl RotaryMotion {
             }));
             turns.push(found.map(|(_, g)| (g - axis.axis * g.dot(&axis.axis)) / axis.length));
         }
-        let ways = axes.windows(2).map(|w| (w[1].lower - w[0].lower).norm_squared().sqrt().max(1e-9)).collect();
+        let ways = axes.windows(2).map(|w| (w[1].lower - w[0].lower).norm_squared().sqrt().max(NO_WAY)).collect();
         let mut motion = Self { axes, turns, ways, reach, residual: vec![0.0; 2 * ROWS] };
         for row in 0..ROWS {
             let weights = motion.weights(row);

@@ -7,6 +7,9 @@ use super::program::ENTRIES;
 use super::target::Target;
 use crate::geom::DualCurve;
 
+/// Damping of unknowns that no target changes.
+const LEAST_DAMPING: f64 = 1e-12;
+
 /// Largest number of steps; after about ten nothing changes.
 const STEPS: usize = 15;
 
@@ -47,7 +50,7 @@ pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) 
             }
         }
         let trace: f64 = (0..n).map(|i| *normal.diagonal(i)).sum();
-        (0..n).for_each(|i| *normal.diagonal(i) += DAMPING * trace / n as f64 + 1e-12);
+        (0..n).for_each(|i| *normal.diagonal(i) += DAMPING * trace / n as f64 + LEAST_DAMPING);
         let Some(step) = normal.factor().map(|f| f.solve(&right)) else { break };
         let tried = [1.0, 0.5, 0.25, 0.1].into_iter().find_map(|share| {
             let next = curve.shifted(&step, share);

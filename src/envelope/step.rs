@@ -11,6 +11,9 @@ use super::program::{Bound, QuadraticProgram};
 use super::target::{Of, Target};
 use crate::geom::DualCurve;
 
+/// Least widening that serves as the unit of the program, mm.
+const LEAST_UNIT: f64 = 1e-6;
+
 /// The linear model about a curve.
 pub(super) struct Model<'a> {
     /// Derivatives of each deviation.
@@ -81,7 +84,7 @@ const BEND: f64 = 1e-6;
 /// of the previous step, and is updated.
 pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> Option<ControlStep> {
     let unit = match aim {
-        Aim::Widening(now) => now.max(1e-6),
+        Aim::Widening(now) => now.max(LEAST_UNIT),
         Aim::Quadratic { .. } => model.trust,
     };
     let broken = BROKEN.min(1e-2 * unit);

@@ -4,6 +4,12 @@ use crate::ir::{Motion, MoveKind, Program};
 use crate::part::{BladeId, Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
+/// Twice the area of a triangle below which it has no normal, mm2.
+const NO_AREA: f64 = 1e-12;
+
+/// Twice the area of a triangle in pixels below which it covers none.
+const NO_PIXELS: f64 = 1e-9;
+
 /// Size of the picture in pixels.
 pub const SIZE: [usize; 2] = [1400, 1000];
 
@@ -88,14 +94,14 @@ impl Canvas {
     /// A triangle, lit from the eye and from above.
     fn triangle(&mut self, corners: [Point3<f64>; 3], base: [f64; 3]) {
         let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-        let Some(normal) = normal.try_normalize(1e-12) else { return };
+        let Some(normal) = normal.try_normalize(NO_AREA) else { return };
         let facing = normal.dot(&self.toward).abs();
         let light = normal.dot(&Vector3::new(-0.4, -0.2, 0.9).normalize()).abs();
         let shade = 0.25 + 0.45 * facing + 0.30 * light;
         let colour = base.map(|c| (c * shade).min(1.0));
         let [a, b, c] = corners.map(|p| self.project(&p));
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-        if area.abs() < 1e-9 {
+        if area.abs() < NO_PIXELS {
             return;
         }
         let bounds = |k: usize, limit: usize| {

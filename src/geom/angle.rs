@@ -8,7 +8,7 @@ pub fn nearest_turn(angle: f64, about: f64) -> f64 {
     angle - TAU * ((angle - about) / TAU).round()
 }
 
-/// Cosine from which the angle comes from the sine as well: of small angles the cosine knows half of the digits.
+/// Cosine, either sign, from which the angle comes from the sine as well: there the cosine knows half of the digits.
 const NARROW: f64 = 0.9;
 
 /// Sine of the angle between two directions below which the chord is the arc.
@@ -18,7 +18,8 @@ const STRAIGHT: f64 = 1e-9;
 /// circle of their own: of those the first.
 pub fn great_arc(from: &Vector3<f64>, to: &Vector3<f64>, share: f64) -> Vector3<f64> {
     let cosine = from.dot(to);
-    let angle = if cosine < NARROW { libm::acos(cosine.max(-1.0)) } else { libm::atan2(from.cross(to).norm(), cosine) };
+    let narrow = cosine.abs() > NARROW;
+    let angle = if narrow { libm::atan2(from.cross(to).norm(), cosine) } else { libm::acos(cosine) };
     let sine = libm::sin(angle);
     // Opposite directions end here too.
     if sine < STRAIGHT {

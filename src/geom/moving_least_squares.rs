@@ -10,6 +10,9 @@ use super::triangulation::Triangulation;
 use super::{SurfaceCurvature, SurfaceDerivatives};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
+/// Singular value of the fit that counts as none.
+const SINGULAR: f64 = 1e-10;
+
 /// Width h of the weights, in mean edges of the point. A larger width would remove noise, which points of a design do
 /// not have. It would blur the kinks that the curvature of a cubic spline has at its knots.
 const WIDTH: f64 = 0.85;
@@ -74,7 +77,7 @@ pub fn curvature(
         }
         right[row] = weight * w;
     }
-    let fit = matrix.svd(true, true).solve(&right, 1e-10).ok()?;
+    let fit = matrix.svd(true, true).solve(&right, SINGULAR).ok()?;
     let [a, b, c] = [fit[0] / width, fit[1] / width, fit[2] / width];
     let patch = SurfaceDerivatives {
         point: origin + normal * (fit[5] * width),

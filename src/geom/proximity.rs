@@ -3,6 +3,12 @@
 use super::RuledSurface;
 use nalgebra::Point3;
 
+/// Change of the parameter at which the search ends.
+const EXACT: f64 = 1e-15;
+
+/// Least step of the search by halving, as a share of the curve.
+const LEAST_STEP: f64 = 1e-10;
+
 /// A rectangle of the parameter plane of a surface. It may extend beyond [0, 1]: guides and rulings continue straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -110,7 +116,7 @@ impl RuledSurface {
             let next = if bend > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
             let change = (next - u).abs();
             u = next;
-            if change < 1e-15 {
+            if change < EXACT {
                 break;
             }
         }
@@ -137,7 +143,7 @@ impl RuledSurface {
                 let (mut a, mut b, mut d) = (at(patch.u, i, n), at(other_patch.u, j, n), here);
                 let (wide, other_wide) = (patch.u[1] - patch.u[0], other_patch.u[1] - other_patch.u[0]);
                 let mut step = 0.5 / n as f64;
-                while step > 1e-10 {
+                while step > LEAST_STEP {
                     let moves = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
                     let better = moves.iter().find_map(|(da, db)| {
                         let x = (a + f64::from(*da) * step * wide).clamp(patch.u[0], patch.u[1]);

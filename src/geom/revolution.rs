@@ -3,6 +3,9 @@
 use super::{NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector2, Vector3, Vector4};
 
+/// Change of the parameter at which the search ends.
+const EXACT: f64 = 1e-15;
+
 /// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +164,7 @@ impl Revolution {
             let next = if bend > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
             let change = (next - u).abs();
             u = next;
-            if change < 1e-15 {
+            if change < EXACT {
                 break;
             }
         }

@@ -4,6 +4,9 @@ use super::knots::merge_knots;
 use super::{GeomError, NurbsCurve, NurbsSurface, SurfaceDerivatives};
 use nalgebra::{Point3, Vector3};
 
+/// Share by which weights may differ by rounding.
+const SAME_WEIGHT: f64 = 1e-12;
+
 /// S(u, v) = (1 - v) root(u) + v tip(u).
 ///
 /// The paper writes the tip first; here v runs from root to tip, in the direction of the tool axis.
@@ -81,7 +84,7 @@ impl RuledSurface {
         let knots = merge_knots(root.knots(), tip.knots());
         let (root, tip) = (root.refined(&knots), tip.refined(&knots));
         let pairs = || root.control().iter().zip(tip.control());
-        if pairs().any(|(a, b)| (a.w - b.w).abs() > 1e-12 * a.w.max(b.w)) {
+        if pairs().any(|(a, b)| (a.w - b.w).abs() > SAME_WEIGHT * a.w.max(b.w)) {
             return Err(GeomError::GuideWeights);
         }
         let control = pairs().flat_map(|(a, b)| [*a, *b]).collect();

@@ -13,6 +13,12 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
+/// Length of a vector in a machine file below which it gives no direction.
+const NO_DIRECTION: f64 = 1e-6;
+
+/// Cycle times of controls, s.
+const CYCLE: [f64; 2] = [1e-6, 1e-2];
+
 type SpannedText = Spanned<String>;
 
 /// Bound of lengths in library files, mm.
@@ -277,7 +283,7 @@ impl LibraryReader<'_> {
     fn direction(&mut self, name: &str, table: &RotaryTable) -> [f64; 3] {
         let usual = ["A", "B", "C"].map(|letter| if letter == name { 1.0 } else { 0.0 });
         let Some(given) = &table.direction else { return usual };
-        match Vector3::from(*given.get_ref()).try_normalize(1e-6) {
+        match Vector3::from(*given.get_ref()).try_normalize(NO_DIRECTION) {
             Some(direction) if direction.iter().all(|x| x.is_finite()) => direction.into(),
             _ => {
                 self.fault(
@@ -332,7 +338,7 @@ impl LibraryReader<'_> {
     /// Control cycle, s.
     fn cycle(&mut self, text: &Option<SpannedText>, assumed: &mut Vec<String>) -> f64 {
         match text {
-            Some(text) => self.quantity(text, Dimension::TIME, 1e-6, 1e-2) * 60.0,
+            Some(text) => self.quantity(text, Dimension::TIME, CYCLE[0], CYCLE[1]) * 60.0,
             None => {
                 assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
                 DEFAULT_CYCLE

@@ -9,6 +9,9 @@ use crate::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
 use crate::units::length;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
+/// Cosine of normals along a ruling at which the face has turned by a right angle.
+const TURNED: f64 = 1e-9;
+
 /// Stations along a curve that the checks look at.
 const STATIONS: usize = 64;
 
@@ -189,7 +192,7 @@ fn fold(surface: &impl Surface) -> Option<(f64, f64)> {
     };
     grid().find(|(u, v)| {
         let (here, middle) = (normal(*u, *v), normal(*u, 0.5));
-        here.dot(&middle) <= 1e-9 * middle.norm_squared()
+        here.dot(&middle) <= TURNED * middle.norm_squared()
     })
 }
 

@@ -8,6 +8,9 @@ use crate::geom::EllipticCone;
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use std::f64::consts::TAU;
 
+/// Least spread of directions that is divided by.
+const NO_SPREAD: f64 = 1e-12;
+
 /// Rays from the seed.
 const RAYS: usize = 16;
 
@@ -116,7 +119,7 @@ fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector
     let main = spread.eigenvalues.imax();
     let lengths = [spread.eigenvalues[main], spread.eigenvalues[1 - main]].map(|e| e.max(0.0).sqrt());
     let towards = spread.eigenvectors.column(main);
-    let ratio = (lengths[1] / lengths[0].max(1e-12)).clamp(0.05, 1.0);
+    let ratio = (lengths[1] / lengths[0].max(NO_SPREAD)).clamp(0.05, 1.0);
     let sized = |v: &[f64; 4]| {
         let mut cone = EllipticCone {
             frame: *frame,

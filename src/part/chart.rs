@@ -15,6 +15,12 @@ use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
+/// Difference of two values of the secant method that has no slope, mm.
+const LEVEL: f64 = 1e-15;
+
+/// Error at which the secant method ends, mm.
+const EXACT: f64 = 1e-11;
+
 /// Rows of the tables of borders and rolling balls. Rows are about 0.2 mm apart. For a curve with a curvature radius of
 /// millimetres, cubic interpolation is then exact to 1 nm (tested).
 const ROWS: usize = 400;
@@ -210,7 +216,7 @@ impl Chart<'_> {
         let (mut fa, mut fb) = (gap(a), gap(b));
         // Secant method: over some 0.01 mm the face is nearly straight.
         for _ in 0..8 {
-            if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-11 {
+            if (fb - fa).abs() < LEVEL || fb.abs() < EXACT {
                 break;
             }
             let next = (b - fb * (b - a) / (fb - fa)).clamp(u - 0.2, u + 0.2);

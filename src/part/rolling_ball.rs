@@ -4,6 +4,12 @@ use super::{FaceId, Part, Surface};
 use crate::geom::Revolution;
 use nalgebra::{Point3, Vector2, Vector3};
 
+/// Difference of two values of the secant method that has no slope, mm.
+const LEVEL: f64 = 1e-15;
+
+/// Error at which the secant method ends, mm.
+const EXACT: f64 = 1e-12;
+
 impl Part {
     /// v at which a ball of a given radius that touches the face at (u, v) from outside also touches the hub: the upper
     /// edge of the fillet. `None` when the ruling has no such place. Sector 0.
@@ -27,7 +33,7 @@ impl Part {
         let (mut a, mut b) = (guess, guess + 1e-3);
         let (mut fa, mut fb) = (gap(a), gap(b));
         for _ in 0..12 {
-            if (fb - fa).abs() < 1e-15 || fb.abs() < 1e-12 {
+            if (fb - fa).abs() < LEVEL || fb.abs() < EXACT {
                 break;
             }
             // Limits the steps for a ruling that never meets the surface.

@@ -8,6 +8,9 @@ use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use crate::kin::{Angles, most_turn};
 use crate::verify::Verified;
 
+/// Share of a time that rounding may take.
+const ROUNDING: f64 = 1e-12;
+
 /// What reading back found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadBack {
@@ -153,7 +156,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     if let Some(time) = read.time.filter(|_| inverse) {
         // A step of F, and the shortest time that is written.
         let longest = meant.time * (1.0 + meant.time / 60.0 * 10f64.powi(-INVERSE_DECIMALS)) + 1e-3;
-        let fits = time >= meant.time * (1.0 - 1e-12) && time <= longest;
+        let fits = time >= meant.time * (1.0 - ROUNDING) && time <= longest;
         return if fits {
             Ok(())
         } else {

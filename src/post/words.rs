@@ -4,6 +4,9 @@ use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Joints, Machine};
 
+/// Share of a step of F within which a feed counts as on the step, whatever rounding does.
+const ON_STEP: f64 = 1e-6;
+
 /// Decimals of X Y Z: a step of 0.1 um, a fiftieth of the least error that a vane is made with.
 pub const LENGTH_DECIMALS: usize = 4;
 /// Decimals of rotary words in degrees: a step moves a point 100 mm from the axis by 0.02 um.
@@ -37,7 +40,7 @@ pub(super) fn rotary(machine: &Machine, joints: &Joints, sign: &str) -> String {
 /// A feed, rounded down: the axes were proved for no more.
 pub fn feed(value: f64) -> String {
     let scale = 1000.0;
-    fixed((value * scale + 1e-6).floor() / scale, FEED_DECIMALS)
+    fixed((value * scale + ON_STEP).floor() / scale, FEED_DECIMALS)
 }
 
 /// F of a move in inverse time, rounded down: the axes were proved for no shorter time, s.

@@ -7,6 +7,9 @@ use super::moving::Moving;
 use super::shape::{RadiusProfile, Round, SolidShape};
 use super::sweep::{RayLine, StepPose, StepQuery};
 
+/// Reserve for rounding, mm.
+const ROUNDING: f64 = 1e-9;
+
 /// Number of intervals per query.
 pub(super) const LANES: usize = 8;
 
@@ -206,7 +209,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
             // The ball lies inside of the convex hull: both intervals touch, or one is empty.
             let hull = low < high;
             let (l, h) = (if hull { low } else { FAR }, if hull { high } else { -FAR });
-            let below = s + along * nearest <= radius + 1e-9;
+            let below = s + along * nearest <= radius + ROUNDING;
             nearest = if (root <= 0.0) & below { middle } else { nearest };
             low = if root > 0.0 { smaller(l, middle - half) } else { low };
             high = if root > 0.0 { larger(h, middle + half) } else { high };

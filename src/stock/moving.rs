@@ -7,6 +7,18 @@ use super::shape::SolidShape;
 use super::sweep::{GAP, RayLine, StepSweep};
 use nalgebra::Vector3;
 
+/// Reserve for rounding of poses, mm.
+const ROUNDING: f64 = 1e-6;
+
+/// Length below which a vector has no direction, mm.
+const NO_DIRECTION: f64 = 1e-12;
+
+/// Slope of a line against the axis, squared, below which they are parallel.
+const PARALLEL: f64 = 1e-9;
+
+/// Cosine below which a line runs across the axis.
+const ACROSS: f64 = 1e-6;
+
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray converges in far
 /// fewer steps.
 pub(super) const MOST_NEWTON: u32 = 40;
@@ -49,7 +61,7 @@ impl Moving {
         let (way, turn) = (sweep.way().norm(), sweep.turn());
         let (bow, twist) = (sweep.bow(reach + way), sweep.twist(reach + way));
         // Points run on arcs between the three poses.
-        let sag = 0.125 * bow + 0.5 * drift + 1e-6;
+        let sag = 0.125 * bow + 0.5 * drift + ROUNDING;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (tip, axis) in poses {
             for k in 0..3 {
@@ -62,7 +74,7 @@ impl Moving {
         let moved = 0.5 * way + (start - axis).norm().max((end - axis).norm()) * reach + sag;
         let across = axis.cross(sweep.way());
         // For a plunge any direction across the axis is valid.
-        let side = across.try_normalize(0.05 * way + 1e-12).unwrap_or_else(|| {
+        let side = across.try_normalize(0.05 * way + NO_DIRECTION).unwrap_or_else(|| {
             let least = axis.iamin();
             let mut unit = Vector3::zeros();
             unit[least] = 1.0;
@@ -87,7 +99,7 @@ impl Moving {
         let radius = self.radius + lateral;
         let c = w.norm_squared() - s0 * s0 - radius * radius;
         let (mut low, mut high) = (self.low[2] - lateral, self.high[2] + lateral);
-        if a > 1e-9 {
+        if a > PARALLEL {
             let root = b * b - a * c;
             if root < 0.0 {
                 return None;
@@ -97,7 +109,7 @@ impl Moving {
         } else if c > 1e-3 {
             return None;
         }
-        if along.abs() > 1e-6 {
+        if along.abs() > ACROSS {
             let (p, q) = ((self.from - lateral - s0) / along, (self.to + lateral - s0) / along);
             (low, high) = (low.max(p.min(q)), high.min(p.max(q)));
         }

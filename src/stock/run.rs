@@ -9,6 +9,12 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// Least length of a step in the share of a run, mm.
+const LEAST_LENGTH: f64 = 1e-9;
+
+/// Share of a step within which a time is at its end.
+const AT_END: f64 = 1e-9;
+
 /// Most steps of a run.
 pub(super) const RUN: usize = 8;
 
@@ -92,7 +98,7 @@ pub(super) fn prepare(
 /// The motion through both ends and the middle of a run, and the speed at which the steps deviate from it. The time of
 /// the run is divided in proportion to the lengths of the steps.
 fn joined(sweeps: &[StepSweep], reach: f64) -> (StepSweep, f64) {
-    let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + 1e-9).collect();
+    let lengths: Vec<f64> = sweeps.iter().map(|s| s.way().norm() + reach * s.turn() + LEAST_LENGTH).collect();
     let total: f64 = lengths.iter().sum();
     let mut before = 0.0;
     // Start of each step in the time of the run, and its share of this time.
@@ -119,7 +125,7 @@ fn joined(sweeps: &[StepSweep], reach: f64) -> (StepSweep, f64) {
         for (t, (tip, axis)) in [0.0, 0.5, 1.0].into_iter().zip(offs) {
             let now = begin + share * t;
             let near = now.min(1.0 - now);
-            if near > 1e-9 {
+            if near > AT_END {
                 // A parabola through three values exceeds them by at most a quarter.
                 drift = drift.max((tip + 1.25 * axis) / near);
             }

@@ -7,6 +7,12 @@
 use super::shape::{RadiusProfile, SolidShape};
 use nalgebra::Vector3;
 
+/// Distance from the tool axis at which a point counts as on it, mm.
+const ON_AXIS: f64 = 1e-12;
+
+/// Share of a step at which the search for the nearest time ends.
+const INSTANT: f64 = 1e-9;
+
 /// Gap at which the search in time ends, mm.
 pub(super) const GAP: f64 = 1e-4;
 
@@ -83,7 +89,7 @@ impl StepPose {
         // Not `norm`: its root may prevent vectorisation.
         let rho = across.norm_squared().sqrt();
         // On the axis the direction across is zero.
-        let share = 1.0 / if rho > 1e-12 { rho } else { f64::INFINITY };
+        let share = 1.0 / if rho > ON_AXIS { rho } else { f64::INFINITY };
         let v = body.at(rho, s);
         // First and second derivative of the height, then of the distance from the axis.
         let (s1, s2) = (d.dot(&self.turning) - self.advance, d.dot(&self.pull) - 2.0 * self.swing);
@@ -293,7 +299,7 @@ impl StepSweep {
             } else {
                 low = middle
             }
-            if high.t - low.t < 1e-9 {
+            if high.t - low.t < INSTANT {
                 break;
             }
         }

@@ -23,6 +23,9 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// Least distance between two probed places, mm: shares are divided by it.
+const LEAST_WAY: f64 = 1e-6;
+
 /// The same for the excess, as a share of the excess, where this is more.
 const SLACK_SHARE: f64 = 0.02;
 
@@ -370,7 +373,7 @@ fn climb(
     let unit = [0, 1].map(|k| {
         let mut other = start;
         other[k] += if start[k] > 0.5 { -PROBE } else { PROBE };
-        PROBE / (surface.point(start) - surface.point(other)).norm().max(1e-6)
+        PROBE / (surface.point(start) - surface.point(other)).norm().max(LEAST_WAY)
     });
     let (mut best, mut most, mut step) = (start, measure(start), 0.1);
     for _ in 0..ROUNDS {

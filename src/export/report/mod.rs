@@ -27,6 +27,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// Share by which a value may exceed the round number above it.
+const ROUNDING: f64 = 1e-9;
+
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// Order: data, drawing, plots, then what the reader does with them.
@@ -267,7 +270,7 @@ fn scale(input: &Input<'_>) -> [f64; 2] {
 /// The next of 1, 2, 5, 10, ... times a power of ten.
 fn round_up(x: f64) -> f64 {
     let power = libm::pow(10f64, libm::log10(x).floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - 1e-9)).unwrap_or(x)
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - ROUNDING)).unwrap_or(x)
 }
 
 /// Lines (r, z) that the lathe made and milling leaves: bore and front, outlet and back.

@@ -2,6 +2,9 @@
 
 use nalgebra::Vector3;
 
+/// Least side of a frame, mm: a flat one has no other to scale by.
+const LEAST_SIZE: f64 = 1e-6;
+
 /// Deviation below which codes are spaced evenly, mm; above it their spacing grows with the deviation.
 const DEVIATION_KNEE: f64 = 1e-3;
 
@@ -55,7 +58,7 @@ impl Frame {
         if low[0] > high[0] {
             return Self { low: [0.0; 3], size: [1.0; 3] };
         }
-        Self { low, size: [0, 1, 2].map(|k| (high[k] - low[k]).max(1e-6)) }
+        Self { low, size: [0, 1, 2].map(|k| (high[k] - low[k]).max(LEAST_SIZE)) }
     }
 
     /// Shares of 65535 of a point.

@@ -5,6 +5,9 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Twice the area of a triangle below which it has no normal, mm2.
+const NO_AREA: f64 = 1e-12;
+
 /// Stock that stands after an operation.
 #[derive(Clone, Debug, Default)]
 pub struct StockStage {
@@ -98,7 +101,7 @@ fn clustered(stage: &StockStage, cell: f64) -> (Vec<Point3<f64>>, Vec<[usize; 3]
         let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) else { continue };
         // As long as twice the area.
         let normal = (b.1 - a.1).cross(&(c.1 - a.1));
-        if let Some(unit) = normal.try_normalize(1e-12) {
+        if let Some(unit) = normal.try_normalize(NO_AREA) {
             let plane = unit * normal.transpose();
             for own in [a.0, b.0, c.0] {
                 joined[own].planes += plane;

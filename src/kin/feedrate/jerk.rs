@@ -12,7 +12,7 @@
 //! by slowing down the whole run, so that every run that is returned keeps every row.
 
 use super::ramp::Most;
-use super::{AXES, Axes, CURVATURE, Limits};
+use super::{AT_BOUND, AXES, Axes, CURVATURE, Limits, ROUNDING};
 use rayon::prelude::*;
 
 /// Sweeps at most: times in which bounds are brought nearer to the run that was found, or widened.
@@ -289,7 +289,7 @@ pub fn limit(
     for sweep in 0..SWEEPS {
         let bounds = room.bounds(rows);
         last = swept(widths, &step, &top, &bounds, first);
-        if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - 1e-12)) {
+        if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - ROUNDING)) {
             return None;
         }
         let held = room.held(widths, &last, &bounds, rows);
@@ -324,7 +324,7 @@ fn slowed(widths: &[f64], c: &[f64], rows: &impl Rows) -> Vec<f64> {
         let [acceleration, jerk] = rows.shares(j, &over_span(widths, c, j));
         acceleration.max(libm::cbrt(jerk).powi(2))
     };
-    let slower = (0..widths.len()).map(over).fold(1.0, f64::max) * (1.0 + 1e-9);
+    let slower = (0..widths.len()).map(over).fold(1.0, f64::max) * (1.0 + AT_BOUND);
     c.iter().map(|c| c / slower).collect()
 }
 

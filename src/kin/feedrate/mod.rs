@@ -25,6 +25,12 @@ use path::{PathSpan, SpeedPath};
 use ramp::{Creep, Even, Most, Ramp};
 use rayon::prelude::*;
 
+/// Share by which rounding may exceed a limit.
+const ROUNDING: f64 = 1e-12;
+
+/// Share by which a product that reaches its bound may exceed it by rounding.
+const AT_BOUND: f64 = 1e-9;
+
 /// Axes: X, Y, Z and both rotary axes.
 pub const AXES: usize = 5;
 
@@ -171,7 +177,7 @@ impl Rows for SpanRows<'_> {
             most[1] = most[1].max(jerk / self.limits.jerk[k]);
         }
         // Products that reach their bound may exceed it by rounding.
-        most.map(|m| if m < 1.0 + 1e-9 { m.min(1.0) } else { m })
+        most.map(|m| if m < 1.0 + AT_BOUND { m.min(1.0) } else { m })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Changes of speed as isolated S-curves: where a run needs more knots, and its approximate speed there.
 
-use super::{AXES, CURVATURE, Limits};
+use super::{AXES, CURVATURE, Limits, ROUNDING};
 
 /// Time steps in which a change of speed is resolved.
 const RAMP: usize = 32;
@@ -192,7 +192,7 @@ pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
     let mut most = ceiling.to_vec();
     let n = most.len();
     for ramp in ramps {
-        let first = at.partition_point(|k| *k < ramp.at - 1e-12 * ramp.at.abs());
+        let first = at.partition_point(|k| *k < ramp.at - ROUNDING * ramp.at.abs());
         let (mut t, all) = (0.0, ramp.time());
         for i in 0..n {
             // The far end of the next span.
@@ -257,7 +257,7 @@ impl Creep {
             (0..AXES).all(|k| {
                 first[k] * rise + bend[k] * rate * rate <= limits.acceleration[k]
                     && first[k] * jerk + 3.0 * bend[k] * rate * rise + twist[k] * rate.powi(3)
-                        <= limits.jerk[k] * (1.0 + 1e-12)
+                        <= limits.jerk[k] * (1.0 + ROUNDING)
             })
         };
         // The loop ends, since all but the first term of the jerk fall with the rate.

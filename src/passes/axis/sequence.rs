@@ -14,6 +14,9 @@ use crate::progress::Work;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
+/// Distance at which two places of the chart count as one, mm.
+const SAME: f64 = 1e-6;
+
 /// Distance of the stations of the shortest path, mm.
 const STEP: f64 = 4.0;
 
@@ -275,7 +278,7 @@ fn curvatures(planned: &[CcPass], ways: &[PassWay]) -> (Vec<Vec<Option<f64>>>, f
             let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
             let (r, azimuth) = (libm::hypot(p.position.x, p.position.y), libm::atan2(p.position.y, p.position.x));
             let place = [*length, r * nearest_turn(azimuth - first, 0.0)];
-            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > 1e-6) {
+            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > SAME) {
                 points.push(p.position);
                 chart.push(place);
                 owner.push((i, k));

@@ -7,6 +7,9 @@ use crate::ir::{Operation, Program};
 use crate::part::sample;
 use crate::units;
 
+/// Difference of radii that is rounding, mm.
+const SAME_RADIUS: f64 = 1e-9;
+
 /// Refuses parts that cannot be sampled.
 pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let samples = sample::estimate(&program.part, FINEST_SPACING);
@@ -66,7 +69,7 @@ pub(crate) fn check_fillet(
 ) -> Result<(), Aborted> {
     let tool = &cx.program.tools[operation.tool];
     let radius = tool.solid.cutter.tip_radius();
-    let Some(fillet) = cx.program.part.main().fillet.filter(|f| radius > f.get() + 1e-9) else { return Ok(()) };
+    let Some(fillet) = cx.program.part.main().fillet.filter(|f| radius > f.get() + SAME_RADIUS) else { return Ok(()) };
     cx.sink.push(
         Diag::error(
             planning::BALL_TOO_BIG,

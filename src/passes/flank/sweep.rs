@@ -15,6 +15,9 @@ use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
+/// Difference of heights on a face, as a share of it, that is rounding.
+const SAME_HEIGHT: f64 = 1e-9;
+
 /// Relative gain of a minimax step at which the iteration stops.
 const GAIN: f64 = 2e-3;
 
@@ -153,11 +156,11 @@ impl StripTask<'_> {
         let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.at[1]);
         let edge = band.span[0];
         // The row of targets nearest to the lower edge, on its upper side.
-        let row = lowest.filter(|h| *h >= edge - 1e-9).fold(1.0, f64::min);
+        let row = lowest.filter(|h| *h >= edge - SAME_HEIGHT).fold(1.0, f64::min);
         let mut contacts: Vec<(f64, [f64; 2])> = fine
             .iter()
             .zip(&measured.at)
-            .filter(|(p, _)| p.kind == face && (p.at[1] - row).abs() < 1e-9)
+            .filter(|(p, _)| p.kind == face && (p.at[1] - row).abs() < SAME_HEIGHT)
             .map(|(p, d)| (d.t, p.parameters))
             .collect();
         contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -268,7 +271,7 @@ impl StripTask<'_> {
             Conflict::GougeFree => Target { give: [0.0, 1.0], ..target },
             Conflict::ContactBoth => {
                 let held = placed.kind == SurfaceKind::Face(band.side)
-                    && band.span.iter().any(|edge| (placed.at[1] - edge).abs() < 1e-9);
+                    && band.span.iter().any(|edge| (placed.at[1] - edge).abs() < SAME_HEIGHT);
                 Target { give: if held { [HELD; 2] } else { [1.0; 2] }, ..target }
             }
         }

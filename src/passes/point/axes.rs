@@ -6,6 +6,9 @@ use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 use crate::passes::context::{ChannelChart, Lean};
 use nalgebra::{Point3, Vector3};
 
+/// Sine of the angle between normal and axis below which the contact has no side.
+const NO_DIRECTION: f64 = 1e-9;
+
 /// Least tilt off an edge, radians: the space in front of an edge is free, so that the tool need not lie along it.
 const EDGE_TILT: f64 = 0.5;
 
@@ -96,7 +99,7 @@ pub(crate) fn tip_at(
     }
     let at = cutter.profile_at(libm::asin(sin))?;
     // From the axis to the contact.
-    let outward = (axis * sin - normal).try_normalize(1e-9)?;
+    let outward = (axis * sin - normal).try_normalize(NO_DIRECTION)?;
     Some(contact - outward * at.rho - axis * at.s)
 }
 

@@ -23,6 +23,9 @@ use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use crate::units::length;
 use rayon::prelude::*;
 
+/// Difference of curvatures, 1/mm, within which a ball has the radius of its fillet.
+const SAME_RADIUS: f64 = 1e-6;
+
 /// Plans a point milling operation.
 ///
 /// # Errors
@@ -138,7 +141,7 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
     let (rest, bulge, [x, y]) = surface.most_hollow();
     // A ball in a fillet of its own radius leaves nothing.
-    if rest > 0.0 || (surface.hollow.is_some() && rest > -1e-6) {
+    if rest > 0.0 || (surface.hollow.is_some() && rest > -SAME_RADIUS) {
         return Ok(());
     }
     let tool = &cx.program.tools[operation.tool];

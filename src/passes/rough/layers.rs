@@ -7,6 +7,9 @@ use crate::progress::Progress;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+/// Share of a layer that rounding may add to a whole number of layers.
+const WHOLE: f64 = 1e-9;
+
 /// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this distance they leave their
 /// chord by a few micrometres, well within the roughing allowance.
 const STATION_SPACING: f64 = 0.7;
@@ -102,7 +105,7 @@ impl<'a> Roughing<'a> {
 
     /// Number of layers from a level down to the hub.
     pub(crate) fn layer_count(&self, top: f64) -> f64 {
-        (self.chart.height() * top / self.depth - 1e-9).ceil().max(1.0)
+        (self.chart.height() * top / self.depth - WHOLE).ceil().max(1.0)
     }
 
     /// Layers from `top` (a level already cleared, 1 for the shroud) down, and the reason for their end. `name` is the

@@ -8,6 +8,9 @@ use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
+/// Rounding of ten times the number of a G word: G61.1 is one code, G61.11 is none.
+const DIGITS: f64 = 1e-6;
+
 /// Longest line of the interpreter, without its line feed; a carriage return counts.
 const LONGEST_LINE: usize = 252;
 
@@ -422,7 +425,7 @@ fn word(
 /// A code with one way to spell it: G01 and G1.0 are G1.
 fn code_name(letter: char, value: f64) -> String {
     let tenths = (value * 10.0).round();
-    if (tenths - value * 10.0).abs() > 1e-6 || !(0.0..1e5).contains(&tenths) {
+    if (tenths - value * 10.0).abs() > DIGITS || !(0.0..1e5).contains(&tenths) {
         return format!("{letter}{value}");
     }
     let tenths = tenths as u32;

@@ -16,6 +16,9 @@ use crate::kin::feedrate::jerk::{self, Bounds, Rows};
 use crate::kin::feedrate::ramp::{self, Creep, Even, Most, Ramp};
 use crate::kin::feedrate::{self as feedrate};
 
+/// Share by which a sum that meets its bound may exceed it by rounding.
+const AT_BOUND: f64 = 1e-9;
+
 /// Halvings in the search of the speed at which a corner can be rounded.
 const HALVINGS: usize = 40;
 
@@ -138,7 +141,7 @@ impl Rows for JerkRows<'_> {
         let share = |found: &Joint5, limit: &Joint5| (0..5).map(|k| found[k] / limit[k]).fold(0.0, f64::max);
         let all = [share(&acceleration, &self.limits.acceleration), share(&jerk, &self.limits.jerk)];
         // Sums that meet their bound do so to the last digits only.
-        all.map(|s| if s < 1.0 + 1e-9 { s.min(1.0) } else { s })
+        all.map(|s| if s < 1.0 + AT_BOUND { s.min(1.0) } else { s })
     }
 }
 

@@ -10,6 +10,9 @@ use super::upper_bound::UpperBound;
 use crate::part::chart::Patch;
 use nalgebra::{Point3, Vector3};
 
+/// Reserve for rounding among distances, mm.
+const ROUNDING: f64 = 1e-9;
+
 /// Distance beyond which a place counts as out of reach of all cutters, mm; searches end there.
 pub const FAR: f64 = 20.0;
 
@@ -321,7 +324,7 @@ impl PatchTask<'_> {
                 }
             }
             // Reserve for rounding: pieces that are equally near are kept.
-            most + 1e-9
+            most + ROUNDING
         };
         blocks.iter().map(most).collect()
     }

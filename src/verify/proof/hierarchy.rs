@@ -16,6 +16,12 @@ use super::piece::Piece;
 use crate::collide::ToolSolid;
 use nalgebra::{Point3, Vector3};
 
+/// Length of a vector below which any direction serves for the box of a node, mm.
+const NO_DIRECTION: f64 = 1e-12;
+
+/// Length of a sum of axes below which they have no mean.
+const NO_MEAN: f64 = 1e-9;
+
 /// Pieces in a leaf.
 const LEAF: usize = 4;
 
@@ -110,7 +116,7 @@ fn below(count: usize) -> usize {
 
 /// Bounds of a run of pieces; `start` is the index of its first piece.
 fn node(legs: &[PieceLeg], start: usize) -> Node {
-    let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(1e-9).unwrap_or_else(Vector3::z);
+    let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(NO_MEAN).unwrap_or_else(Vector3::z);
     // The chord of unit vectors is shorter than the angle; the half turns of the pieces are added to the chord.
     let turn = legs.iter().map(|l| (l.axis - axis).norm() + l.turn).fold(0.0, f64::max);
     let (centre, sides) = bounding_box(legs);
@@ -126,9 +132,9 @@ fn bounding_box(legs: &[PieceLeg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     let mean = some().sum::<Vector3<f64>>() / some().count().max(1) as f64;
     let longer = |a: Vector3<f64>, b: Vector3<f64>| if b.norm_squared() > a.norm_squared() { b } else { a };
     let farthest = some().map(|c| c - mean).fold(Vector3::zeros(), longer);
-    let x = farthest.try_normalize(1e-12).unwrap_or_else(Vector3::x);
+    let x = farthest.try_normalize(NO_DIRECTION).unwrap_or_else(Vector3::x);
     let across = some().map(|c| c - mean).map(|w| w - x * x.dot(&w)).fold(Vector3::zeros(), longer);
-    let y = across.try_normalize(1e-12).unwrap_or_else(|| {
+    let y = across.try_normalize(NO_DIRECTION).unwrap_or_else(|| {
         let other = if x.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
         x.cross(&other).normalize()
     });

@@ -17,6 +17,9 @@ use super::sweep::Sweep;
 use crate::collide::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
 
+/// Length of a cross product below which it has no direction: zero is a sound bound there.
+const NO_DIRECTION: f64 = 1e-9;
+
 /// Slope over a cell, mm, below which the tangent counts as level.
 const LEVEL: f64 = 2e-6;
 
@@ -314,7 +317,7 @@ fn above_tangent(
     if most <= 0.0 {
         return f64::NEG_INFINITY;
     }
-    let across = gradient.cross(way).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+    let across = gradient.cross(way).try_normalize(NO_DIRECTION).unwrap_or_else(Vector3::zeros);
     (value - loss + hull.least_curved(at, gradient, &across, 0.5 / most)).min(enough)
 }
 

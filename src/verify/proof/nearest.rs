@@ -6,6 +6,9 @@ use super::sweep::{Nearest, Sweep, TURN_SLACK};
 use crate::collide::Slope;
 use nalgebra::{Point3, Vector3};
 
+/// Least distance from the tool axis that is divided by, mm.
+const ON_AXIS: f64 = 1e-12;
+
 /// Largest error of the distance that [`Sweep::near`] finds, mm.
 const ENOUGH: f64 = 5e-3;
 
@@ -139,7 +142,7 @@ impl Sweep<'_> {
         let radial = out - node.axis * s;
         let rho = radial.norm();
         let Slope { value, rho: outward, s: upward } = self.solid().cutter_slope(rho, s + self.hierarchy.size.height);
-        let slope = radial * (outward / rho.max(1e-12)) + node.axis * upward;
+        let slope = radial * (outward / rho.max(ON_AXIS)) + node.axis * upward;
         // The angle of a chord of at most one exceeds the chord by less than a twentieth.
         let turn = if node.turn <= 1.0 { 1.05 * node.turn } else { std::f64::consts::PI };
         let lever = (rho * upward - s * outward).abs() + node.reach + radius;

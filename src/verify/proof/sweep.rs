@@ -18,6 +18,12 @@ use crate::kin::{Chain, RotaryPose};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+/// Distance from the tool axis at which a point counts as on it, mm.
+const ON_AXIS: f64 = 1e-12;
+
+/// Share of a piece at which the search for the nearest time ends.
+const INSTANT: f64 = 1e-9;
+
 /// Allowed error of the search for the nearest time through the turn of a piece, mm; pieces are halved until they meet
 /// it.
 pub(crate) const TURN_SLACK: f64 = 2e-5;
@@ -99,10 +105,10 @@ impl<'a> Sweep<'a> {
         let rho = radial.norm();
         let Slope { value, rho: out, s: up } = self.solid.cutter_slope(rho, s);
         // On the axis any radial direction is valid; the slope across the axis is zero there by symmetry.
-        let gradient = if rho > 1e-12 { radial * (out / rho) + axis * up } else { axis * up };
+        let gradient = if rho > ON_AXIS { radial * (out / rho) + axis * up } else { axis * up };
         let travel = piece.tips[1] - piece.tips[0];
         let ds = d.dot(&turning) - travel.dot(&axis);
-        let drho = if rho > 1e-12 { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
+        let drho = if rho > ON_AXIS { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
         Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
     }
 
@@ -157,7 +163,7 @@ impl<'a> Sweep<'a> {
             let t = (low.t * weight_high - high.t * weight_low) / (weight_high - weight_low);
             let t = if t > low.t && t < high.t { t } else { 0.5 * (low.t + high.t) };
             let next = self.touch(piece, t, p);
-            if next.rate.abs() <= FLAT || high.t - low.t < 1e-9 {
+            if next.rate.abs() <= FLAT || high.t - low.t < INSTANT {
                 return next;
             }
             // Halving the weight of an end that does not move keeps the secants from stalling (Illinois).

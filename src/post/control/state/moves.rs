@@ -6,6 +6,9 @@ use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, S
 use crate::post::nc::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
 
+/// Length of a direction vector below which it gives no direction.
+const NO_DIRECTION: f64 = 1e-6;
+
 impl ControlState<'_> {
     pub(super) fn moved(&mut self, block: &NcBlock) {
         if self.transformation != Transformation::On {
@@ -246,7 +249,7 @@ impl ControlState<'_> {
         let before = self.direction;
         match (block.vector, block.rotary) {
             ([None, None, None], [None, None]) => before,
-            ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(1e-6) {
+            ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(NO_DIRECTION) {
                 Some(axis) => Direction::Axis(axis),
                 None => {
                     self.fault("a direction vector of length 0");
