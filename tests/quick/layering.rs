@@ -219,3 +219,44 @@ fn functions_stay_short() {
     }
     assert!(long.is_empty(), "{}", long.join("\n"));
 }
+
+/// Files of `src` outside of a folder whose code names it as a module, and the number of such lines in each.
+fn naming(folder: &Path) -> Vec<(String, usize)> {
+    let name = folder.file_name().unwrap().to_str().unwrap().to_owned();
+    let mut all = Vec::new();
+    files(Path::new("src"), &mut all);
+    let forms = [format!("{name}::"), format!("mod {name};"), format!(" {name},"), format!(" {name}}}")];
+    // In a sentence a word may look the same.
+    let names = |line: &&str| !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
+    let inside = folder.parent().unwrap();
+    all.iter()
+        .filter(|path| path.starts_with(inside) && !path.starts_with(folder))
+        .map(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            (path.display().to_string(), text.lines().filter(names).count())
+        })
+        .filter(|(_, lines)| *lines > 0)
+        .collect()
+}
+
+#[test]
+fn a_dialect_is_one_folder_and_one_line() {
+    let folders = std::fs::read_dir("src/post").unwrap().map(|e| e.unwrap().path());
+    let dialects: Vec<PathBuf> = folders.filter(|p| p.join("writer.rs").is_file()).collect();
+    assert_eq!(dialects.len(), impellerc::post::POSTS.len());
+    for dialect in dialects {
+        assert!(dialect.join("reader.rs").is_file(), "{} has no reader", dialect.display());
+        let found: Vec<_> = naming(&dialect).into_iter().filter(|(path, _)| !path.ends_with("motion_of.rs")).collect();
+        // Its `mod` and its place in `POSTS`.
+        assert_eq!(found, [("src/post/mod.rs".to_owned(), 2)], "{}", dialect.display());
+    }
+}
+
+#[test]
+fn an_operation_is_one_folder_and_a_line_in_the_pipeline() {
+    for room in ["rough", "flank", "point", "channel"] {
+        let found = naming(&Path::new("src/passes").join(room));
+        let places: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
+        assert_eq!(places, ["src/passes/axis/orient_tool.rs", "src/passes/mod.rs", "src/passes/pipeline.rs"], "{room}");
+    }
+}
