@@ -1,5 +1,5 @@
-//! Room beside a vane: the largest ball that stands on the faces and fillets that point milling cuts without meeting the
-//! next vane across the channel. The floor does not matter there, but where a ball would cut into it none is asked for.
+//! Free space beside a vane: the largest ball that touches the point-milled faces and fillets without meeting the next
+//! vane across the channel. The floor is no limit here: places where the ball would cut into the hub are left out.
 
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
@@ -13,45 +13,46 @@ use crate::part::{
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// Room for the tool of a point milling operation.
+/// Free space for the tool of a point milling operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
     /// Operation.
     pub operation: OperationId,
-    /// Largest radius of a ball that stands on all its surfaces, that of the fillet at most, mm, rounded down to 0.005 mm.
+    /// Largest radius of a ball that fits at every place of its surfaces, at most the fillet radius, mm, rounded down
+    /// to 0.005 mm.
     pub largest: f64,
-    /// True when the ball at the end of its tool does, that of its corner where it has no ball.
+    /// True when the ball of the tool fits; without a ball, its corner.
     pub fits: bool,
 }
 
-/// Places along and across a surface at which the room is measured.
+/// Numbers of intervals along and across a surface, at whose ends the free space is measured.
 const PLACES: [usize; 2] = [60, 8];
 
-/// Steps within which a ball shrinks to the room that it has: a few do.
+/// Most steps in which a ball shrinks until it meets nothing; a few are enough.
 const SHRINKS: usize = 40;
 
-/// Cuts of a ball into the hub that rounding makes, mm.
+/// Largest cut of a ball into the hub that counts as rounding, mm.
 const ROUNDING: f64 = 1e-6;
 
-/// Radius of a ball that touches everything there is, mm.
+/// Radius of the first ball, mm, larger than any free space.
 const ENDLESS: f64 = 1e4;
 
-/// A place of a vane with the room before it.
+/// A place of a vane with the free space before it.
 struct Spot {
     kind: SurfaceKind,
     place: Place,
-    /// Largest radius of a ball that touches the vane there and does not meet the next one.
+    /// Largest radius of a ball that touches the vane here and does not meet the next vane.
     room: f64,
 }
 
-/// Measures every point milling operation, and reports tools that stand nowhere.
+/// Measures every point milling operation, and reports tools that are too large.
 pub(super) fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
     let part = &program.part;
     let mut spots: Vec<Spot> = Vec::new();
     let mut found = Vec::new();
     for (id, operation) in program.operations.iter() {
         let OperationKind::Point { surfaces, .. } = &operation.kind else { continue };
-        // In front of an edge there is no vane.
+        // No vane stands opposite an edge.
         let inside = |kind: &SurfaceKind| matches!(kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
         if !surfaces.iter().any(inside) {
             continue;
@@ -71,7 +72,7 @@ pub(super) fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
     found
 }
 
-/// Room at places all over faces and fillets.
+/// Measures the free space at places all over faces and fillets.
 fn measure(part: &Part) -> Vec<Spot> {
     let [columns, rows] = PLACES;
     let mut spots = Vec::new();
@@ -89,8 +90,9 @@ fn measure(part: &Part) -> Vec<Spot> {
     spots
 }
 
-/// Radius of the largest ball that touches a place from outside and does not meet a surface: it shrinks to the ball through
-/// the point that it covers deepest (Ma, Bae, Choi: 3D medial point approximation using nearest neighbors, 2012).
+/// Radius of the largest ball that touches a place from outside and does not meet a surface. Each step shrinks the ball
+/// until it passes through the surface point nearest to its centre (Ma, Bae, Choi: 3D medial point approximation using
+/// nearest neighbors, 2012).
 fn room(surface: &FaceSurface, place: &Place) -> f64 {
     let mut radius = ENDLESS;
     for _ in 0..SHRINKS {
@@ -105,7 +107,7 @@ fn room(surface: &FaceSurface, place: &Place) -> f64 {
     radius
 }
 
-/// The narrowest place at which a ball of a radius may stand, as far as the hub lets it.
+/// The place with the least free space among the places at which a ball of this radius does not cut into the hub.
 fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spot> {
     let over_hub = |s: &&&Spot| {
         let centre: Point3<f64> = s.place.position + s.place.normal * radius;
@@ -114,7 +116,7 @@ fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spo
     spots.iter().filter(over_hub).min_by(|a, b| a.room.total_cmp(&b.room)).copied()
 }
 
-/// Largest radius of a ball that stands wherever the hub lets it, by halving.
+/// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.
 fn largest(part: &Part, spots: &[&Spot]) -> f64 {
     let fillet = part.main().fillet.map_or(f64::INFINITY, |f| f.get());
     let (mut low, mut high) = (0.0, spots.iter().map(|s| s.room).fold(0.0, f64::max).min(fillet));

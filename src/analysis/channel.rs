@@ -1,4 +1,4 @@
-//! The lower corners of the channel: where a rounded tool corner touches wall and hub together.
+//! The lower corners of the channel, where a rounded tool corner touches wall and hub together.
 
 use crate::part::{Face, Part, Surface};
 use nalgebra::Point3;
@@ -22,21 +22,21 @@ pub(crate) struct Channel<'a> {
     walls: [Face; 2],
 }
 
-/// Room between the walls at given distances from walls and hub.
+/// Free space between the walls at given distances from walls and hub.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
-    /// Distance between the two corner curves, mm; negative where they have crossed and nothing fits.
+    /// Distance between the two corner curves, mm; negative where the curves cross, so that no tool fits.
     pub width: f64,
-    /// Where, along the first wall from inlet (0) to outlet (1); outside of that around its edge.
+    /// Place along the first wall from inlet (0) to outlet (1); beyond these values around the edge.
     pub u: f64,
-    /// The middle of the narrowest place, in sector 0.
+    /// Middle of the narrowest place, in sector 0.
     pub point: Point3<f64>,
 }
 
-/// Stations of a corner curve, less one: 20 around each edge, 60 on the face.
+/// Number of intervals of a corner curve: 20 around each edge, 60 on the face.
 const STATIONS: usize = 100;
 
-/// Ends of a corner curve: a right angle around the edges.
+/// First and last parameter of a corner curve: a right angle around each edge.
 const CURVE: [f64; 2] = [-1.0, 2.0];
 
 /// Parameter of a station.
@@ -58,10 +58,10 @@ impl<'a> Channel<'a> {
         Self { part, walls }
     }
 
-    /// The point over a ruling that lies `wall` off the wall and `floor` off the hub; `None` where the ruling ends
-    /// below it or the wall leans over too far. `s` is u on the face; below 0 and above 1 the offset turns around the
-    /// inlet or outlet edge, by a right angle per unit, since the edge is as near there as the face. The distance to
-    /// the hub is close to linear along the ruling, so that the secant rule needs few steps.
+    /// The point over a ruling at the distance `wall` from the wall and `floor` from the hub. `None` where the ruling
+    /// ends below this point or the wall leans too far over the hub. On the face `s` is u; below 0 and above 1 the
+    /// offset turns around the inlet or outlet edge by a right angle per unit, since the edge is as near there as the
+    /// face. The distance to the hub is nearly linear along the ruling, so that the secant method needs few steps.
     fn corner(&self, side: usize, s: f64, wall: f64, floor: f64) -> Option<Point3<f64>> {
         let face = &self.walls[side];
         let u = s.clamp(0.0, 1.0);
@@ -69,7 +69,7 @@ impl<'a> Channel<'a> {
         let at = |v: f64| {
             let (point, su, sv) = face.surface.tangents(u, v);
             let n = su.cross(&sv).normalize() * face.orientation;
-            // Along the flow, square to the ruling.
+            // Along the flow, perpendicular to the ruling.
             let flow = su - sv * (su.dot(&sv) / sv.norm_squared());
             point + (n * cos + flow.normalize() * sin) * wall
         };
@@ -94,8 +94,8 @@ impl<'a> Channel<'a> {
         None
     }
 
-    /// Narrowest room between the corner curves at these distances from the walls and from the hub. `None` when some
-    /// ruling has no such corner.
+    /// Narrowest free space between the corner curves at these distances from walls and hub. `None` when a ruling has
+    /// no such corner.
     pub(crate) fn room(&self, wall: f64, floor: f64) -> Option<Room> {
         let curve = |side: usize| -> Option<Vec<Point3<f64>>> {
             (0..=STATIONS).map(|i| self.corner(side, station(i), wall, floor)).collect()
@@ -133,7 +133,7 @@ impl<'a> Channel<'a> {
         Some(Room { width: d, u, point: nalgebra::center(&ends.0, &ends.1) })
     }
 
-    /// Where the curves have changed sides: the deepest place, its width as a negative arc.
+    /// Where the curves cross: the place with the largest overlap; the width is the arc as a negative number.
     fn crossing(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<Room> {
         let along = |p: &Point3<f64>| self.part.hub.closest(nalgebra::Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
         let stations: Vec<f64> = b.iter().map(along).collect();
@@ -144,7 +144,7 @@ impl<'a> Channel<'a> {
             let k = stations.partition_point(|t| *t < s).clamp(1, stations.len() - 1);
             let t = (s - stations[k - 1]) / (stations[k] - stations[k - 1]);
             let q = b[k - 1] + (b[k] - b[k - 1]) * t;
-            // Measured around the pitch, so that it holds for few vanes too.
+            // The gap is measured from one pitch on, so that the angle is unambiguous for few vanes as well.
             let pitch = self.part.pitch();
             let gap = pitch + turn_between(libm::atan2(p.y, p.x) + pitch, libm::atan2(q.y, q.x));
             let width = gap * libm::hypot(p.x, p.y);

@@ -1,7 +1,7 @@
-//! Memory that a compilation will take, estimated before it starts: that of planning or of verification, whichever is more.
+//! Memory of a compilation, estimated before the start: the larger value of planning and verification.
 //!
-//! Lines and stations follow from sizes of the part and figures of the job. What they take was measured as peak memory on
-//! two cores, of planning (`--emit motion`) and of the whole compilation:
+//! The numbers of lines and stations follow from sizes of the part and figures of the job. Their memory was measured as
+//! peak memory on two cores, for planning (`--emit motion`) and for the whole compilation:
 //!
 //! | job | planning | compilation |
 //! |---|---|---|
@@ -17,10 +17,10 @@
 //! | `jobs/small`, expand alone, depth 0.5 mm, residual 20 um, four sectors: 2400 lines | 1.80 GB | 1.84 GB |
 //! | the same, depth 0.1 mm, residual 5 um: 23 k lines | 16.1 GB | |
 //!
-//! `tests/quick/cost.rs` holds the estimate within a factor of two of these. What a station costs is mostly the run of the axes
-//! through the blocks that are left of it; what a link over the clearance surface costs are its many changes of speed. The
-//! verifier runs the axes through the same blocks when the planner has given its memory back, and has samples of all
-//! surfaces of the part besides.
+//! `tests/quick/cost.rs` requires that the estimate is within a factor of two of these figures. The memory of a station
+//! is mainly that of its block in the run of the axes. The memory of a link over the clearance surface comes from its
+//! many changes of speed. The verifier computes the run of the same blocks after the planner has freed its memory, and
+//! has samples of all surfaces of the part in addition.
 
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::{Motion, MoveKind, Operation, OperationKind, Program};
@@ -28,10 +28,10 @@ use crate::method::{AxisMethod, FlankMethod};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind, sample};
 use crate::units::{Mm, bytes, trim};
 
-/// Memory of a station that is planned, bytes: contact and cutter location.
+/// Memory of a station in the planned sector, bytes: contact and cutter location.
 const PLANNED: f64 = 400.0;
 
-/// Memory of a station in a sector that it is copied to, bytes: mostly that of its block in the run of the axes.
+/// Memory of a station in each sector to which it is copied, bytes: mostly that of its block in the run of the axes.
 const COPIED: f64 = 1400.0;
 
 /// Memory of a block in the run of the axes, bytes.
@@ -43,48 +43,49 @@ const LINK: f64 = 4.5e5;
 /// Memory of the part and its samples, bytes.
 const PART: f64 = 2e7;
 
-/// Memory of the verifier for stations and links, as a share of that of planning.
+/// Memory of the verifier for stations and links, as a share of the memory of planning.
 const VERIFIED: f64 = 0.75;
 
-/// Memory of a sample of the design surfaces in the verifier, with its share of the samples of the stock, bytes.
+/// Memory of the verifier for a sample of the design surfaces, with its share of the samples of the stock, bytes.
 const SAMPLE: f64 = 170.0;
 
 /// Distance of these samples, mm.
 const SPACING: f64 = 0.25;
 
-/// Share of the lines of `method corridor` that are not joined by direct links.
+/// Share of the lines of `method corridor` without a direct link.
 const NOT_JOINED: f64 = 0.1;
 
-/// Stations of a line that finishes.
+/// Stations of a finishing line.
 const FINISHING_STATIONS: f64 = 405.0;
 
 /// Distance of the stations of roughing, mm.
 const ROUGHING_STATION: f64 = 0.7;
 
-/// Share of a V line of `expand` in one from inlet to outlet, on average: its legs meet where the channel is narrow.
+/// Length of a V line of `expand` as a share of a line from inlet to outlet, on average: its legs meet where the
+/// channel is narrow.
 const OF_V: f64 = 0.6;
 
-/// Share of the height that roughing goes through which goes on from earlier roughing of its kind. How far that came is
-/// found while planning.
+/// Share of the height that remains for a roughing operation after an earlier one of the same kind. The depth that the
+/// earlier operation has reached is known only while planning.
 const WENT_ON: f64 = 1.0 / 3.0;
 
-/// Most bands that are optimised in a plan: each takes about a second of a processor.
+/// Most strips that a plan may optimise: each takes about a second of a processor.
 const MOST_BANDS: u32 = 200;
 
-/// Bands of a face that `strips auto` may try.
+/// Strips of a face that `strips auto` may try.
 const AUTO_BANDS: u32 = 8;
 
 /// Numbers of stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stations {
-    /// Those of the sector that is planned.
+    /// Stations of the planned sector.
     pub planned: f64,
-    /// Those in all sectors that they are copied to.
+    /// Stations in all sectors to which they are copied.
     pub copied: f64,
 }
 
 impl Stations {
-    /// With those of an operation that has some in a sector.
+    /// Adds the stations of an operation, `planned` in each of its sectors.
     #[must_use]
     pub fn and(self, planned: f64, operation: &Operation) -> Self {
         let copied = planned * operation.sectors.len() as f64;
@@ -96,12 +97,12 @@ impl Stations {
     }
 }
 
-/// What an operation will make.
+/// Size of the motion of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Lines in all sectors.
     pub lines: f64,
-    /// Their stations.
+    /// Stations of these lines.
     pub stations: Stations,
     /// Links over the clearance surface.
     pub links: f64,
@@ -116,19 +117,19 @@ impl Cost {
 
 /// Sizes of a channel and its walls, mm.
 struct Sizes {
-    /// Along a wall from inlet to outlet.
+    /// Length of a wall from inlet to outlet.
     length: f64,
-    /// Longest ruling.
+    /// Length of the longest ruling.
     height: f64,
-    /// Arc between two vanes where it is widest.
+    /// Longest arc between two vanes.
     width: f64,
-    /// Vane at its thicker end.
+    /// Thickness of a vane at its thicker end.
     thickness: f64,
 }
 
 impl Sizes {
     fn new(part: &Part) -> Self {
-        /// Pieces in which a curve is measured.
+        /// Number of chords with which a curve is measured.
         const PIECES: u32 = 50;
         let at = |i: u32| f64::from(i) / f64::from(PIECES);
         let [one, other] = BladeId::MAIN.faces();
@@ -149,12 +150,12 @@ impl Sizes {
         }
     }
 
-    /// `share` is that of the height which roughing goes through.
+    /// `share` is the share of the height that is roughed.
     fn cost(&self, program: &Program, operation: &Operation, kind: &OperationKind, share: f64) -> Cost {
         let cutter = &program.tools[operation.tool].solid.cutter;
         let radius = cutter.nominal_radius();
         let length = self.length + operation.lead_in.get() + operation.lead_out.get();
-        // Distance of the lines of a ball that leave ridges of a height.
+        // Distance between the lines of a ball for a scallop height.
         let step = |h: &Mm| 2.0 * (2.0 * radius * h.get() - h.get() * h.get()).max(h.get() * h.get()).sqrt();
         let layers = |depth: &Mm| (share * self.height / depth.get()).ceil();
         let sectors = operation.sectors.len() as f64;
@@ -174,7 +175,7 @@ impl Sizes {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)
             }
             OperationKind::Channel { scallop, method, .. } => {
-                // Balls that roll in the fillets finish these.
+                // The remaining width is finished by balls that roll in the fillets.
                 let floor = self.width - 2.0 * program.part.main().fillet.map_or(radius, Mm::get);
                 of((floor.max(0.0) / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
             }
@@ -195,12 +196,12 @@ impl Sizes {
     }
 }
 
-/// What each operation will make, in machining order.
+/// Size of the motion of each operation, in machining order.
 pub fn estimate(program: &Program) -> Vec<Cost> {
     with_figure(program, None)
 }
 
-/// [`estimate`], with a figure of all operations raised to a value where it is below, mm.
+/// [`estimate`], with a figure of all operations, mm, raised to `raised` where it is less.
 fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> Vec<Cost> {
     let sizes = Sizes::new(&program.part);
     let mut roughed = [false; 2];
@@ -221,13 +222,14 @@ fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> Vec<Cost> {
     operations.collect()
 }
 
-/// Memory of planning or of verification, whichever is more, where planning takes some bytes for stations and links.
+/// Peak memory, the larger value of planning and verification, from the bytes that planning takes for stations and
+/// links.
 fn peak(program: &Program, planning: f64) -> f64 {
     let samples = SAMPLE * sample::estimate(&program.part, SPACING);
     PART + planning.max(samples + VERIFIED * planning)
 }
 
-/// Memory of all, bytes.
+/// Peak memory for the motions of all operations, bytes.
 fn sum(program: &Program, costs: &[Cost]) -> f64 {
     peak(program, costs.iter().map(Cost::bytes).sum())
 }
@@ -237,7 +239,7 @@ pub fn needed(program: &Program) -> f64 {
     sum(program, &estimate(program))
 }
 
-/// What sets the distance of layers or lines.
+/// Figure that determines the distance between layers or lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Figure {
     Depth,
@@ -254,7 +256,7 @@ impl Figure {
         }
     }
 
-    /// Its value in an operation that has it.
+    /// The figure of an operation; `None` where the operation has no such figure.
     fn of(self, kind: &mut OperationKind) -> Option<&mut Mm> {
         match (self, kind) {
             (Self::Depth, OperationKind::Groove { depth, .. } | OperationKind::Expand { depth, .. }) => Some(depth),
@@ -267,12 +269,12 @@ impl Figure {
     }
 }
 
-/// Memory of stations, bytes.
+/// Peak memory for these stations, bytes.
 pub fn of_stations(program: &Program, stations: Stations) -> f64 {
     peak(program, stations.bytes())
 }
 
-/// Memory that the run of the axes through a motion will take, with the stations that were planned in a sector, bytes.
+/// Peak memory for the run of the axes through a motion, with `planned` stations in a sector, bytes.
 pub fn of_moves(program: &Program, motion: &Motion, planned: f64) -> f64 {
     let (mut blocks, mut links) = (0.0, 0.0);
     for operation in &motion.operations {
@@ -283,10 +285,10 @@ pub fn of_moves(program: &Program, motion: &Motion, planned: f64) -> f64 {
     peak(program, PLANNED * planned + BLOCK * blocks + LINK * links)
 }
 
-/// Refuses a plan that would take too much memory or optimise too many bands, before it starts.
+/// Refuses a plan that would take too much memory or optimise too many strips, before it starts.
 ///
 /// # Errors
-/// The plan is refused; the reason is in the sink, with the value that would fit.
+/// The plan is refused; the reason is in the sink, with a value that would fit.
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     check_bands(program, sink)?;
     let costs = estimate(program);
@@ -315,7 +317,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     Err(Aborted)
 }
 
-/// The least of usual values of a figure of an operation with which the plan fits, when no operation has a lower one.
+/// The least usual value of a figure with which the plan fits, when no operation has a lower one.
 fn fitting(program: &Program, operation: &Operation) -> Option<String> {
     let solid = &program.tools[operation.tool].solid;
     let radius = solid.cutter.nominal_radius();
@@ -330,7 +332,7 @@ fn fitting(program: &Program, operation: &Operation) -> Option<String> {
     })
 }
 
-/// Refuses more bands than can be optimised in minutes.
+/// Refuses more strips than can be optimised in minutes.
 fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let bands = |o: &Operation| match &o.kind {
         OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {

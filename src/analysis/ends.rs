@@ -1,16 +1,16 @@
-//! How far the ends of the faces lie off hub and shroud. The lowering says it under the text of the curve.
+//! Distances of the ends of the faces from hub and shroud. The lowering reports them at the text of the curve.
 
 use crate::part::{BladeId, FaceId, Part, RulingEnd, Surface};
 use nalgebra::Point3;
 
-/// Distance of one guide curve to the surface that the face should end on.
+/// Distance of a guide curve from the surface on which the face should end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndGap {
     /// Face.
     pub side: FaceId,
-    /// End of its rulings: root to hub, tip to shroud.
+    /// End of the rulings: the root belongs to the hub, the tip to the shroud.
     pub end: RulingEnd,
-    /// Where the distance is largest, from inlet (0) to outlet (1).
+    /// Place of the largest distance, from inlet (0) to outlet (1).
     pub u: f64,
     /// Signed distance there, mm, positive out of the hub or over the shroud.
     pub distance: f64,
@@ -18,7 +18,7 @@ pub struct EndGap {
     pub point: Point3<f64>,
 }
 
-/// Stations along a curve, less one.
+/// Number of intervals along a curve.
 const STATIONS: usize = 400;
 
 /// Measures all four ends.

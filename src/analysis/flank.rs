@@ -1,5 +1,5 @@
-//! How well the side of a cutter fits a face: what flank milling is asked for at points of the part, where it starts
-//! from, and the least error that is left at one, two and three bands.
+//! Fit of the side of a cutter to a face: the requirements of flank milling at points of the part, the start of the
+//! optimisation, and the least error with one, two and three strips.
 
 use super::tolerance_budget::room;
 use crate::collide::Cutter;
@@ -27,59 +27,60 @@ const LEAST_ERROR: f64 = 1e-6;
 /// Control points of a guide curve: 14 are enough for the paper's vane (algorithms reference, 1.4).
 pub const CONTROL: usize = 14;
 
-/// Cutter radii beyond inlet and outlet for which a pass follows the continued face. From there a shift that parts
-/// from the tangents by less than 45 deg only takes the tool away from the edge.
+/// Distance beyond inlet and outlet, in cutter radii, up to which a pass follows the continued face. Beyond this
+/// distance, a shift at less than 45 deg to the tangents only moves the tool away from the edge.
 pub const LEAVE: f64 = 1.0;
 
-/// The same where the path is free beyond the edges, so that it may part from the tangents further.
+/// The same distance where the path beyond the edges is free and may deviate further from the tangents.
 const LEAVE_FREE: f64 = 1.5;
 
-/// Distance that the side of a cutter keeps from faces that it does not finish, mm.
+/// Clearance of the side of a cutter to faces that it does not finish, mm.
 pub const SIDE_CLEARANCE: f64 = 0.1;
 
-/// Columns and rows of targets on the face, and on each of the other surfaces.
+/// Columns and rows of targets on the milled face; the other surfaces follow.
 const FACE: [usize; 2] = [100, 15];
 const FILLET: [usize; 2] = [100, 8];
 const HUB: [usize; 2] = [60, 16];
 const NEIGHBOUR: [usize; 2] = [30, 8];
 
-/// A part with the charts of its surfaces, made once.
+/// A part with the charts of its surfaces, computed once.
 pub struct Surroundings<'a> {
     part: &'a Part,
     charts: Vec<Chart<'a>>,
 }
 
 impl<'a> Surroundings<'a> {
-    /// The surroundings of the vane of sector 0.
+    /// The charts around the vane of sector 0.
     pub fn new(part: &'a Part) -> Self {
         Self { part, charts: chart::charts(part) }
     }
 }
 
-/// One band of a face for one cutter.
+/// A strip of a face for a cutter.
 pub struct Band<'a> {
     around: &'a Surroundings<'a>,
     /// Face.
     pub side: FaceId,
-    /// Shares of the height of the face between which it lies.
+    /// Lower and upper border of the strip as shares of the height of the face.
     pub span: [f64; 2],
     cutter: Cutter,
 }
 
-/// A target with the place of the design that it stands for.
+/// A target with its place on the design.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
-    /// What is asked there.
+    /// What is required there.
     pub target: Target,
     /// Surface.
     pub kind: SurfaceKind,
     /// Parameters of the surface.
     pub parameters: [f64; 2],
-    /// Coordinates of its chart, each in [0, 1]: on a face along it, and up from its root.
+    /// Coordinates in the chart, each in [0, 1]; on a face along the face, and up from its root.
     pub at: [f64; 2],
 }
 
-/// Where something begins to hold that does not hold at `from` and holds at `to`: the side on which it holds.
+/// Border of a condition that is false at `from` and true at `to`, by bisection: the last place at which the condition
+/// is true.
 fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
     for _ in 0..20 {
         let middle = 0.5 * (from + to);
@@ -88,7 +89,7 @@ fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
     to
 }
 
-/// Radius of the ball that rolls between face and hub: that of the fillet, or that of the tool at a sharp root.
+/// Radius of the ball that rolls between face and hub: the fillet radius, at a sharp root the tip radius of the tool.
 fn rolling(part: &Part, cutter: &Cutter) -> f64 {
     part.main().fillet.map_or(cutter.tip_radius(), |f| f.get())
 }
@@ -99,20 +100,20 @@ impl<'a> Band<'a> {
         Self { around, side, span, cutter }
     }
 
-    /// The cutter on the curves: the lower one is the path of its tip.
+    /// The cutter on the curves: the lower curve is the path of the tip.
     pub fn tool(&self) -> Mounted<'static> {
         Mounted { cutter: self.cutter, height: 0.0, body: &[] }
     }
 
-    /// True when this pass also makes the fillet: its ball has the radius of the fillet.
+    /// True when this pass also makes the fillet: the ball of the cutter has the radius of the fillet.
     fn makes_fillet(&self) -> bool {
         let same = |f: f64| (f - self.cutter.tip_radius()).abs() < SAME;
         self.span[0] == 0.0 && self.around.part.main().fillet.is_some_and(|f| same(f.get()))
     }
 
-    /// What the pass is asked for: to touch its band, to cut nothing else, to keep off the neighbouring vane.
-    /// `fineness` divides the spacing of the points: at one, those of the face are some half a millimetre apart along a
-    /// vane of 50 mm.
+    /// Requirements of the pass: it touches its strip, cuts nothing else and keeps clear of the neighbouring vane.
+    /// `fineness` divides the spacing of the points; at a fineness of one, points of the face are some 0.5 mm apart
+    /// along a vane of 50 mm.
     pub fn targets(&self, fineness: f64) -> Vec<Placed> {
         let part = self.around.part;
         let first = part.looks_ahead(self.side);
@@ -124,12 +125,12 @@ impl<'a> Band<'a> {
             let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
             let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
             if matches!(chart.kind, SurfaceKind::Hub(_)) {
-                // Densest where the ball leaves the hub, which it touches with a curvature of its own.
+                // The points are densest where the ball leaves the hub: the ball has a curvature of its own there.
                 let from_wall = heights.iter().map(|y| 0.6 * y * y);
                 heights = if first { from_wall.collect() } else { from_wall.map(|y| 1.0 - y).collect() };
             }
             if chart.kind == SurfaceKind::Face(self.side) {
-                // Where one band meets the next, the ball leaves the face within a few tenths of a millimetre.
+                // At the border of two strips, the ball leaves the face within a few tenths of a millimetre.
                 const BESIDE: [f64; 7] = [-0.05, -0.025, -0.01, 0.0, 0.01, 0.025, 0.05];
                 let inner = self.span.iter().filter(|e| **e > 0.0 && **e < 1.0);
                 heights.extend(inner.flat_map(|e| BESIDE.iter().map(move |b| e + b)));
@@ -164,15 +165,15 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// What the pass is asked for at the place of a chart.
+    /// Requirement of the pass at a place of a chart.
     fn placed(&self, chart: &Chart<'_>, x: f64, y: f64) -> Placed {
         let part = self.around.part;
-        // The channel before this face, and the vane beyond it.
+        // Turn to the channel before this face, and to the vane beyond the channel.
         let (to_channel, to_vane) =
             if part.looks_ahead(self.side) { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
         let [low, high] = self.span;
         let place = chart.place(x, y);
-        // Under a sharp root the ball reaches no lower than where it touches the hub.
+        // At a sharp root the ball reaches down only to its contact with the hub.
         let reached = || {
             let asked = part.main().fillet.is_none() && chart.kind == SurfaceKind::Face(self.side);
             asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
@@ -186,7 +187,7 @@ impl<'a> Band<'a> {
                 let in_band = (low - SAME..=high + SAME).contains(&y);
                 touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
             }
-            // On beyond the part as well, so that the pass begins and ends as smoothly as it runs.
+            // The targets continue beyond the part, so that the pass is as smooth at its ends as in the middle.
             SurfaceKind::Fillet(side) if side == self.side => {
                 touched(self.makes_fillet() && chart.is_milled(&place.position))
             }
@@ -196,7 +197,7 @@ impl<'a> Band<'a> {
         Placed { target, kind: chart.kind, parameters: place.parameters, at: [x, y] }
     }
 
-    /// Points about some of those of the face and its fillet at a fineness: the surroundings of each, five times as dense.
+    /// Points around those of `placed` that lie on the face and its fillet, five times as dense as at this fineness.
     pub fn about(&self, placed: &[Placed], fineness: f64) -> Vec<Placed> {
         const DENSER: i32 = 5;
         let [face, fillet] = [SurfaceKind::Face(self.side), SurfaceKind::Fillet(self.side)];
@@ -214,9 +215,9 @@ impl<'a> Band<'a> {
         out
     }
 
-    /// Those of some targets that a path near `start` may touch or cut.
+    /// The targets that a path near `start` may touch or cut.
     pub fn near<T>(&self, start: &DualCurve, placed: Vec<T>, target: impl Fn(&T) -> Target) -> Vec<T> {
-        /// Farther than any path strays from its start, mm.
+        /// Upper bound of the deviation of a path from its start, mm.
         const FAR: f64 = 2.0;
         let targets: Vec<Target> = placed.iter().map(&target).collect();
         let measured = Measured::new(start, &self.tool(), &targets);
@@ -225,26 +226,26 @@ impl<'a> Band<'a> {
         placed.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| p).collect()
     }
 
-    /// u at which a pass begins and ends: where the cutter has left inlet and outlet behind.
+    /// Parameters u at which a pass begins and ends: the cutter is clear of inlet and outlet there.
     pub fn extent(&self) -> [f64; 2] {
         let beyond = LEAVE_FREE * self.cutter.tip_radius().max(self.cutter.widest_below(self.cutter.tip_radius()));
         let part = self.around.part;
         [-part.root_step(self.side, 0.0, beyond), 1.0 + part.root_step(self.side, 1.0, beyond)]
     }
 
-    /// Normals of the face and of the hub where the root of the face begins (0) or ends (1).
+    /// Normals of the face and of the hub at the root of the face, at its inlet (u = 0) or outlet (1) end.
     pub fn normals(&self, u: f64) -> [Vector3<f64>; 2] {
         let face = self.around.part.face(self.side);
         [face.normal(u, 0.0), hub_normal(self.around.part, &face.surface.point(u, 0.0))]
     }
 
-    /// Where optimisation starts: the cutter rolls between face and hub, or stands on the lower edge of the band, and
-    /// its axis goes through the offset of a point below the upper edge; the arc of a barrel touches the middle of the band.
-    /// `None` where no ball rolls there.
+    /// Start of the optimisation: the cutter rolls between face and hub, or stands on the lower edge of the strip. Its
+    /// axis goes through the offset of a point below the upper edge; the arc of a barrel touches the middle of the
+    /// strip. `None` where no ball rolls there.
     pub fn start(&self) -> Option<DualCurve> {
-        /// Points of the curves that are fitted.
+        /// Number of points to which the curves are fitted.
         const POINTS: usize = 300;
-        /// Share of the band's height whose offset the axis goes through.
+        /// Height, as a share of the strip, of the point whose offset is on the axis.
         const AIMED: f64 = 0.85;
         let part = self.around.part;
         let face = part.face(self.side);
@@ -276,7 +277,7 @@ impl<'a> Band<'a> {
         DualCurve::through(&pairs?, CONTROL)
     }
 
-    /// Tip and axis of a barrel that touches a point of the face with its arc, as high over its tip as the hub lets it.
+    /// Tip and axis of a barrel whose arc touches a point of the face, as high over the tip as the hub allows.
     fn on_its_arc(&self, u: f64, v: f64, root: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
         let face = self.around.part.face(self.side);
         let (point, normal) = (face.surface.point(u, v), face.normal(u, v));
@@ -289,15 +290,15 @@ impl<'a> Band<'a> {
         let along = face.surface.ruling(u);
         let along = (along - normal * along.dot(&normal)).normalize();
         let axis = along * libm::cos(angle) + normal * libm::sin(angle);
-        // Towards the face, across the axis.
+        // Towards the face, perpendicular to the axis.
         let towards = normal * -libm::cos(angle) + along * libm::sin(angle);
         Some((point - towards * self.cutter.radius_at(height) - axis * height, axis))
     }
 
-    /// The least largest error of this band: on both sides even, nothing else being cut deeper. `None` where there is no
-    /// start.
+    /// The least possible largest error of this strip: gouge and excess are equal, and nothing else is cut deeper.
+    /// `None` where there is no start.
     pub fn least_error(&self) -> Option<WorstError> {
-        /// Errors to a few per cent need no more points.
+        /// More points are not needed for errors to a few per cent.
         const FINENESS: f64 = 0.6;
         const GAIN: f64 = 0.02;
         let start = self.start()?;
@@ -312,19 +313,19 @@ impl<'a> Band<'a> {
     }
 }
 
-/// The largest error of a band.
+/// The largest error of a strip.
 #[derive(Clone, Copy, Debug)]
 pub struct WorstError {
-    /// Its size, mm.
+    /// Size of the error, mm.
     pub error: f64,
-    /// A place that has it; others have as much.
+    /// A place with this error; other places have the same error.
     pub placed: Placed,
 }
 
-/// Bands of a face with errors as even as their heights can make them, from the root, with the least error of each.
-/// The error of a band grows with the cube of its height (algorithms reference, 1.2), but the lowest one has to fit the
-/// floor as well, so that even heights are not the best; they are evened out in `rounds`. `None` where no ball rolls along the
-/// root.
+/// Strips of a face from the root, with the least error of each; their heights make the errors as equal as possible.
+/// The error of a strip grows with the cube of its height (algorithms reference, 1.2). The lowest strip has to fit the
+/// floor as well, so that equal heights are not the best; `rounds` iterations equalise the errors. `None` where no ball
+/// rolls along the root.
 pub fn bands<'a>(
     around: &'a Surroundings<'a>,
     side: FaceId,
@@ -343,7 +344,7 @@ pub fn bands<'a>(
     }
     let mut best = first;
     for _ in 0..rounds {
-        // As high as the cube law makes all errors the same.
+        // Heights that make all errors equal by the cubic law.
         let even = |(band, w): &(Band<'_>, WorstError)| {
             (band.span[1] - band.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
         };
@@ -366,13 +367,13 @@ pub fn bands<'a>(
     Some(best)
 }
 
-/// The largest of the errors of some bands; `None` without bands.
+/// The largest error of some strips; `None` without strips.
 pub fn worst(bands: &[(Band<'_>, WorstError)]) -> Option<WorstError> {
     bands.iter().map(|b| b.1).max_by(|a, b| a.error.total_cmp(&b.error))
 }
 
-/// The least error of a face with a number of even bands, `rounds` times evened out; `None` where no ball rolls along
-/// the root.
+/// The least error of a face with a number of strips, after `rounds` iterations of their heights; `None` where no ball
+/// rolls along the root.
 pub fn least_error(
     around: &Surroundings<'_>,
     side: FaceId,
@@ -383,13 +384,13 @@ pub fn least_error(
     worst(&bands(around, side, strips, cutter, rounds)?)
 }
 
-/// The size of the largest cutter of the same shape that leaves at most `error` in so many bands, as a share of the size
-/// of this one; `None` where none down to a tenth does. The error grows about as the size does, so that a few trials
-/// find it to a few per cent from below.
+/// Size of the largest cutter of the same shape that leaves at most `error` with this number of strips, as a share of
+/// the size of this cutter. `None` where no cutter down to a tenth of the size does. The error is about proportional to
+/// the size, so that a few trials find the size to a few per cent from below.
 pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cutter, error: f64) -> Option<f64> {
     const TRIALS: usize = 5;
     const SMALLEST: f64 = 0.1;
-    /// Share of the error that is near enough to it.
+    /// Share of the allowed error from which on the search ends.
     const NEAR: f64 = 0.95;
     let mut fits: Option<f64> = None;
     let mut share = 1.0;
@@ -412,16 +413,16 @@ pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cut
     fits
 }
 
-/// How well a cutter fits a face.
+/// Fit of a cutter to a face.
 struct Fit {
     side: FaceId,
     cutter: Cutter,
     tool: String,
-    /// Error that is allowed, mm, and true where contracts say so.
+    /// Allowed error, mm, and true when it comes from contracts.
     allowed: (f64, bool),
 }
 
-/// Tells how well the cutters of `minimax` operations fit their faces.
+/// Reports how well the cutters of `minimax` operations fit their faces.
 pub fn report(program: &Program, sink: &mut Sink) {
     let around = Surroundings::new(&program.part);
     let mut asked: Vec<Fit> = Vec::new();
@@ -472,6 +473,6 @@ pub fn report(program: &Program, sink: &mut Sink) {
     }
 }
 
-/// Error with three bands over which a face is better point milled where no contracts say what is allowed, mm: what a
-/// finish allows.
+/// Allowed error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
+/// better point milled.
 const POINT_MILLED: f64 = 0.02;

@@ -1,11 +1,11 @@
-//! Whether planning knows what to do with the rotary axes of the machine.
+//! Whether planning supports the rotary axes of the machine.
 
 use crate::diag::{Aborted, Diag, Sink, codes::kinematics::KIND_NOT_PLANNED};
 use crate::ir::Program;
 use crate::kin::Carries;
 
-/// Refuses machines for which feeds, poles and branches are not planned and judged yet: those with a head, and tables whose axes
-/// do not stand at a right angle with the turning one along the tool.
+/// Refuses machines for which feeds, poles and branches are not yet planned and judged: machines with a head, and
+/// tables whose axes are not perpendicular or whose second axis is not along the tool.
 ///
 /// # Errors
 /// The machine is refused; the reason is in the sink.

@@ -1,5 +1,5 @@
-//! Facts about the part, found before anything is planned: how wide the channel is, what reaches its floor, how far
-//! the faces twist, which data points break the pattern of the others.
+//! Facts about the part, found before planning: the width of the channel, the tools that reach its floor, the twist of
+//! the faces, and data points that break the pattern of the others.
 
 pub mod beside;
 pub mod channel;
@@ -27,17 +27,17 @@ pub struct Facts {
     pub throat: throat::Throat,
     /// Twist of the pressure and the suction face.
     pub twists: [twist::Twist; 2],
-    /// How far the ends of the faces lie off hub and shroud.
+    /// Distances of the ends of the faces from hub and shroud.
     pub ends: Vec<ends::EndGap>,
-    /// Points that break the pattern.
+    /// Data points that break the pattern of the others.
     pub outliers: Vec<outliers::Outlier>,
-    /// What the tool of each operation that goes down to the floor reaches.
+    /// Reach of the tool of each operation that goes down to the floor.
     pub reaches: Vec<reach::Reach>,
-    /// Room for the tool of each operation that point mills faces or fillets.
+    /// Free space for the tool of each operation that point mills faces or fillets.
     pub beside: Vec<beside::Beside>,
 }
 
-/// Finds the facts; reports those worth knowing, and as errors those that no plan can overcome.
+/// Finds the facts. Reports important ones; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) -> Facts {
     let part = &program.part;
     let throat = throat::measure(part, &program.data);

@@ -1,8 +1,8 @@
 //! Data points that break the pattern of the others.
 //!
-//! The two sides of a vane are compared row by row in cylinder coordinates: the angle, the radius and the height
-//! from pressure to suction side run smoothly from inlet to outlet on any vane. A row that leaves the line through its
-//! neighbours by several times what the others do is likely a misprint.
+//! The two sides of a vane are compared row by row in cylinder coordinates: the differences in angle, radius and height
+//! from pressure to suction side are smooth from inlet to outlet on any vane. A row is likely a misprint when its
+//! distance from the line through its neighbours is several times that of the other rows.
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
@@ -19,13 +19,13 @@ pub struct Outlier {
     pub end: RulingEnd,
     /// Index of the point, from 0.
     pub row: usize,
-    /// What breaks.
+    /// Coordinate that breaks the pattern.
     pub pattern: Pattern,
-    /// Value from pressure to suction side at this row: radians or mm.
+    /// Difference from pressure to suction side at this row: radians or mm.
     pub value: f64,
-    /// What the other rows give there.
+    /// Difference that the other rows give there.
     pub expected: f64,
-    /// The point that would keep the pattern.
+    /// The point that would fit the pattern.
     pub suggestion: Point3<f64>,
 }
 
@@ -43,13 +43,15 @@ pub enum Pattern {
 /// Fewest rows that show a pattern.
 const MIN_ROWS: usize = 5;
 
-/// How many times the roughness of the other rows is a break. Gaussian noise reaches 5 sigma once in two million rows.
+/// Least distance of an outlier, in multiples of the roughness of the other rows. Gaussian noise reaches 5 sigma once
+/// in two million rows.
 const BREAK: f64 = 5.0;
 
-/// Least break worth a word, mm: tables are printed to a tenth of a micrometre, parts are milled to a few.
+/// Least distance that is reported, mm: tables are printed to a tenth of a micrometre, parts are milled to a few
+/// micrometres.
 const LEAST: f64 = 0.02;
 
-/// Points that break the pattern, at most one a row of a table.
+/// Points that break the pattern, at most one for each row of a table.
 pub fn find(data: &[DataCurve]) -> Vec<Outlier> {
     let mut found: Vec<Outlier> = Vec::new();
     for end in [RulingEnd::Tip, RulingEnd::Root] {
@@ -70,7 +72,7 @@ pub fn find(data: &[DataCurve]) -> Vec<Outlier> {
     found
 }
 
-/// Angles without jumps of a whole turn, or radii, or heights.
+/// Angles without jumps of a full turn, or radii, or heights.
 fn values(points: &[Point3<f64>], pattern: Pattern) -> Vec<f64> {
     let mut values = Vec::with_capacity(points.len());
     let mut before = 0.0;
@@ -85,8 +87,8 @@ fn values(points: &[Point3<f64>], pattern: Pattern) -> Vec<f64> {
     values
 }
 
-/// Value that the nearest rows on both sides of row k give there, of those in `rows`; at an end, that the two nearest
-/// give.
+/// Value at row k by linear interpolation between the nearest of `rows` on both sides; at an end, by extrapolation from
+/// the two nearest rows.
 fn expectation(values: &[f64], rows: &[usize], k: usize) -> Option<f64> {
     let below: Vec<usize> = rows.iter().copied().filter(|r| *r < k).collect();
     let above: Vec<usize> = rows.iter().copied().filter(|r| *r > k).collect();
@@ -116,7 +118,7 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
     let mut rows: Vec<usize> = (0..between.len()).collect();
     let mut found = Vec::new();
     while rows.len() >= MIN_ROWS {
-        // The row whose absence leaves the others smoothest, against its own break.
+        // The row without which the others are smoothest; only rows that break the pattern of the others count.
         let candidate = rows.iter().filter_map(|k| {
             let others: Vec<usize> = rows.iter().copied().filter(|r| r != k).collect();
             let expected = expectation(&between, &others, *k)?;
@@ -127,7 +129,7 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
         });
         let Some((row, expected, _)) = candidate.min_by(|a, b| a.2.total_cmp(&b.2)) else { break };
         rows.retain(|r| *r != row);
-        // The side that leaves its own curve further is at fault.
+        // The fault is on the side that deviates further from its own curve.
         let fault = [0, 1].map(|i| own_break(&own[i], &rows, row));
         let side = usize::from(fault[1] > fault[0]);
         let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -145,8 +147,8 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
     found
 }
 
-/// How far a row lies off the cubic through the four nearest of the other rows of its own curve. A cubic, since a curve
-/// itself bends more than the difference between two of them.
+/// Distance of a row from the cubic through the four nearest of the other rows of its own curve. A cubic is needed
+/// because a curve itself has more curvature than the difference between two curves.
 fn own_break(values: &[f64], others: &[usize], row: usize) -> f64 {
     let mut nearest = others.to_vec();
     nearest.sort_by_key(|k| k.abs_diff(row));
@@ -175,7 +177,7 @@ fn moved(p: &Point3<f64>, pattern: Pattern, change: f64) -> Point3<f64> {
 }
 
 impl Outlier {
-    /// Warns under the text of the point, where it is known.
+    /// Warns at the text of the point, where it is known.
     pub fn report(&self, data: &[DataCurve], sink: &mut Sink) {
         let (what, value, expected) = match self.pattern {
             Pattern::Angle => {

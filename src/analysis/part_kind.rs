@@ -1,10 +1,10 @@
-//! Whether planning knows what to do with the blades of the part.
+//! Whether planning supports the blades of the part.
 
 use crate::diag::{Aborted, Diag, Sink, codes::geometry::PART_NOT_PLANNED};
 use crate::ir::Program;
 use crate::part::{BladeId, FaceSurface};
 
-/// Refuses parts whose passages and faces are not planned yet: with splitters, or with faces that are not ruled.
+/// Refuses parts whose passages or faces are not planned yet: parts with splitters, or with faces that are not ruled.
 ///
 /// # Errors
 /// The part is refused; the reason is in the sink.

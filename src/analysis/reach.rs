@@ -1,5 +1,5 @@
-//! What the tool of each operation that goes down to the floor of the channel reaches: whether it fits with its allowances,
-//! and the largest tool of its kind that does.
+//! Reach of the tool of each operation that goes down to the floor of the channel: whether the tool fits with its
+//! allowances, and the largest tool of its kind that fits.
 
 use super::channel::{Channel, Room};
 use super::throat::Throat;
@@ -10,7 +10,7 @@ use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, P
 use crate::part::{Part, Surface};
 use crate::units::trim;
 
-/// What one operation's tool reaches.
+/// Reach of the tool of one operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Operation.
@@ -19,8 +19,8 @@ pub struct Reach {
     pub allowance_vane: f64,
     /// Material that it leaves on the hub, mm.
     pub allowance_hub: f64,
-    /// Room for the flat part of the tool's end over that hub allowance, beyond what its corners take: it fits where
-    /// this is not less than the diameter less twice the corner radius. `None` where no such corner exists.
+    /// Free space over the hub allowance for the flat part of the tool's end, beyond its corners. The tool fits where
+    /// this width is at least the diameter less twice the corner radius. `None` where no such corner exists.
     pub room: Option<Room>,
     /// True when the tool fits over the hub allowance along the whole channel.
     pub fits: bool,
@@ -30,7 +30,7 @@ pub struct Reach {
     pub fits_top: bool,
 }
 
-/// Allowances on vane and hub; finishing leaves nothing. `None` where the floor says nothing of the room that there is.
+/// Allowances on vane and hub; finishing leaves nothing. `None` where the width at the floor does not limit the tool.
 fn allowances(kind: &OperationKind) -> Option<[f64; 2]> {
     match kind {
         OperationKind::Groove { allowance_vane, allowance_hub, .. }
@@ -42,7 +42,7 @@ fn allowances(kind: &OperationKind) -> Option<[f64; 2]> {
     }
 }
 
-/// The tool's shape as far as the floor sees it: a flat disc whose rim has a corner radius.
+/// Shape of the tool's end at the floor: a flat disc whose rim has a corner radius.
 #[derive(Clone, Copy)]
 struct End {
     radius: f64,
@@ -60,14 +60,14 @@ fn end(cutter: &Cutter) -> End {
     }
 }
 
-/// The cutter with another radius, its corner radius and taper as they are.
+/// The cutter with another radius, and with the same corner radius and taper.
 fn resized(cutter: &Cutter, radius: f64) -> Cutter {
     match *cutter {
         Cutter::Flat { .. } => Cutter::Flat { radius },
         Cutter::Ball { .. } => Cutter::Ball { radius },
         Cutter::Bull { corner, .. } => Cutter::Bull { radius, corner },
         Cutter::TaperedBall { half_angle, .. } => Cutter::TaperedBall { ball: radius, half_angle },
-        // A smaller tool of the kind keeps its proportions.
+        // A smaller barrel has the same proportions.
         Cutter::Barrel { radius: r, barrel, tip } => {
             let scale = radius / tip;
             Cutter::Barrel { radius: r * scale, barrel: barrel * scale, tip: radius }
@@ -76,7 +76,7 @@ fn resized(cutter: &Cutter, radius: f64) -> Cutter {
     }
 }
 
-/// Finds what tools reach.
+/// Finds the reach of tools.
 struct Finder<'a> {
     part: &'a Part,
     channel: Channel<'a>,
@@ -84,11 +84,12 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// Room for the flat of an end with this corner radius, whose lowest point is `hub` over the hub.
+    /// Free space for the flat of an end with this corner radius, whose lowest point is `hub` over the hub.
     ///
-    /// The centre of the corner stays corner + vane off the wall and corner + hub off the hub. A fillet of radius r
-    /// is a hollow about a centre that lies r off both; within it, at the height of the corner's centre, the corner
-    /// comes nearer to the wall than that centre by a chord of the hollow, less the allowance.
+    /// The centre of the corner stays corner + vane off the wall and corner + hub off the hub. A fillet of radius r is
+    /// a hollow around a centre at the distance r from both. Inside of the fillet, at the height of the corner's
+    /// centre, the corner comes nearer to the wall than the centre of the hollow by a chord of the hollow, less the
+    /// allowance.
     fn room(&self, corner: f64, vane: f64, hub: f64) -> Option<Room> {
         let plain = self.channel.room(corner + vane, corner + hub)?;
         let Some(fillet) = self.part.main().fillet.map(|f| f.get()) else { return Some(plain) };
@@ -102,12 +103,14 @@ impl Finder<'_> {
         Some(if round.width < plain.width { round } else { plain })
     }
 
-    /// True when the walls above the floor leave room: at each level the tool's radius at that height.
+    /// True when the tool fits between the walls above the floor: each level is compared with the radius of the tool at
+    /// that height.
     fn fits_above(&self, cutter: &Cutter, vane: f64, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
             let face = &self.part.main().faces[0].surface;
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
-            // An untapered tool has its full radius everywhere; a taper or a barrel grows with the height.
+            // A tool without taper has its full radius at every height; the radius of a taper or barrel grows with the
+            // height.
             let radius = match *cutter {
                 Cutter::TaperedBall { .. } | Cutter::Barrel { .. } => {
                     cutter.radius_at((level.v - from).max(0.0) * ruling)
@@ -121,11 +124,11 @@ impl Finder<'_> {
     fn fits(&self, cutter: &Cutter, vane: f64, hub: f64) -> bool {
         let End { radius, corner } = end(cutter);
         let flat = 2.0 * (radius - corner);
-        // The floor is measured over the allowance; levels from a quarter of the height up.
+        // The floor is judged over the allowance, the levels from a quarter of the height up.
         self.fits_above(cutter, vane, 0.25) && self.room(corner, vane, hub).is_some_and(|r| r.width >= flat)
     }
 
-    /// Largest diameter of this kind, by halving.
+    /// Largest diameter of this kind that fits, by bisection.
     fn largest(&self, cutter: &Cutter, vane: f64, hub: f64) -> f64 {
         let End { corner, radius } = end(cutter);
         let least = if corner < radius { corner } else { 0.0 };
@@ -143,7 +146,7 @@ impl Finder<'_> {
     }
 }
 
-/// Measures those operations, and reports those tools that cannot do what the job needs.
+/// Measures these operations, and reports tools that cannot do their work.
 pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
     let finder = Finder { part: &program.part, channel: Channel::new(&program.part), throat };
     let reaches: Vec<Reach> = program
@@ -170,8 +173,8 @@ pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<
     reaches
 }
 
-/// Roughing may leave the lower layers to a later, thinner tool; some tool has to reach the floor, or what the job
-/// lets the finishers meet.
+/// Roughing may leave the lower layers to a later, thinner tool. At least one tool has to reach the floor, or the rest
+/// that the job allows before finishing.
 fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mut Sink) {
     let rough: Vec<&Reach> = reaches.iter().filter(|r| !program.operations[r.operation].kind.finishes()).collect();
     let whole = |c: &&Contract| c.kind == ContractKind::Rest && c.scope.is_whole();
@@ -189,7 +192,7 @@ fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mu
     }
 }
 
-/// The error for tools that are too large, told by the one that comes nearest to fitting.
+/// The error for tools that are too large, with the figures of the tool that is nearest to fitting.
 fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &str) -> Diag {
     let diameter = |o: &Operation| 2.0 * end(&program.tools[o.tool].solid.cutter).radius;
     let excess = |r: &Reach| diameter(&program.operations[r.operation]) - r.largest;
@@ -217,7 +220,7 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
     diag = diag.note(format!("it has to keep {} mm off both vanes and {} mm off the hub{fillet}", left[0], left[1]));
     if let Some(room) = reach.room {
-        // What its rounded corners need comes off both sides as well; a ball is all corner.
+        // The corners need space on both sides as well; a ball consists of corners only.
         let across = (room.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);
         diag = diag.note(format!("at that height it has room for {across:.2} mm, allowances taken off"));
     }

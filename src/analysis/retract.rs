@@ -1,11 +1,12 @@
-//! Whether every tool stands over everything at the retract height of the machine, where axes move from unknown places.
+//! Whether every tool is above all obstacles at the retract height of the machine, at which the axes move from unknown
+//! positions.
 
 use crate::diag::codes::verification::RETRACT_TOO_LOW;
 use crate::diag::{Diag, Sink};
 use crate::ir::Program;
 use crate::units::length;
 
-/// An error for each tool in use that does not.
+/// Reports an error for each tool in use that is too low.
 pub(super) fn check(program: &Program, sink: &mut Sink) {
     let (what, height) = program.highest();
     let [.., first, second] = program.machine.names();

@@ -13,7 +13,7 @@ const AT_END: f64 = 1e-6;
 pub struct Throat {
     /// The narrowest place of the whole channel.
     pub narrowest: Narrow,
-    /// The narrowest place of each level: pressure face at this v to anywhere on the suction face.
+    /// The narrowest place of each level: from the pressure face at this v to any point of the suction face.
     pub levels: Vec<Narrow>,
     /// Width along the channel, at hub, middle and tip of the pressure face.
     pub profile: Vec<Station>,
@@ -21,12 +21,12 @@ pub struct Throat {
     pub formula_8: f64,
 }
 
-/// A narrow place, told on the pressure face.
+/// A narrow place, given on the pressure face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Narrow {
-    /// Along the pressure face, from inlet (0) to outlet (1).
+    /// Place along the pressure face, from inlet (0) to outlet (1).
     pub u: f64,
-    /// From root (0) to tip (1).
+    /// Place from root (0) to tip (1).
     pub v: f64,
     /// Distance to the suction face across the channel, mm.
     pub distance: f64,
@@ -35,7 +35,7 @@ pub struct Narrow {
 }
 
 impl Narrow {
-    /// In words.
+    /// The place in words.
     pub fn place(&self) -> String {
         let height = match self.v {
             v if v < AT_END => "root".to_owned(),
@@ -49,27 +49,27 @@ impl Narrow {
 /// Width at one station of the pressure face, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
-    /// Along the face.
+    /// Place along the face.
     pub u: f64,
-    /// At the hub.
+    /// Width at the hub.
     pub hub: f64,
-    /// Half way up.
+    /// Width at half height.
     pub mid: f64,
-    /// At the tip.
+    /// Width at the tip.
     pub tip: f64,
 }
 
-/// Stations of the profile, less one.
+/// Number of intervals of the profile.
 const STATIONS: usize = 80;
 
-/// Heights at which the narrowest place is found.
+/// Levels v at which the narrowest place is measured.
 const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Measures the channel.
 pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
     let [from, _] = BladeId::MAIN.faces();
     let surface = &part.face(from).surface;
-    // The wall on the other side of the passage that the first face of the vane looks into.
+    // The wall opposite to the first face of the vane.
     let (opposite, turn) = part.opposite(from);
     let facing = part.face(opposite).surface.rotated(turn);
     let narrow = |patch: Patch| {
@@ -89,8 +89,9 @@ pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
     }
 }
 
-/// Wei's formula 8 as a full width: least of 2 pi R_k / N - m_k over the points of the roots, with the radius R_k and
-/// the thickness m_k of the vane there. The formula itself has half of it. Without the data, on seven even stations.
+/// Wei's formula 8 as a full width: the least value of 2 pi R_k / N - m_k over the points of the roots, with the radius
+/// R_k and the thickness m_k of the vane there. The formula itself gives half of this width. Without data points, seven
+/// evenly spaced stations are used.
 fn formula_8(part: &Part, data: &[DataCurve]) -> f64 {
     let root = |side| data.iter().find(|c| c.side == side && c.end == RulingEnd::Root).map(|c| &c.points);
     let stations = |s: &FaceSurface| (0..7).map(|i| s.point(f64::from(i) / 6.0, 0.0)).collect::<Vec<_>>();

@@ -1,15 +1,15 @@
-//! What the contracts leave to a plan of flank milling.
+//! Tolerance budget that the contracts leave to a plan of flank milling.
 
 use crate::contract::ContractKind;
 use crate::ir::{OperationId, Program};
 use crate::method::ErrorSide;
 use crate::part::{FaceId, SurfaceClass, SurfaceKind};
 
-/// A bound is kept to this much, mm: what easing may overstep.
+/// Largest violation of a bound that smoothing may cause, mm.
 pub const SLACK: f64 = 1e-4;
 
-/// What the plan keeps from each bound of a contract beside the chord tolerance and [`SLACK`], mm, so that the proof
-/// between samples has room.
+/// Reserve of the plan against each bound of a contract, besides the chord tolerance and [`SLACK`], mm, so that the
+/// proof between samples succeeds.
 const RESERVE: f64 = 1e-4;
 
 /// Bounds of gouge and excess on a surface, mm.
@@ -19,14 +19,14 @@ struct Bounds {
     excess: Option<f64>,
 }
 
-/// The bounds of the contracts on a surface that count for an operation.
+/// The bounds of the contracts that apply to a surface and an operation.
 fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bounds {
     let counts = |operations: &[OperationId], surfaces: &[SurfaceClass]| {
         (operations.is_empty() || operations.contains(&operation)) && (surfaces.is_empty() || surfaces.contains(&class))
     };
     let least = |kind: ContractKind| {
         let left = program.allowed.iter().any(|a| a.kind == kind && counts(&a.scope.operations, &a.scope.surfaces));
-        // A default says what no program may pass, not what the job would like to have.
+        // A default is the limit of every program, not a requirement of the job.
         let asked = program.contracts.iter().filter(|c| c.kind == kind && !c.default);
         let asked = asked.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
         asked.reduce(f64::min).filter(|_| !left)
@@ -34,13 +34,13 @@ fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bou
     Bounds { gouge: least(ContractKind::Gouge), excess: least(ContractKind::Excess) }
 }
 
-/// What is kept from each bound of a contract, mm.
+/// Difference between each bound of a contract and the budget of the plan, mm.
 pub fn kept(program: &Program) -> f64 {
     program.tolerances.chord.get() + SLACK + RESERVE
 }
 
-/// Deviations that the contracts leave to the plan on a surface, below and above, mm, for passes along the face of
-/// `side`; `None` where they do not say both.
+/// Tolerance budget of the plan on a surface, below and above, mm, for passes along the face of `side`; `None` unless
+/// the contracts bound both.
 pub fn room(
     program: &Program,
     operation: OperationId,
@@ -48,7 +48,7 @@ pub fn room(
     kind: SurfaceKind,
     side: FaceId,
 ) -> Option<[f64; 2]> {
-    // What is neither fillet nor hub is beside the face, and asked for as the face is.
+    // Another face counts as the face of `side`; every other surface counts as the hub.
     let class = match kind {
         SurfaceKind::Fillet(_) | SurfaceKind::Hub(_) => kind.class(),
         SurfaceKind::Face(_) => SurfaceKind::Face(side).class(),
@@ -61,7 +61,7 @@ pub fn room(
         ErrorSide::Excess => -kept,
     };
     let excess = bounds.excess? - kept;
-    // Bounds closer together than what is kept of them leave the middle.
+    // Bounds that are nearer to each other than twice the reserve leave their middle.
     let short = 0.5 * (gouge + excess).min(0.0);
     Some([gouge - short, excess - short])
 }

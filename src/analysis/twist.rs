@@ -1,4 +1,4 @@
-//! How far a face is from developable: the turn of its normal along each ruling.
+//! Deviation of a face from a developable surface: the angle between the normals at both ends of each ruling.
 
 use crate::part::{FaceId, Part, Surface};
 
@@ -9,15 +9,15 @@ pub struct Twist {
     pub side: FaceId,
     /// Largest angle between the normals at root and tip of a ruling, radians.
     pub largest: f64,
-    /// Where it is, from inlet (0) to outlet (1).
+    /// Place of the largest angle, from inlet (0) to outlet (1).
     pub at: f64,
-    /// Mean over the rulings.
+    /// Mean angle over the rulings.
     pub mean: f64,
-    /// Shortest and longest ruling, mm.
+    /// Length of the shortest and of the longest ruling, mm.
     pub ruling: [f64; 2],
 }
 
-/// Rulings looked at, less one.
+/// Number of intervals between the evaluated rulings.
 const RULINGS: usize = 400;
 
 /// Measures one face.
