@@ -1,4 +1,4 @@
-//! What resolving an item needs.
+//! Context for resolving an item.
 
 use super::eval::LetScope;
 use super::files::Files;
@@ -6,17 +6,17 @@ use crate::diag::Sink;
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{Item, ItemKind};
 
-/// Everything that resolving an item may need.
+/// Context for resolving an item.
 pub(super) struct Context<'a> {
     pub(super) scope: LetScope,
     pub(super) files: &'a mut dyn Files,
     pub(super) sources: &'a mut SourceMap,
     pub(super) sink: &'a mut Sink,
-    /// Text that curves were looked up in, bytes.
+    /// Length of the texts in which curves were looked up, bytes.
     pub(super) looked_up: usize,
 }
 
-/// The part of an item that a message points to: up to its block.
+/// The span of an item in messages: up to its block.
 pub(super) fn head(item: &Item) -> Span {
     let end = match &item.kind {
         ItemKind::Part { name, .. } | ItemKind::Post { name, .. } => name.span.end,

@@ -12,7 +12,7 @@ use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name, ScopeTarget};
 use std::collections::BTreeSet;
 
-/// Largest length of a bound, mm; no gap of a part is as wide.
+/// Largest length of a bound, mm; every gap of a part is smaller.
 const LONGEST: f64 = 100.0;
 
 /// Longest time of a bound, min: more than a year.
@@ -21,10 +21,10 @@ const LONGEST_TIME: f64 = 6e5;
 /// Largest angle of a bound, rad.
 const LARGEST_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Largest volume in mm3 and removal rate in mm3/min: a cubic metre.
+/// Largest volume in mm3 and largest removal rate in mm3/min: a cubic metre.
 const LARGEST_VOLUME: f64 = 1e9;
 
-/// Contracts, and what is taken out of them.
+/// Contracts, and the items that `allow` takes out of them.
 pub(super) fn resolve(
     file: &File,
     operations: &[OperationSpec],
@@ -80,19 +80,19 @@ pub(super) fn resolve(
     (contracts, allowed)
 }
 
-/// Whether an item requires a quantity or a part of it.
+/// Whether an item requires a quantity or a part of this quantity.
 fn requires(item: &Item, kind: ContractKind) -> bool {
     let ItemKind::Require { what, body, .. } = &item.kind else { return false };
     let text = body.as_ref().map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text));
     ContractKind::ALL.into_iter().any(|k| k.name() == text && kind.covers(k))
 }
 
-/// Adds the contracts that hold where the job says nothing: what it does not allow away is never left unjudged.
+/// Adds the default contracts: a quantity that the job neither requires nor allows is judged all the same.
 fn add_defaults(contracts: &mut Vec<ContractSpec>, allowed: &[AllowedSpec]) {
     use ContractKind::{Clearance, Gouge};
     let body = Clearance(Guarded::Body);
     let parts = [Guarded::Shank, Guarded::Holder].map(Clearance);
-    // Where the job tells shank and holder apart, so do the defaults.
+    // Where the job distinguishes shank and holder, the defaults do so as well.
     let apart = contracts.iter().any(|c| parts.contains(&c.kind)) || allowed.iter().any(|a| parts.contains(&a.kind));
     let kinds = if apart { vec![Gouge, parts[0], parts[1]] } else { vec![Gouge, body] };
     for kind in kinds {
@@ -242,15 +242,15 @@ impl ContractReader<'_, '_> {
             }
             scope.operations.append(&mut found);
         }
-        // One order, so that equal scopes are equal however they are written.
+        // Sorted, so that equal scopes compare equal in every spelling.
         scope.surfaces.sort_unstable();
         scope.operations.sort_unstable();
         scope.operations.dedup();
         good.then_some(scope)
     }
 
-    /// Operations that a word means: after `operation` the one of that name, else all of that kind, or the one of that
-    /// name.
+    /// Operations that a word means. After `operation` this is the one of that name; otherwise all operations of that
+    /// kind, or the one of that name.
     fn named(&self, word: &str, by_name: bool) -> Vec<usize> {
         let pick = |test: &dyn Fn(&OperationSpec) -> bool| -> Vec<usize> {
             self.operations.iter().enumerate().filter(|(_, o)| test(o)).map(|(i, _)| i).collect()
@@ -276,8 +276,8 @@ impl ContractReader<'_, '_> {
         self.cx.sink.push(diag);
     }
 
-    /// An `allow` takes surfaces or operations out, as far as the quantity has them.
-    /// Everything is allowed only in place of a default contract: where the job requires nothing of the kind.
+    /// Checks an `allow`: the quantity must have surfaces or operations that can be taken out. Everything is allowed
+    /// only in place of a default contract, where the job requires nothing of the kind.
     fn may_be_allowed(&mut self, kind: ContractKind, what: &Name, targets: &[ScopeTarget], required: bool) -> bool {
         let name = kind.name();
         if targets.is_empty() && kind.default_bound().is_some() && !required {
@@ -318,7 +318,7 @@ impl ContractReader<'_, '_> {
         );
     }
 
-    /// Reports contracts that `allow` takes away as a whole.
+    /// Reports contracts that `allow` removes completely.
     fn emptied(&mut self, contracts: &[ContractSpec], allowed: &[AllowedSpec]) {
         for contract in contracts {
             let mut region = contract.region(self.operations.len());

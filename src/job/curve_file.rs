@@ -1,4 +1,4 @@
-//! Points of curves from a file of comma separated values: `curve,number,x,y,z`, `#` begins a comment.
+//! Points of curves from a file of comma separated values: `curve,number,x,y,z`; `#` begins a comment.
 
 use super::eval::unknown;
 use crate::diag::codes::job as codes;
@@ -7,10 +7,10 @@ use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::{Name, Text};
 use std::collections::BTreeSet;
 
-/// Points of one curve. Splines of measured blades have hundreds.
+/// Most points of a curve. Splines of measured blades have hundreds.
 pub(super) const MAX_POINTS: usize = 2000;
 
-/// Points of a curve with the places of their lines; numbers count from 1 without a gap.
+/// Points of a curve with the places of their lines; the numbers count from 1 without a gap.
 pub(super) fn read(
     source: SourceId,
     sources: &SourceMap,
@@ -65,7 +65,7 @@ pub(super) fn read(
         points.push([x, y, z]);
         spans.push(span);
         if points.len() > MAX_POINTS {
-            // The caller refuses them; what follows would only take memory.
+            // The caller refuses the file; further points would only take memory.
             break;
         }
     }
@@ -76,7 +76,7 @@ pub(super) fn read(
     good.then_some((points, spans))
 }
 
-/// Whether a line has the form that is due: a plain name, a number that counts, three coordinates.
+/// Whether a line has the required form: a plain name, a whole number, three coordinates.
 fn is_point(line: &str) -> bool {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let [name, number, coordinates @ ..] = fields.as_slice() else { return false };
@@ -88,8 +88,8 @@ fn is_point(line: &str) -> bool {
         && coordinates.iter().all(|c| c.parse::<f64>().is_ok())
 }
 
-/// Why a text is no table of points, without a word of it: it may be a file that was never meant to be shown. A table may
-/// have faulty lines, which are shown, but most are as they have to be.
+/// Why a text is not a table of points. The reason quotes nothing of the text, since the file may be private. A table
+/// may have some faulty lines, which are shown, but most of its lines must have the required form.
 fn no_table(text: &str) -> Option<String> {
     if let Some(at) = text.lines().position(|line| line.chars().any(|c| c.is_control() && c != '\t')) {
         return Some(format!("line {} has a control character", at + 1));

@@ -11,22 +11,22 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default)]
 pub(super) struct LetScope {
     names: BTreeMap<String, Binding>,
-    /// How many unknown names were met.
+    /// Number of unknown names so far.
     unknown: usize,
-    /// True when items are missing from the tree, so that an unknown name may have been declared there.
+    /// True when items are missing from the tree: an unknown name may be declared in one of them.
     pub(super) damaged: bool,
 }
 
 #[derive(Debug)]
 struct Binding {
-    /// `None` when its own expression is faulty; that was reported.
+    /// `None` when its expression is faulty; the fault was reported.
     value: Option<Quantity>,
     span: Span,
     used: bool,
 }
 
 impl LetScope {
-    /// No names yet.
+    /// An empty scope.
     pub(super) fn new(damaged: bool) -> Self {
         Self { names: BTreeMap::new(), unknown: 0, damaged }
     }
@@ -45,7 +45,7 @@ impl LetScope {
         self.names.insert(name.text.clone(), Binding { value, span: name.span, used: false });
     }
 
-    /// Warns of names that nothing uses.
+    /// Warns of unused names.
     pub(super) fn warn_unused(&self, sink: &mut Sink) {
         for (name, binding) in self.names.iter().filter(|(_, b)| !b.used) {
             sink.push(
@@ -123,7 +123,7 @@ impl LetScope {
         Some(value)
     }
 
-    /// Value of an expression in base units, which must have a dimension.
+    /// Value of an expression in base units; the expression must have the dimension `due`.
     pub(super) fn expect(&mut self, expr: &Expr, due: Dimension, what: &str, sink: &mut Sink) -> Option<f64> {
         let value = self.value(expr, sink)?;
         if value.dimension == due {
@@ -142,7 +142,7 @@ pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &s
         let units = due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", ");
         let diag = Diag::error(codes::NO_UNIT, format!("{what} needs a unit"))
             .label(expr.span, format!("a bare number where {wanted} is due"));
-        // A bare name or a sum cannot take a unit; zero is zero in every unit but is asked for one all the same.
+        // A bare name or a sum cannot take a unit. Zero is zero in every unit, but needs a unit all the same.
         return match expr.kind {
             ExprKind::Number(number, None) => {
                 let at = Span { start: expr.span.end, ..expr.span };
@@ -223,23 +223,23 @@ pub(super) fn unknown_unit(unit: &Name) -> Diag {
     }
 }
 
-/// Most unknown names of a job for which a near one is looked for.
+/// Most unknown names of a job for which a similar name is searched.
 const MOST_COMPARED: usize = 1000;
 
-/// Most names that an unknown one is compared with: a job or a library with more is none that a person wrote, and a text
-/// may have many unknown names.
+/// Most names with which an unknown name is compared. No person writes a job or library with more names, and a text may
+/// have many unknown names.
 const MOST_KNOWN: usize = 100;
 
 /// Most names that a message lists.
 const MOST_LISTED: usize = 30;
 
-/// Names of what there is, the first ones of many.
+/// The known names for a message, at most the first [`MOST_LISTED`].
 fn listed(known: &[&str]) -> String {
     let more = if known.len() > MOST_LISTED { ", ..." } else { "" };
     format!("{}{more}", known.iter().take(MOST_LISTED).copied().collect::<Vec<_>>().join(", "))
 }
 
-/// The diagnostic for an unknown word, with a suggestion where one is near.
+/// The diagnostic for an unknown word, with a suggestion where a known word is similar.
 pub(super) fn unknown<'a>(text: &str, span: Span, kind: &str, known: impl Iterator<Item = &'a str>) -> Diag {
     let known: Vec<_> = known.take(MOST_KNOWN).collect();
     let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {kind} is called `{text}`"));
@@ -260,14 +260,14 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
     }
 }
 
-/// The known word that is meant, where it is near enough.
+/// The most similar known word, where it is similar enough.
 pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (text.chars().count() / 3).max(1);
-    // The edit distance takes time by the product of the lengths; no known word is longer than this.
+    // The time of the edit distance is proportional to the product of the lengths; no known word is longer than this.
     if text.len() > 64 {
         return None;
     }
-    // Words of very different lengths are far apart.
+    // Words of very different lengths are not similar.
     let near = |k: &&str| k.len().abs_diff(text.len()) <= 4 * limit;
     known
         .take(MOST_KNOWN)

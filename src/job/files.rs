@@ -1,4 +1,4 @@
-//! What the job needs from outside: the driver reads files, the job only asks for them.
+//! Files that the job needs: the job requests them, the driver reads them.
 
 use crate::source::{Origin, SourceFile};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,19 +8,19 @@ pub trait Files {
     /// Text of a machine file.
     ///
     /// # Errors
-    /// [`Missing`] when there is none or it cannot be read.
+    /// [`Missing`] when the file does not exist or cannot be read.
     fn machine(&mut self, name: &str) -> Result<SourceFile, Missing>;
 
     /// Text of a tool library.
     ///
     /// # Errors
-    /// [`Missing`] when there is none or it cannot be read.
+    /// [`Missing`] when the file does not exist or cannot be read.
     fn tools(&mut self, name: &str) -> Result<SourceFile, Missing>;
 
     /// Text of a curve file.
     ///
     /// # Errors
-    /// [`Missing`] when there is none or it cannot be read.
+    /// [`Missing`] when the file does not exist or cannot be read.
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing>;
 }
 
@@ -30,32 +30,32 @@ pub enum Fault {
     /// No such file.
     #[default]
     Absent,
-    /// The file is there and cannot be read.
+    /// The file exists but cannot be read.
     Unreadable,
-    /// The file lies where a job may not read.
+    /// The file is outside of the folders that a job may read.
     Outside,
 }
 
-/// Why a file is not there.
+/// Why a file is not available.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Missing {
-    /// What kind of fault.
+    /// Kind of fault.
     pub fault: Fault,
-    /// Reason in words: where it was looked for, or why it cannot be read.
+    /// Reason in words: where the file was looked for, or why it cannot be read.
     pub reason: String,
     /// Names that exist.
     pub known: Vec<String>,
 }
 
-/// Files that are texts in memory, with the library that ships with the compiler behind them: what editors, tests and other
-/// programs give the front end.
+/// Files as texts in memory, together with the library that ships with the compiler. Editors, tests and other programs
+/// give them to the front end.
 #[derive(Clone, Debug, Default)]
 pub struct InMemory {
     /// Machine files by name.
     pub machines: BTreeMap<String, String>,
     /// Tool libraries by name.
     pub tools: BTreeMap<String, String>,
-    /// Curve files by the path that the job names.
+    /// Curve files by the path in the job.
     pub curves: BTreeMap<String, String>,
 }
 

@@ -1,4 +1,4 @@
-//! Machine and tool files: TOML through serde, every key known, every quantity with its unit.
+//! Machine and tool files: TOML through serde. Unknown keys are errors, and every quantity has its unit.
 
 use super::limits;
 use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec};
@@ -21,20 +21,20 @@ const CYCLE: [f64; 2] = [1e-6, 1e-2];
 
 type SpannedText = Spanned<String>;
 
-/// Bound of lengths in library files, mm.
+/// Largest length in library files, mm.
 const LONGEST: f64 = 100_000.0;
 
-/// Bound of sizes of tables and fixtures, mm: their surfaces are sampled.
+/// Largest size of tables and fixtures, mm: their surfaces are sampled.
 const MOST_CARRIED: f64 = 1000.0;
 
-/// Control cycle where the machine file gives none, s: slow for controls of milling machines, so that what the joints
-/// do between two positions is not told too small.
+/// Control cycle where the machine file gives none, s. The value is slow for controls of milling machines, so that the
+/// deviation of the joints between two positions is not underestimated.
 const DEFAULT_CYCLE: f64 = 0.002;
 
-/// Name of the trajectory planner of LinuxCNC.
+/// Name of the trajectory planner of LinuxCNC in machine files.
 pub(super) const LINUXCNC: &str = "linuxcnc-2.9";
 
-/// Word for the jerk of an axis whose control has no limit of it.
+/// Word for the jerk of an axis whose control does not limit jerk.
 const UNLIMITED: &str = "unlimited";
 
 #[derive(Deserialize)]
@@ -174,7 +174,7 @@ struct ToolTable {
 pub(super) struct ToolLibrary {
     /// Sections by holder name: length, lower and upper diameter.
     pub(super) holders: BTreeMap<String, Vec<[Mm; 3]>>,
-    /// Tools by name; number and span are those of the job.
+    /// Tools by name; number and span come from the job.
     pub(super) tools: BTreeMap<String, ToolSpec>,
 }
 
@@ -243,7 +243,7 @@ impl LibraryReader<'_> {
         }
     }
 
-    /// A limit of jerk in units of seconds; what is not said is no limit.
+    /// A limit of jerk in units of seconds; an absent value means no limit.
     fn jerk(&mut self, text: &Option<SpannedText>, due: Dimension) -> f64 {
         match text {
             Some(text) if text.get_ref() != UNLIMITED && Quantity::read(text.get_ref()).is_none() => {
@@ -279,7 +279,7 @@ impl LibraryReader<'_> {
         }
     }
 
-    /// Direction of a rotary axis, of length 1: about X, Y or Z by its letter where the file says none.
+    /// Direction of a rotary axis, of length 1. Where the file gives none, the letter determines the axis: X, Y or Z.
     fn direction(&mut self, name: &str, table: &RotaryTable) -> [f64; 3] {
         let usual = ["A", "B", "C"].map(|letter| if letter == name { 1.0 } else { 0.0 });
         let Some(given) = &table.direction else { return usual };
@@ -297,7 +297,7 @@ impl LibraryReader<'_> {
         }
     }
 
-    /// The two rotary axes of a machine file, first the one next to the tool, and which carries what.
+    /// The two rotary axes of a machine file, first the axis next to the tool, and which carries what.
     fn rotary_axes<'t>(&mut self, table: &'t MachineFile) -> Option<(MachineKind, [(&'t str, &'t RotaryTable); 2])> {
         let kind = MachineKind::ALL.into_iter().find(|kind| kind.name() == table.kind.get_ref());
         let Some(kind) = kind else {
@@ -314,7 +314,7 @@ impl LibraryReader<'_> {
         let present = [("A", &axes.a), ("B", &axes.b), ("C", &axes.c)];
         let present: Vec<(&str, &RotaryTable)> =
             present.into_iter().filter_map(|(n, t)| Some((n, t.as_ref()?))).collect();
-        // Without an order by the letters: the axis next to the tool is A or B on usual machines.
+        // Without `order`, the letters decide: the axis next to the tool is A or B on usual machines.
         let Ok(pair) = <[(&str, &RotaryTable); 2]>::try_from(present) else { return None };
         let Some(order) = &table.order else { return Some((kind, pair)) };
         let names: Vec<&str> = order.iter().map(|name| name.get_ref().as_str()).collect();
@@ -422,7 +422,7 @@ fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
         .help("compare it with the files in jobs/_lib; `impellerc explain IMP0217` lists the keys")
 }
 
-/// Says that a machine does not have two rotary axes.
+/// The diagnostic for a machine without exactly two rotary axes.
 fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
     let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
     let has: Vec<&str> = [has(&axes.a, "A"), has(&axes.b, "B"), has(&axes.c, "C")].into_iter().flatten().collect();
@@ -436,7 +436,7 @@ fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
     ))
 }
 
-/// Names the axes whose file says nothing of jerk.
+/// Names the axes whose entries in the file have no jerk.
 fn silent_jerks(table: &AxesTable, [first, second]: [(&str, &RotaryTable); 2]) -> Option<String> {
     let jerks = [
         ("X", &table.x.jerk),
@@ -449,7 +449,7 @@ fn silent_jerks(table: &AxesTable, [first, second]: [(&str, &RotaryTable); 2]) -
     (!silent.is_empty()).then(|| format!("no limit of the jerk of {}, the default", silent.join(", ")))
 }
 
-/// Reads a machine file that is already in the map. `asked` is where the job names it.
+/// Reads a machine file that is already in the source map. `asked` is its place in the job.
 pub(super) fn machine(
     name: &str,
     source: SourceId,
@@ -497,7 +497,7 @@ pub(super) fn machine(
     (!reader.faults).then_some(spec)
 }
 
-/// Adds a tool file that is already in the map to the library.
+/// Adds a tool file that is already in the source map to the library.
 pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &mut ToolLibrary, sink: &mut Sink) {
     let Some(file) = sources.get(source) else { return };
     let table: ToolsFile = match toml::from_str(&file.text) {
@@ -595,7 +595,7 @@ fn library_tool(
     Some(spec)
 }
 
-/// What contradicts itself in the sizes of a tool.
+/// The first contradiction in the sizes of a tool.
 pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
     let radius = tool.diameter.get() / 2.0;
     let fault = match tool.kind {

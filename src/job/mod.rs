@@ -1,4 +1,4 @@
-//! The job: units as types, names resolved, every default explicit, libraries merged.
+//! The job: quantities have types, names are resolved, every default is explicit, and libraries are merged.
 
 mod context;
 mod contracts;

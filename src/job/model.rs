@@ -1,4 +1,4 @@
-//! The typed job: units as types, names resolved, every default explicit.
+//! The typed job: units as types, resolved names, explicit defaults.
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
@@ -23,43 +23,43 @@ pub struct Job {
     pub operations: Vec<OperationSpec>,
     /// Contracts.
     pub contracts: Vec<ContractSpec>,
-    /// What is taken out of them.
+    /// Items that `allow` takes out of the contracts.
     pub allowed: Vec<AllowedSpec>,
-    /// Path tolerance in finishing.
+    /// Chord tolerance in finishing.
     pub chord: Mm,
-    /// Path tolerance in roughing.
+    /// Chord tolerance in roughing.
     pub chord_rough: Mm,
-    /// Distance of shank and holder to the part that planning keeps: the largest bound of a `require
-    /// clearance` for them, or 0.5 mm.
+    /// Distance of shank and holder to the part that planning keeps: the largest bound of a `require clearance` for
+    /// them, or 0.5 mm.
     pub clearance: Mm,
-    /// Dialect and where it is named.
+    /// Dialect, and its place in the job.
     pub post: (String, Span),
 }
 
-/// What can be understood of a text, with or without faults: an editor answers from it while a job is being written.
+/// The readable content of a text, with or without faults: an editor answers from it while a job is being written.
 #[derive(Clone, Debug)]
 pub struct PartialJob {
-    /// Machine, where it is understood.
+    /// Machine, where it is readable.
     pub machine: Option<MachineSpec>,
-    /// Part, where it is understood.
+    /// Part, where it is readable.
     pub part: Option<PartSpec>,
-    /// Blank, where it is understood.
+    /// Blank, where it is readable.
     pub stock: Option<StockSpec>,
-    /// The tools that are understood, with the places that operations know them by.
+    /// The readable tools; operations refer to them by index.
     pub tools: Vec<ToolSpec>,
-    /// The operations that are understood.
+    /// The readable operations.
     pub operations: Vec<OperationSpec>,
-    /// The contracts that are understood.
+    /// The readable contracts.
     pub contracts: Vec<ContractSpec>,
-    /// What is taken out of them.
+    /// Items that `allow` takes out of the contracts.
     pub allowed: Vec<AllowedSpec>,
-    /// Path tolerance in finishing.
+    /// Chord tolerance in finishing.
     pub chord: Mm,
-    /// Path tolerance in roughing.
+    /// Chord tolerance in roughing.
     pub chord_rough: Mm,
     /// Dialect, where it is named.
     pub post: Option<(String, Span)>,
-    /// True when the text has no fault: only then indices of one list into another are sound.
+    /// True when the text has no fault: only then indices of one list into another are valid.
     pub whole: bool,
 }
 
@@ -71,8 +71,8 @@ impl PartialJob {
         if !whole {
             return None;
         }
-        // What any contract requires of shank or holder anywhere, planning keeps everywhere; the default where that is
-        // allowed away.
+        // Planning keeps the largest required distance of shank or holder everywhere, and the default where that is
+        // allowed.
         let body = ContractKind::Clearance(Guarded::Body);
         let bounds = contracts.iter().filter(|c| c.kind == body || body.covers(c.kind)).map(|c| c.bound.value());
         let usual = body.default_bound().map_or(0.0, |b| b.value());
@@ -105,7 +105,7 @@ pub enum MachineKind {
 }
 
 impl MachineKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::TableTable, Self::HeadTable, Self::HeadHead];
 
     /// Name in machine files.
@@ -125,9 +125,10 @@ pub struct MachineSpec {
     pub name: String,
     /// X, Y, Z.
     pub linear: [LinearSpec; 3],
-    /// Which rotary axis carries what, and where the file says it.
+    /// Kind, and its place in the file.
     pub kind: (MachineKind, Span),
-    /// The rotary axes in the sense of the machine's own words: next to the tool, and next to the part.
+    /// The rotary axes in the sense of the machine's own words: first the axis next to the tool, then the axis next to
+    /// the part.
     pub rotary: [RotarySpec; 2],
     /// Origin of the part in the machine frame, with the rotary axes at zero.
     pub part_origin: [Mm; 3],
@@ -141,11 +142,11 @@ pub struct MachineSpec {
     pub cycle: f64,
     /// How the control plans speeds.
     pub planning: Planning,
-    /// Table, with its top in the machine frame, the rotary axes at zero.
+    /// Table; its top is given in the machine frame, with the rotary axes at zero.
     pub table: Option<CarriedSpec>,
-    /// Fixture, with its top in the part frame.
+    /// Fixture; its top is given in the part frame.
     pub fixture: Option<CarriedSpec>,
-    /// What the file marks as assumed.
+    /// Entries that the file marks as assumed.
     pub assumed: Vec<String>,
 }
 
@@ -174,7 +175,7 @@ pub struct LinearSpec {
 /// A rotary axis in the sense of its word.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RotarySpec {
-    /// Its letter.
+    /// Letter.
     pub name: String,
     /// Direction in the machine frame, of length 1.
     pub direction: [f64; 3],
@@ -186,7 +187,7 @@ pub struct RotarySpec {
     pub acceleration: f64,
     /// Largest jerk, rad/s3; infinite where the control has no limit.
     pub jerk: f64,
-    /// True when the word has the ISO sense.
+    /// True when a positive word turns in the ISO sense.
     pub iso: bool,
     /// A point of the axis in the machine frame.
     pub point: [Mm; 3],
@@ -197,13 +198,13 @@ pub struct RotarySpec {
 pub struct PartSpec {
     /// Name.
     pub name: String,
-    /// Vanes, with the place of the number.
+    /// Number of vanes, with its place.
     pub vanes: (u32, Span),
     /// The main blade, then the splitters.
     pub blades: Vec<BladeSpec>,
-    /// Which curve of the main blade is turned to the hub.
+    /// Curve of the main blade that generates the hub.
     pub hub: CurveRef,
-    /// Which curve of the main blade is turned to the shroud.
+    /// Curve of the main blade that generates the shroud.
     pub shroud: CurveRef,
     /// Whole item.
     pub span: Span,
@@ -225,13 +226,13 @@ pub struct BladeSpec {
     pub faces: [FaceSpec; 2],
     /// Fillet radius; zero is a sharp root.
     pub fillet: Mm,
-    /// Turn about Z from its curves to its place.
+    /// Turn about Z from its curves to its position.
     pub angle: Rad,
-    /// Its name in the text.
+    /// Place of its name in the text.
     pub span: Span,
 }
 
-/// How a face is made of its curves.
+/// How the curves of a face make its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceForm {
     /// Straight lines from root to tip.
@@ -241,7 +242,7 @@ pub enum FaceForm {
 }
 
 impl FaceForm {
-    /// All of them with their names in the job language.
+    /// All forms with their names in the job language.
     pub const NAMES: [(Self, &'static str); 2] = [(Self::Ruled, "ruled"), (Self::Lofted, "lofted")];
 
     /// Name in the job language.
@@ -253,7 +254,7 @@ impl FaceForm {
 /// A face.
 #[derive(Clone, Debug)]
 pub struct FaceSpec {
-    /// How it is made.
+    /// Form of its surface.
     pub form: FaceForm,
     /// Curve at the shroud.
     pub tip: CurveSpec,
@@ -277,15 +278,15 @@ pub struct CurveSpec {
 /// A curve of the main blade at one end of its rulings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveRef {
-    /// Its face.
+    /// Face.
     pub face: FaceId,
-    /// The end.
+    /// End of the rulings.
     pub end: RulingEnd,
-    /// Where it is named.
+    /// Place of the reference.
     pub span: Span,
 }
 
-/// The turned blank.
+/// The blank, a solid of revolution.
 #[derive(Clone, Copy, Debug)]
 pub struct StockSpec {
     /// Material over the vane tips.
@@ -294,7 +295,7 @@ pub struct StockSpec {
     pub bore: Mm,
     /// Height of the back face.
     pub back: Mm,
-    /// What holds it.
+    /// Clamping.
     pub clamping: ClampingSpec,
     /// Whole item.
     pub span: Span,
@@ -303,11 +304,11 @@ pub struct StockSpec {
 /// Space of chuck and table, which no tool may enter.
 #[derive(Clone, Copy, Debug)]
 pub struct ClampingSpec {
-    /// It lies below this height; the back face where the job does not say.
+    /// Upper limit of the space; the back face where the job gives none.
     pub below: Mm,
-    /// Its diameter about Z; `None` is everything below.
+    /// Diameter about Z; `None` means everything below.
     pub diameter: Option<Mm>,
-    /// Where the job says so.
+    /// Place in the job; `None` where the job gives none.
     pub span: Option<Span>,
 }
 
@@ -351,8 +352,8 @@ impl CutterKind {
         }
     }
 
-    /// Height over the tip up to which the flutes must go at least, in mm, and what is there; for a lollipop of this
-    /// diameter it is where its flutes end. Formulas: tangent circles, and the chord of the neck in the ball.
+    /// Least height over the tip to which the flutes must extend, in mm, and the name of this place; for a lollipop of
+    /// this diameter, the end of its flutes. Formulas: tangent circles, and the chord of the neck in the ball.
     pub fn least_flute(self, diameter: Mm) -> (f64, &'static str) {
         let radius = diameter.get() / 2.0;
         let leg = |long: f64, short: f64| ((long - short) * (long + short)).max(0.0).sqrt();
@@ -377,15 +378,15 @@ pub struct ToolSpec {
     pub number: u32,
     /// Shape of the end.
     pub kind: CutterKind,
-    /// Cutting diameter: the largest one; for a tapered ball that of the ball.
+    /// Cutting diameter: the largest one; for a tapered ball, the diameter of the ball.
     pub diameter: Mm,
     /// Teeth.
     pub flutes: u32,
-    /// Length of the flutes from the tip; a lollipop has them up to its neck.
+    /// Length of the flutes from the tip; a lollipop has flutes up to its neck.
     pub flute: Mm,
     /// Shank diameter.
     pub shank: Mm,
-    /// From the tip to the holder.
+    /// Distance from the tip to the holder.
     pub reach: Mm,
     /// Holder by name and sections: length, lower and upper diameter.
     pub holder: Option<(String, Vec<[Mm; 3]>)>,
@@ -398,7 +399,7 @@ pub struct ToolSpec {
 pub struct OperationSpec {
     /// Unique name.
     pub name: String,
-    /// What it does.
+    /// Kind, with its own properties.
     pub kind: OperationKind,
     /// Index of its tool.
     pub tool: usize,
@@ -408,11 +409,11 @@ pub struct OperationSpec {
     pub feed: MmPerMin,
     /// Feed of links.
     pub link_feed: MmPerMin,
-    /// Lead before the first contact.
+    /// Length of the lead before the first contact.
     pub lead_in: Mm,
-    /// Lead after the last contact.
+    /// Length of the lead after the last contact.
     pub lead_out: Mm,
-    /// Rest machining: thickness of stock over which it cuts; `None` is off.
+    /// Rest machining: the operation cuts where the stock is thicker than this; `None` is off.
     pub rest: Option<Mm>,
     /// Sectors from 0.
     pub sectors: Vec<u32>,
@@ -429,15 +430,15 @@ pub struct ContractSpec {
     pub bound: Bound,
     /// Where it holds; operations by their index.
     pub scope: Scope<usize>,
-    /// True when the job says nothing: it holds wherever no other contract on the quantity does.
+    /// True when the job does not state it: it then holds wherever no other contract on the quantity does.
     pub default: bool,
-    /// Its item; nothing for a default.
+    /// Its item; empty for a default.
     pub span: Span,
 }
 
 impl ContractSpec {
-    /// Surfaces and operations that it speaks about among `count` operations. For what stands after operations their
-    /// choice takes nothing out.
+    /// Surfaces and operations that it covers, of `count` operations. A quantity that is judged after operations covers
+    /// all of them: the named operations only say when it is judged.
     pub fn region(&self, count: usize) -> Region {
         match self.kind.of_operations() {
             OfOperations::Done => Region::of(&self.scope, count),
@@ -448,12 +449,12 @@ impl ContractSpec {
     }
 }
 
-/// What is taken out of the contracts of a quantity, knowingly.
+/// Surfaces and operations that the job takes out of the contracts of a quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AllowedSpec {
     /// Quantity.
     pub kind: ContractKind,
-    /// Where; whole only where it stands in place of a default contract.
+    /// Where; everywhere only in place of a default contract.
     pub scope: Scope<usize>,
     /// Why, in the words of the job.
     pub reason: String,
@@ -461,9 +462,9 @@ pub struct AllowedSpec {
     pub span: Span,
 }
 
-/// Path tolerance in finishing where the job gives none.
+/// Chord tolerance in finishing where the job gives none.
 pub const DEFAULT_CHORD: Mm = Mm(0.001);
-/// Path tolerance in roughing where the job gives none.
+/// Chord tolerance in roughing where the job gives none.
 pub const DEFAULT_CHORD_ROUGH: Mm = Mm(0.01);
 /// Feed of links where the operation gives none.
 pub const DEFAULT_LINK_FEED: MmPerMin = MmPerMin(1000.0);

@@ -1,4 +1,4 @@
-//! Operations: which tool, how fast, and what only their kind has.
+//! Operations: tool, speed, feed, and the properties of each kind.
 
 use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
@@ -21,20 +21,21 @@ use std::f64::consts::PI;
 const KINDS: [&str; 7] = ["groove", "expand", "flank", "point", "fillet", "edge", "channel"];
 const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
-/// Least step between layers, mm: chips of a thousandth of it are dust.
+/// Least step down, mm: thinner chips are dust.
 const LEAST_DEPTH: f64 = 0.01;
 
-/// Least height between roughing lines, mm.
+/// Least residual of roughing, mm.
 const LEAST_RESIDUAL: f64 = 0.001;
 
 /// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
 const LEAST_SCALLOP: f64 = 1e-4;
 
-/// Thicknesses of rest machining, mm: ends of the stock are known to a micrometre and ways to their tolerances; a
-/// thicker rest is no rest.
+/// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
+/// stock above the upper limit does not count as a rest.
 const REST: Range = Range::Between(0.02, 10.0);
 
-/// Most strips of a face by minimax: the error falls with the cube of their height, and each takes about a second.
+/// Most strips of a face by minimax: the error falls with the cube of their height, and each strip takes about a
+/// second.
 const MOST_OPTIMISED: u32 = 20;
 
 /// Feeds, mm/min; machines limit them further.
@@ -79,15 +80,15 @@ pub(super) fn resolve(
     out
 }
 
-/// Names of operations so far.
+/// Names of the operations so far.
 #[derive(Default)]
 struct Used {
     names: BTreeMap<String, Span>,
-    /// Last number that made a name of a kind.
+    /// Last number in a generated name, by kind.
     numbers: BTreeMap<String, u32>,
 }
 
-/// The given name, or the kind with a number where it occurs again.
+/// The given name, or the kind, with a number when it is not the first of its kind.
 fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Context<'_>) -> String {
     let span = name.map_or(kind.span, |n| n.span);
     let text = match name {
@@ -126,14 +127,14 @@ struct OperationReader<'a> {
     groove: Option<Layers>,
 }
 
-/// What both roughing operations have.
+/// Properties that both roughing operations have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layers {
-    /// Largest step.
+    /// Largest step down.
     depth: Mm,
-    /// Left on vanes.
+    /// Allowance on the vanes.
     allowance_vane: Mm,
-    /// Left on the hub.
+    /// Allowance on the hub.
     allowance_hub: Mm,
 }
 
@@ -206,11 +207,11 @@ impl OperationReader<'_> {
         let declared = self.tools.get(at)?;
         let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
         let needed: &[&str] = match kind.text.as_str() {
-            // Offsets of rulings are those of a cylinder that ends in a ball.
+            // Offsets of rulings assume a cylinder that ends in a ball.
             "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
             "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
             "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
-            // Only the ball touches fillet, edge and floor.
+            // Fillet, edge and floor are touched by a ball only.
             "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
             "channel" => &["ball", "lollipop"],
             _ => &["flat", "ball", "bull"],
@@ -228,7 +229,7 @@ impl OperationReader<'_> {
         Some((at, word.span))
     }
 
-    /// Spindle speed, given as such or as the cutting speed of the tool's diameter.
+    /// Spindle speed, given directly or as the cutting speed at the tool's diameter.
     fn speed(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
         if !p.has("speed") {
             p.missing("speed", "speed 8000 rpm");
@@ -260,7 +261,7 @@ impl OperationReader<'_> {
         Some(Rpm(rpm))
     }
 
-    /// Feed, given as such or a tooth.
+    /// Feed, given directly or per tooth.
     fn feed(&self, tool: Option<&ToolSpec>, speed: Option<Rpm>, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
         if !p.has("feed") {
             p.missing("feed", "feed 250 mm/min");
@@ -394,7 +395,7 @@ impl OperationReader<'_> {
         }
     }
 
-    /// Depth and allowances; `expand` takes those of the groove before it where it gives none.
+    /// Step down and allowances; `expand` takes missing values from the groove before it.
     fn layers(&self, inherits: bool, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Layers> {
         let before = self.groove.filter(|_| inherits);
         let deepest = tool.map_or(1000.0, |t| t.flute.get());
@@ -428,7 +429,7 @@ impl OperationReader<'_> {
     }
 }
 
-/// A property that takes one of some names; the first is the default.
+/// A property with a fixed list of names; the first name is the default.
 fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
     let default = *all.first()?;
     if !p.has(property) {
@@ -447,7 +448,8 @@ fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: f
     found
 }
 
-/// How tool axes of point milling are chosen: a tool turns about the middle of its ball, or keeps one tilt a line.
+/// How tool axes of point milling are chosen: the tool turns about the middle of its ball, or keeps one tilt angle for
+/// each line.
 fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<AxisMethod> {
     let turns = tool
         .is_none_or(|t| matches!(t.kind, CutterKind::Ball | CutterKind::Lollipop { .. } | CutterKind::TaperedBall(_)));
@@ -474,12 +476,12 @@ fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Axi
     named(p, "method", &AxisMethod::ALL, AxisMethod::name)
 }
 
-/// The faces that are named; both where none is.
+/// The named faces; both where none is named.
 fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
     chosen(p, "faces", "face", FaceId::NAMES)
 }
 
-/// Which of two the words of a property name, none twice; both where the property is not given.
+/// The chosen ones of two words, none twice; both where the property is not given.
 fn chosen(p: &mut Properties<'_, '_>, property: &str, what: &str, all: [&'static str; 2]) -> Option<Vec<&'static str>> {
     if !p.has(property) {
         return Some(all.to_vec());

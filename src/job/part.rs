@@ -15,17 +15,17 @@ use crate::source::Span;
 use crate::syntax::ast::{Block, Name, Path, Spline, SplinePoints, Text, Value};
 use crate::units::{Mm, Rad};
 
-/// Bound of the number that is read; how many vanes have room is found from their thickness.
+/// Largest number of vanes that is read; whether they fit is determined from their thickness.
 const MAX_VANES: u32 = 10_000;
 
-/// Sections of a lofted face between root and tip. Designers give some 5 to 20.
+/// Most sections of a lofted face between root and tip. Designers give some 5 to 20.
 const MAX_SECTIONS: usize = 30;
 
-/// Splitters between one vane and the next. Impellers have one, seldom two or three.
+/// Most splitters between one vane and the next. Impellers have one, seldom two or three.
 const MAX_SPLITTERS: usize = 8;
 
-/// Text of curve files that the curves of a job are looked up in altogether, bytes: some ten seconds. Each curve takes one
-/// run through its file.
+/// Most text of curve files in which the curves of a job are looked up, in total, bytes: some ten seconds. Each curve
+/// takes one pass through its file.
 const MOST_LOOKED_UP: usize = 2_000_000_000;
 
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
@@ -261,7 +261,7 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
     let [tip, root] = splines.map(|s| s.and_then(|s| curve(s, cx)));
     let sections: Vec<Option<CurveSpec>> = between.into_iter().map(|s| s.and_then(|s| curve(s, cx))).collect();
     let sections = sections.into_iter().collect::<Option<Vec<_>>>()?;
-    // Without its sections the face is reported already.
+    // A lofted face without sections was reported already.
     (form == FaceForm::Ruled || !sections.is_empty()).then_some(())?;
     Some(FaceSpec { form, tip: tip?, root: root?, sections })
 }

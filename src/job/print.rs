@@ -1,4 +1,4 @@
-//! Text form of the job: every default written out.
+//! Text form of the job, with every default.
 
 use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind};

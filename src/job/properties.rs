@@ -1,4 +1,5 @@
-//! Reads the entries of a block as properties: each known, given once, of the right form and dimension.
+//! Reads the entries of a block as properties. Each property is known, is given once, and has the right form and
+//! dimension.
 
 use super::eval::{LetScope, mismatch, nearest, suggest, unknown_unit};
 use super::quantity::Dimension;
@@ -9,14 +10,14 @@ use crate::syntax::ast::{Block, Entry, Expr, ExprKind, Name, Value};
 
 /// Entries of one block.
 pub(super) struct Properties<'a, 'c> {
-    /// What the block is, for messages: `tool t1`.
+    /// Name of the block in messages: `tool t1`.
     owner: String,
     head: Span,
     entries: Vec<(&'a Name, Vec<&'a Value>)>,
     damaged: bool,
-    /// What else is needed while reading.
+    /// Names for expressions.
     pub(super) scope: &'c mut LetScope,
-    /// Where faults go.
+    /// Receives the faults.
     pub(super) sink: &'c mut Sink,
 }
 
@@ -27,12 +28,12 @@ pub(super) enum Range {
     Between(f64, f64),
     /// From zero to the bound.
     NotNegative(f64),
-    /// Any, up to the bound on both sides.
+    /// From the negative bound to the bound.
     Within(f64),
 }
 
 impl Range {
-    /// Whether a value in base units lies within.
+    /// Whether a value in base units is in the range.
     pub(super) fn holds(self, value: f64) -> bool {
         match self {
             Self::Between(min, max) => (min..=max).contains(&value),
@@ -41,7 +42,7 @@ impl Range {
         }
     }
 
-    /// The range in words, for numbers in a unit.
+    /// The range in words, for numbers with a unit.
     pub(super) fn text(self, unit: &str) -> String {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
@@ -53,7 +54,7 @@ impl Range {
 }
 
 impl<'a, 'c> Properties<'a, 'c> {
-    /// The properties of a block, which may only have the `known` names.
+    /// The properties of a block; only the `known` names are allowed.
     pub(super) fn new(
         owner: String,
         head: Span,
@@ -65,7 +66,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         Self::repeated(owner, head, block, (known, &[]), scope, sink)
     }
 
-    /// The same; those in `many`, which are known too, may be given more than once.
+    /// The same; the names in `many`, which are known as well, may be repeated.
     pub(super) fn repeated(
         owner: String,
         head: Span,
@@ -107,7 +108,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         if bare && nearest(&name.text, known.iter().copied()).is_none() {
             self.sink.push(unknown_unit(name));
             self.damaged = true;
-            // The number before it has a unit, though an unknown one.
+            // The number before has a unit, but an unknown one.
             self.entries.retain(|(n, _)| before.is_none_or(|b| n.span != b.name.span));
             return;
         }
@@ -116,13 +117,13 @@ impl<'a, 'c> Properties<'a, 'c> {
         self.damaged = true;
     }
 
-    /// Takes the values of a property out.
+    /// Removes a property and returns its values.
     pub(super) fn take(&mut self, name: &str) -> Option<(&'a Name, Vec<&'a Value>)> {
         let at = self.entries.iter().position(|(n, _)| n.text == name)?;
         Some(self.entries.remove(at))
     }
 
-    /// Takes all values of a property out that may be given more than once.
+    /// Removes a repeatable property and returns all of its values.
     pub(super) fn take_all(&mut self, name: &str) -> Vec<(&'a Name, Vec<&'a Value>)> {
         let entries = std::mem::take(&mut self.entries);
         let (found, rest) = entries.into_iter().partition(|(n, _)| n.text == name);
@@ -130,7 +131,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         found
     }
 
-    /// Reports a property that must be there.
+    /// Reports a missing property.
     pub(super) fn missing(&mut self, name: &str, example: &str) {
         if !self.damaged {
             self.sink.push(
@@ -159,12 +160,12 @@ impl<'a, 'c> Properties<'a, 'c> {
         );
     }
 
-    /// The single value of a property as an expression.
+    /// The value of a property as an expression.
     pub(super) fn expression(&mut self, name: &str, example: &str) -> Option<&'a Expr> {
         let (word, values) = self.take(name)?;
         match values.as_slice() {
             [Value::Expr(e)] => Some(e),
-            // `speed feed 150 mm/min`: the value is missing and the next property was taken for it.
+            // `speed feed 150 mm/min`: the value is missing, and the parser took the next property for it.
             [value] => {
                 self.wrong_form(value.span(), name, "one number", example);
                 self.damaged = true;
@@ -178,14 +179,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
     }
 
-    /// A number with a dimension in its range, in base units; `None` when it is absent or faulty.
+    /// A number with the dimension `due` in its range, in base units; `None` when it is absent or faulty.
     pub(super) fn number(&mut self, name: &str, due: Dimension, range: Range, example: &str) -> Option<(f64, Span)> {
         let expr = self.expression(name, example)?;
         let value = self.value_of(expr, name, due, range)?;
         Some((value, expr.span))
     }
 
-    /// Value of an expression as this property, checked.
+    /// Value of an expression as this property, with all checks.
     pub(super) fn value_of(&mut self, expr: &Expr, name: &str, due: Dimension, range: Range) -> Option<f64> {
         let value = self.scope.expect(expr, due, &format!("`{name}`"), self.sink);
         let value = value.filter(|v| {
@@ -199,7 +200,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         value
     }
 
-    /// The same for a property that must be there.
+    /// The same for a required property.
     pub(super) fn required(&mut self, name: &str, due: Dimension, range: Range, example: &str) -> Option<(f64, Span)> {
         if !self.has(name) {
             self.missing(name, example);
@@ -208,12 +209,12 @@ impl<'a, 'c> Properties<'a, 'c> {
         self.number(name, due, range, example)
     }
 
-    /// True when the property is given and not yet taken.
+    /// True when the property is given and not yet removed.
     pub(super) fn has(&self, name: &str) -> bool {
         self.entries.iter().any(|(n, _)| n.text == name)
     }
 
-    /// True when the value of a property is one word, this one.
+    /// True when the value of a property is the single word `word`.
     pub(super) fn is_word(&self, name: &str, word: &str) -> bool {
         self.entries.iter().filter(|(n, _)| n.text == name).any(|(_, values)| match values.as_slice() {
             [Value::Expr(Expr { kind: ExprKind::Path(path), .. })] => path.text() == word,
@@ -243,7 +244,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         Some(value.value as u32)
     }
 
-    /// Whole numbers from `min` to `max`, one or more.
+    /// One or more whole numbers from `min` to `max`.
     pub(super) fn counts(&mut self, name: &str, min: u32, max: u32, example: &str) -> Option<Vec<(u32, Span)>> {
         let (_, values) = self.take(name)?;
         let mut out = Vec::new();
@@ -277,7 +278,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         Some(out)
     }
 
-    /// Values with labels, each label one of `known` and given once.
+    /// Values with labels; each label is one of `known` and occurs once.
     pub(super) fn labelled(&mut self, name: &str, known: &[&str], example: &str) -> Vec<(&'a Name, &'a Expr)> {
         let Some((_, values)) = self.take(name) else { return Vec::new() };
         let mut out: Vec<(&Name, &Expr)> = Vec::new();
@@ -310,7 +311,7 @@ impl<'a, 'c> Properties<'a, 'c> {
     }
 }
 
-/// Unit that range messages are in.
+/// Unit of range messages.
 fn base_unit(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::ANGLE => "rad",

@@ -62,7 +62,7 @@ impl Dimension {
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
     }
 
-    /// The unit that is offered where one is missing.
+    /// The unit that a message suggests where the unit is missing.
     pub fn usual_unit(self) -> &'static str {
         match self {
             Self::LENGTH => "mm",
@@ -119,7 +119,7 @@ impl Quantity {
         Some(Self { value: scale.of(number), dimension: *dimension })
     }
 
-    /// Reads `number unit`, as the library files write it.
+    /// Reads `number unit` as written in library files.
     pub fn read(text: &str) -> Option<Self> {
         let text = text.trim();
         let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());

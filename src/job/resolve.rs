@@ -27,7 +27,7 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
     understand(file, files, sources, sink).job().ok_or(Aborted)
 }
 
-/// What can be understood of a job. Every fault goes to the sink.
+/// The readable content of a job. Every fault goes to the sink.
 pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> PartialJob {
     let mut cx = Context { scope: LetScope::new(file.damaged), files, sources, sink, looked_up: 0 };
     edition(file, &mut cx);
@@ -77,7 +77,7 @@ fn single<'f, T>(
     if found.is_none() && !file.damaged {
         let mut diag = Diag::error(codes::MISSING_ITEM, format!("the job has no {what}"));
         if let Some(last) = file.items.last() {
-            // Without the line end behind the last item, so that the mark stands on its line.
+            // The label stands on the line of the last item, before its line end.
             let text = cx.sources.get(last.span.source).map_or("", |f| f.text.as_str());
             let before = text.get(..last.span.range().end).map_or(last.span.range().end, |t| t.trim_end().len());
             diag = diag.label(Span::new(last.span.source, before..before), "the job ends without it");
@@ -267,7 +267,7 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
             }
             seen.push((&label.text, label.span));
             let what = format!("the tolerance `{}`", label.text);
-            // Below 10 nm rounding noise of the interpolation shows; above 1 mm it is no tolerance.
+            // Below 10 nm rounding errors of the interpolation matter; above 1 mm the value is not a tolerance.
             if let Some(value) = cx.scope.expect(expr, Dimension::LENGTH, &what, cx.sink) {
                 if (1e-5..=1.0).contains(&value) {
                     *target = Mm(value);

@@ -1,4 +1,4 @@
-//! Tools of the job, from the library or spelt out.
+//! Tools of the job, from the library or described in the job.
 
 use super::context::{Context, head};
 use super::eval::{suggest, unknown};
@@ -64,7 +64,7 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
         if let Some(spec) = &spec
             && let Some(other) = numbers.insert(spec.number, name.span)
         {
-            // The first one of a number keeps it.
+            // The first tool keeps its number.
             numbers.insert(spec.number, other);
             cx.sink.push(
                 Diag::error(codes::GIVEN_TWICE, format!("two tools have the number {}", spec.number))
@@ -98,7 +98,7 @@ pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink
     }
 }
 
-/// The ranges that job and library share.
+/// Ranges that job and library share.
 const LENGTH: Range = range(limits::LENGTH);
 const DIAMETER: Range = range(limits::DIAMETER);
 const CORNER: Range = range(limits::CORNER);
@@ -107,7 +107,7 @@ const fn range([least, largest]: [f64; 2]) -> Range {
     Range::Between(least, largest)
 }
 
-/// Properties that tools of a kind may have.
+/// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
     let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder"];
     known.extend_from_slice(match kind {
@@ -120,7 +120,7 @@ fn known(kind: &str) -> Vec<&'static str> {
     known
 }
 
-/// A tool that the job spells out.
+/// A tool that the job describes.
 fn shape(
     name: &Name,
     kind: &Name,
@@ -184,7 +184,7 @@ fn shape(
     Some(spec)
 }
 
-/// The cutter with the sizes that only its kind has. A neck without an end goes up to infinity.
+/// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.
 fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
     match kind {
         "flat" => Some(CutterKind::Flat),
@@ -197,7 +197,7 @@ fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
         }
         "lollipop" => {
             let neck = p.required("neck", Dimension::LENGTH, DIAMETER, "neck 4 mm");
-            // Without `neck-end` the neck goes up to the holder; its height is known once the reach is read.
+            // Without `neck-end` the neck extends to the holder; its height is known after the reach is read.
             let end = match p.has("neck-end") {
                 true => p.number("neck-end", Dimension::LENGTH, LENGTH, "neck-end 20 mm").map(|e| e.0),
                 false => Some(f64::INFINITY),
@@ -210,7 +210,7 @@ fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
     }
 }
 
-/// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose neck ends the flutes.
+/// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose flutes end at the neck.
 fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
     if kind.text != "lollipop" {
         return p.required("flute", Dimension::LENGTH, LENGTH, "flute 30 mm").map(|f| Some(Mm(f.0)));

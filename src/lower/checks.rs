@@ -1,4 +1,4 @@
-//! Faults of the geometry that planning could not survive, each under the text that causes it.
+//! Faults of the geometry that make planning impossible, each reported at the text that causes it.
 
 use super::FaceCurves;
 use crate::diag::codes::geometry as codes;
@@ -15,16 +15,16 @@ const TURNED: f64 = 1e-9;
 /// Stations along a curve that the checks look at.
 const STATIONS: usize = 64;
 
-/// Stations along a ruling.
+/// Number of intervals along a ruling.
 const HEIGHTS: usize = 8;
 
-/// Nearest that a curve may come to the axis of rotation, mm; on the axis itself a hub has no azimuth.
+/// Least distance of a curve from the axis of rotation, mm; on the axis a hub has no azimuth.
 const MIN_RADIUS: f64 = 0.1;
 
 /// Least height of a vane, mm.
 const MIN_HEIGHT: f64 = 0.1;
 
-/// Distance of a face's end from hub or shroud that is worth a remark, mm: the tolerance class of milled hubs.
+/// Distance of a face's end from hub or shroud from which on it is reported, mm: the tolerance class of milled hubs.
 const OFF_HUB: f64 = 0.005;
 
 fn u(i: usize) -> f64 {
@@ -35,7 +35,7 @@ fn meridian(p: &Point3<f64>) -> Vector2<f64> {
     Vector2::new(libm::hypot(p.x, p.y), p.z)
 }
 
-/// Name of a face in messages; in a splitter with the name of its blade.
+/// Name of a face in messages; in a splitter it includes the name of the blade.
 pub(super) fn face_name(spec: &PartSpec, blade: &str, face: &str) -> String {
     if spec.main().name == blade { face.to_owned() } else { format!("{blade} {face}") }
 }
@@ -48,7 +48,7 @@ fn done(sink: &Sink, before: usize) -> Result<(), Aborted> {
     if sink.count() > before { Err(Aborted) } else { Ok(()) }
 }
 
-/// The hub comes from a root curve, the shroud from a tip curve.
+/// Checks that the hub comes from a root curve and the shroud from a tip curve.
 pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for (what, reference, due, wrong) in [
@@ -66,7 +66,7 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
     done(sink, before)
 }
 
-/// Every curve keeps away from the axis of rotation.
+/// Checks that every curve keeps away from the axis of rotation.
 pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
@@ -86,7 +86,7 @@ pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(),
     done(sink, before)
 }
 
-/// All curves run the same way, from the inlet, which is nearer to the axis, to the outlet.
+/// Checks that all curves run from the inlet to the outlet; the inlet is nearer to the axis.
 pub(super) fn directions(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
@@ -103,7 +103,7 @@ pub(super) fn directions(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<()
     done(sink, before)
 }
 
-/// The tips lie outside of the hub, on the side away from the axis.
+/// Checks that the tips lie outside of the hub, on the side away from the axis.
 pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for side in part.faces() {
@@ -142,13 +142,13 @@ fn face_spec<'a>(spec: &'a PartSpec, part: &Part, face: FaceId) -> &'a FaceSpec 
     &blade.faces[face.index()]
 }
 
-/// Azimuth by which the suction face is ahead of the pressure face at equal parameters, in (-pi, pi].
+/// Azimuth of the suction face less that of the pressure face at equal parameters, in (-pi, pi].
 fn gap(blade: &Blade, u: f64, v: f64) -> f64 {
     let [p, s] = blade.faces.each_ref().map(|face| face.surface.point(u, v));
     libm::atan2(p.x * s.y - p.y * s.x, p.x * s.x + p.y * s.y)
 }
 
-/// The faces of a blade do not cross, and no face folds over.
+/// Checks that the faces of a blade do not cross, and that no face folds over.
 pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for id in part.blade_ids() {
@@ -184,7 +184,8 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
     (0..=STATIONS).flat_map(|i| (0..=HEIGHTS).map(move |j| (u(i), j as f64 / HEIGHTS as f64)))
 }
 
-/// A place where the normal vanishes or turns by more than a right angle against that of the middle of its ruling.
+/// A place where the normal vanishes, or differs by more than a right angle from the normal in the middle of its
+/// ruling.
 fn fold(surface: &impl Surface) -> Option<(f64, f64)> {
     let normal = |u: f64, v: f64| {
         let (_, su, sv) = surface.tangents(u, v);
@@ -196,7 +197,7 @@ fn fold(surface: &impl Surface) -> Option<(f64, f64)> {
     })
 }
 
-/// Neighbouring vanes leave a channel between them.
+/// Checks that neighbouring vanes leave a channel between them.
 pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     let thickest = grid().map(|(u, v)| (gap(part.main(), u, v).abs(), u, v)).max_by(|a, b| a.0.total_cmp(&b.0));
@@ -223,9 +224,9 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     done(sink, before)
 }
 
-/// Splitters stand between their main blade and the next one, and apart from each other.
+/// Checks that splitters stand between their main blade and the next one, and apart from each other.
 pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
-    /// Places along and up a face that are compared with the faces opposite.
+    /// Intervals along and up a face, at whose ends the face is compared with the opposite faces.
     const PLACES: [usize; 2] = [12, 2];
     let before = sink.count();
     let places = || {
@@ -234,7 +235,7 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
     };
     let main = part.face_ahead(BladeId::MAIN);
     for id in part.blade_ids().skip(1) {
-        // A face looks at its neighbour, and where that is shorter at a main blade.
+        // The faces opposite: the neighbour, and a main blade where the neighbour is shorter.
         let far = |face: FaceId| if part.looks_ahead(face) { (main.other(), part.pitch()) } else { (main, 0.0) };
         let meets = |face: FaceId, p: &Point3<f64>| {
             [part.opposite(face), far(face)].into_iter().find(|(wall, turn)| {
@@ -267,7 +268,8 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
     done(sink, before)
 }
 
-/// Says how far faces end from hub and shroud; they are extended or trimmed along their rulings.
+/// Reports the distances of the ends of the faces from hub and shroud; the faces are extended or trimmed along their
+/// rulings.
 pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
     for (what, surface, tip) in [("hub", &part.hub, false), ("shroud", &part.shroud, true)] {
         for side in part.faces() {
@@ -293,7 +295,7 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
     }
 }
 
-/// The blank holds the part.
+/// Checks that the blank contains the part.
 pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
     let lowest = (0..=STATIONS).map(|i| part.hub.meridian(u(i)).point.y).fold(f64::INFINITY, f64::min);
     if job.stock.back.get() >= lowest {

@@ -1,4 +1,4 @@
-//! Curves from points, with the faults of the points under their own text.
+//! Curves through points; faults of the points are reported at their text.
 
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
@@ -6,13 +6,13 @@ use crate::geom::{GeomError, NurbsCurve, interpolate};
 use crate::job::model::CurveSpec;
 use nalgebra::{Point3, Vector2};
 
-/// Largest coordinate, mm. No impeller is larger; beyond it squares lose the micrometre.
+/// Largest coordinate, mm. No impeller is larger; beyond this value squares are no longer exact to a micrometre.
 const MAX_COORDINATE: f64 = 10_000.0;
 
-/// Distance below which two data points are one, mm: a tenth of the finest unit that drawings give.
+/// Distance below which two data points count as one, mm: a tenth of the finest unit of drawings.
 const SAME_POINT: f64 = 1e-5;
 
-/// Pieces of the polygon that is searched for crossings.
+/// Number of chords that are searched for crossings.
 const PIECES: usize = 128;
 
 /// The curve through the points of the job; `name` is its name in messages.
@@ -49,7 +49,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
         return None;
     }
     let points: Vec<_> = spec.points.iter().map(|p| Point3::from(*p)).collect();
-    // Cubic as in the paper; fewer points carry a lower degree.
+    // Cubic as in the paper; fewer points give a lower degree.
     let degree = points.len().saturating_sub(1).clamp(1, 3);
     match interpolate(&points, degree) {
         Ok(curve) => {

@@ -1,4 +1,4 @@
-//! From the job to the program: units fall away, points become curves, sizes become solids.
+//! From the job to the program: units become plain numbers, points become curves, sizes become solids.
 
 mod checks;
 mod curves;
@@ -68,7 +68,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     if sink.has_errors() { Err(Aborted) } else { Ok(program) }
 }
 
-/// The design part, checked from the points up; later checks need the earlier ones to hold.
+/// The design part, checked from the points up; later checks assume that the earlier ones have passed.
 fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
     let spec = &job.part;
     let faces: Vec<_> =
@@ -104,10 +104,10 @@ fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
     Ok(part)
 }
 
-/// The curves of a face with the text that they come from.
+/// The curves of a face with their text in the job.
 struct FaceCurves<'a> {
     spec: &'a FaceSpec,
-    /// Name of the face in messages: `pressure`, and in a splitter `half pressure`.
+    /// Name of the face in messages: `pressure`, in a splitter `half pressure`.
     name: String,
     root: NurbsCurve,
     sections: Vec<NurbsCurve>,
@@ -161,7 +161,7 @@ impl<'a> FaceCurves<'a> {
     }
 }
 
-/// Points of the main blade's curves at root and tip.
+/// Points of the root and tip curves of the main blade.
 fn data(job: &Job) -> Vec<DataCurve> {
     let curve = |side, end, spec: &CurveSpec| {
         let points = spec.points.iter().zip(&spec.spans);
@@ -248,7 +248,7 @@ fn scope(spec: &Scope<usize>) -> Scope<OperationId> {
 /// The chain of the rotary axes of a machine.
 ///
 /// # Errors
-/// The axes cannot direct the tool; the reason is in the sink.
+/// The axes cannot give the tool its directions; the reason is in the sink.
 fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
     let (kind, span) = spec.kind;
     let carries = match kind {
@@ -280,7 +280,7 @@ fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
     Err(Aborted)
 }
 
-/// The machine with its rotary axes in the ISO sense.
+/// The machine; its rotary axes have the ISO sense.
 fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
     Machine {
         name: spec.name.clone(),
@@ -323,7 +323,7 @@ fn carried(spec: &MachineSpec) -> Vec<Carried> {
     solids.collect()
 }
 
-/// Limits of an axis whose word has the opposite sense change places.
+/// The limits of an axis change places where its word has the opposite sense.
 fn rotary(spec: &RotarySpec) -> RotaryAxis {
     let [min, max] = spec.travel.map(|t| t.get());
     let (min, max, word_sign) = if spec.iso { (min, max, 1.0) } else { (-max, -min, -1.0) };

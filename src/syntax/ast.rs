@@ -1,4 +1,4 @@
-//! Syntax tree: what is written, with its place; no meaning yet.
+//! Syntax tree: the written text with places, without meaning.
 
 use crate::source::Span;
 
@@ -14,7 +14,7 @@ pub struct Name {
 /// A quoted text with its place, quotes included in the place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text {
-    /// What stands between the quotes.
+    /// The text between the quotes.
     pub text: String,
     /// Its place.
     pub span: Span,
@@ -25,9 +25,9 @@ pub struct Text {
 pub struct File {
     /// Items in the order of the text.
     pub items: Vec<Item>,
-    /// Comments in the order of the text, from `//` to the end of the line without blanks there.
+    /// Comments in the order of the text, from `//` to the end of the line, without trailing blanks.
     pub comments: Vec<Span>,
-    /// True when an item could not be read: then what seems to be missing may stand there.
+    /// True when an item could not be read; a missing item may then be this one.
     pub damaged: bool,
 }
 
@@ -77,14 +77,14 @@ pub enum ItemKind {
     Tool {
         /// New name.
         name: Name,
-        /// Where its shape comes from.
+        /// Source of its shape.
         source: ToolSource,
     },
     /// `operation groove NAME { }`
     Operation {
         /// Kind.
         kind: Name,
-        /// Name of its own, where given.
+        /// Its own name, where given.
         name: Option<Name>,
         /// Its entries.
         body: Block,
@@ -101,7 +101,7 @@ pub enum ItemKind {
         relation: Name,
         /// Bound.
         bound: Expr,
-        /// Where it holds; empty is everywhere.
+        /// Where it holds; empty means everywhere.
         scope: Vec<ScopeTarget>,
     },
     /// `allow excess on fillet "ground by hand"`
@@ -133,7 +133,7 @@ pub struct ScopeTarget {
     pub name: Name,
 }
 
-/// Where the shape of a tool comes from.
+/// Source of the shape of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToolSource {
     /// A tool of the library.
@@ -158,7 +158,7 @@ pub struct Block {
 pub struct Entry {
     /// First word.
     pub name: Name,
-    /// What follows; never empty.
+    /// Values after the name; never empty.
     pub values: Vec<Value>,
     /// Whole entry.
     pub span: Span,
@@ -206,7 +206,7 @@ pub struct Spline {
     pub span: Span,
 }
 
-/// Where the points of a curve stand.
+/// Place of the points of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SplinePoints {
     /// In the job.
@@ -223,7 +223,7 @@ pub enum SplinePoints {
 /// A tuple of coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// As many as written; three are right.
+    /// Coordinates as written; three are correct.
     pub coordinates: Vec<Expr>,
     /// Parentheses included.
     pub span: Span,
@@ -254,10 +254,10 @@ pub struct Expr {
     pub span: Span,
 }
 
-/// Forms of an expression. Chains are flat, so that a long sum is no deep tree.
+/// Forms of an expression. Chains are flat, so that a long sum is not a deep tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
-    /// A number with the unit that is written after it.
+    /// A number with the unit written after it.
     Number(f64, Option<Name>),
     /// A name.
     Path(Path),

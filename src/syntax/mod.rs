@@ -1,7 +1,7 @@
-//! Text to syntax tree; nothing else knows the parser.
+//! From text to syntax tree; no other module uses the parser.
 //!
-//! The text is cut into items first, with the brackets checked on the way, and pest reads each item alone. So a fault
-//! in one item leaves the others alone, and a run reports every independent fault.
+//! The scanner cuts the text into items and checks the brackets. Then pest reads each item separately, so that a fault
+//! in one item does not affect the others, and a run reports every independent fault.
 
 pub mod ast;
 mod parse;

@@ -19,7 +19,7 @@ struct JobParser;
 /// Larger texts are refused: a job is some kilobytes, a curve file some megabytes.
 const MAX_BYTES: usize = 16 << 20;
 
-/// Reads a job. Every fault of the text goes to the sink; what could be read is returned.
+/// Reads a job. Every fault of the text goes to the sink; the readable items are returned.
 pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
     let broken = File { damaged: true, ..File::default() };
     if text.len() > MAX_BYTES {
@@ -87,7 +87,7 @@ fn read_piece(text: &str, source: SourceId, piece: &ItemText, sink: &mut Sink) -
         source,
         offset: piece.range.start,
         limit: piece.range.end,
-        // A missing bracket is one fault; what it makes of the rest is not reported.
+        // A missing bracket is one fault; faults that follow from it are not reported.
         quiet: piece.damaged,
         sink,
     };
@@ -152,13 +152,13 @@ impl Builder<'_> {
         self.range(span.start()..span.end())
     }
 
-    /// A range of the item in the whole text; added brackets lie at its end.
+    /// A range of the item as a place in the whole text; added brackets are at its end.
     fn range(&self, range: std::ops::Range<usize>) -> Span {
         let clamp = |n: usize| (n + self.offset).min(self.limit);
         Span::new(self.source, clamp(range.start)..clamp(range.end))
     }
 
-    /// Reports where the parser stopped; `base` is where `input` begins in the item.
+    /// Reports where the parser stopped; `base` is the place in the item at which `input` begins.
     fn fault(&mut self, error: &Error<Rule>, base: usize, input: &str) {
         if self.quiet || self.sink.count() >= MAX_FAULTS {
             return;
@@ -175,7 +175,7 @@ impl Builder<'_> {
             }
             ErrorVariant::CustomError { .. } => Vec::new(),
         };
-        // An operator or a comma may follow nearly everything; it helps nobody to hear so.
+        // An operator or a comma may follow nearly everything, so that naming them does not help.
         if words.iter().any(|w| !matches!(*w, "an operator" | "`,`" | "the end" | "a unit")) {
             words.retain(|w| !matches!(*w, "an operator" | "`,`" | "a unit"));
         }
@@ -393,11 +393,11 @@ impl Builder<'_> {
         Path { names: pair.into_inner().map(|n| self.name(&n)).collect(), span }
     }
 
-    /// An `expr`, `term` or `factor`. The recursion is as deep as the brackets, which the scanner bounds.
+    /// An `expr`, `term` or `factor`. The recursion is as deep as the brackets, and the scanner bounds their depth.
     fn expr(&mut self, pair: Pair<'_, Rule>) -> Option<Expr> {
         let rule = pair.as_rule();
         let mut span = self.span(pair.as_span());
-        // A sum or product takes blanks and comments behind it along; its last factor does not.
+        // A sum or product includes the blanks and comments behind it; its last factor does not.
         let mut last = pair.clone();
         while let Some(inner) = last.clone().into_inner().last().filter(|_| last.as_rule() != Rule::factor) {
             last = inner;

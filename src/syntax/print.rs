@@ -1,4 +1,4 @@
-//! Text form of the syntax tree: one line an item or entry, with its place in bytes.
+//! Text form of the syntax tree: one line for each item or entry, with its place in bytes.
 
 use super::ast::{Block, Expr, ExprKind, File, ItemKind, Name, Operator, ScopeTarget, SplinePoints, ToolSource, Value};
 use std::fmt::Write;

@@ -1,25 +1,25 @@
-//! Cuts the text into items and checks the brackets, in one walk over the bytes.
+//! Cuts the text into items and checks the brackets, in one pass over the bytes.
 //!
-//! An item begins where a line begins with a letter outside of all brackets. Where a line inside brackets reads like
-//! the head of an item, a bracket before it was not closed; the item is then closed there, so that what follows is
-//! read as it was meant.
+//! An item begins at a line that begins with a letter outside of all brackets. When a line inside brackets reads like
+//! the head of an item, an earlier bracket was not closed. The scanner then closes the item before this line, so that
+//! the following items are read as intended.
 
 use crate::diag::codes::syntax as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, Span};
 use std::ops::Range;
 
-/// Deepest nesting of brackets. The language needs 5; the bound keeps the parser's recursion small.
+/// Deepest nesting of brackets. The language needs 5; the bound limits the recursion of the parser.
 const MAX_DEPTH: usize = 64;
 
-/// Most items of a job. Real ones have some tens.
+/// Most items of a job. Usual jobs have some tens.
 const MAX_ITEMS: usize = 1000;
 
-/// Most numbers and names of a job outside of comments: ten times those of four curves of 1000 points. The parser takes
-/// about a kilobyte for each.
+/// Most numbers and names of a job outside of comments: ten times the number in four curves of 1000 points. The parser
+/// takes about a kilobyte for each.
 const MAX_WORDS: usize = 120_000;
 
-/// Faults of the text that one run reports; a text with more is no job.
+/// Most faults of the text that a run reports; a text with more faults is not a job.
 pub(super) const MAX_FAULTS: usize = 50;
 
 /// Words that begin an item.
@@ -29,13 +29,13 @@ pub(super) const ITEMS: &[&str] =
 /// One item of the text.
 #[derive(Debug)]
 pub(super) struct ItemText {
-    /// Its bytes.
+    /// Its range in bytes.
     pub(super) range: Range<usize>,
     /// Brackets to add at its end, in order.
     pub(super) closers: String,
-    /// A bracket or quote fault was reported in it.
+    /// True when a fault of a bracket or quote was reported in it.
     pub(super) damaged: bool,
-    /// It cannot be parsed at all.
+    /// True when it cannot be parsed at all.
     pub(super) unreadable: bool,
 }
 
@@ -52,8 +52,8 @@ struct Scanner<'a> {
     words: usize,
 }
 
-/// Cuts the text into items and finds its comments. `None` when it is nested too deeply, too long, or has too many faults,
-/// to go on.
+/// Cuts the text into items and finds its comments. `None` when the text is nested too deeply, is too long, or has too
+/// many faults.
 pub(super) fn scan(text: &str, source: SourceId, sink: &mut Sink) -> Option<(Vec<ItemText>, Vec<Span>)> {
     let mut scanner = Scanner {
         text,
@@ -131,7 +131,8 @@ impl Scanner<'_> {
             if self.start.is_none() && !byte.is_ascii_whitespace() && !self.text[i..].starts_with('\u{feff}') {
                 self.start = Some(i);
             }
-            // A byte of a longer character is none of the above, so stepping by characters loses nothing.
+            // A byte of a longer character matches none of the cases above, so that stepping by characters skips
+            // nothing.
             i += self.text[i..].chars().next().map_or(1, char::len_utf8);
         }
         self.finish(bytes.len());
@@ -173,7 +174,7 @@ impl Scanner<'_> {
     }
 
     fn close(&mut self, byte: u8, i: usize) {
-        // One wrong bracket leaves all that follow in its item without meaning.
+        // After a wrong bracket, the following brackets of the item have no meaning.
         if self.unreadable {
             if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == char::from(byte)) {
                 self.open.truncate(outer);
@@ -194,7 +195,7 @@ impl Scanner<'_> {
                 );
                 self.damaged = true;
                 self.unreadable = true;
-                // Whatever closes an outer bracket closes the inner ones with it.
+                // A bracket that closes an outer one closes the inner ones as well.
                 if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == close) {
                     self.open.truncate(outer);
                 }
@@ -230,7 +231,7 @@ impl Scanner<'_> {
         );
     }
 
-    /// Ends the item that is open, at `end`.
+    /// Ends the open item at `end`.
     fn finish(&mut self, end: usize) {
         let damaged = std::mem::take(&mut self.damaged);
         let unreadable = std::mem::take(&mut self.unreadable);
@@ -271,13 +272,13 @@ fn line_end(bytes: &[u8], from: usize) -> usize {
     bytes.get(from..).and_then(|b| b.iter().position(|b| *b == b'\n')).map_or(bytes.len(), |n| from + n)
 }
 
-/// The word that a text begins with.
+/// The word at the start of a text.
 pub(super) fn first_word(text: &str) -> &str {
     let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '-')).unwrap_or(text.len());
     &text[..end]
 }
 
-/// True when a line reads like the head of an item and like no entry of a block.
+/// True when a line reads like the head of an item and not like an entry of a block.
 fn reads_like_item(line: &str) -> bool {
     let keyword = first_word(line);
     if !ITEMS.contains(&keyword) {
