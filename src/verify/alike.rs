@@ -1,18 +1,18 @@
-//! Surfaces of one kind that show the same figures in several sectors: told once, with all their vanes.
+//! Surfaces of one kind with the same figures in several sectors: reported once, with all their vanes.
 
 use super::surface::SurfaceReport;
 
-/// Surfaces that show the same.
+/// Surfaces with the same figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alike {
     /// Name of all of them: `vanes 1-3, 5 pressure face`.
     pub name: String,
-    /// Their places in the list that was asked about, in its order.
+    /// Their indices in the given list, in its order.
     pub members: Vec<usize>,
 }
 
 impl Alike {
-    /// The member with the largest value; of equal ones the last.
+    /// The member with the largest value; of equal values the last member.
     pub fn worst<'a>(
         &self,
         surfaces: &'a [SurfaceReport],
@@ -23,8 +23,8 @@ impl Alike {
     }
 }
 
-/// Groups surfaces of one kind of which the same is told, in the order of their first ones. `told` gives `None` for what
-/// is not told of at all.
+/// Groups surfaces of one kind with the same text, in the order of their first members. `told` gives the text, or
+/// `None` for a surface that is not reported.
 pub fn alike(surfaces: &[SurfaceReport], told: impl Fn(&SurfaceReport) -> Option<String>) -> Vec<Alike> {
     let mut keys: Vec<(usize, String)> = Vec::new();
     let mut groups: Vec<Alike> = Vec::new();
@@ -93,7 +93,7 @@ mod tests {
             [("vanes 1-2, 5 pressure face", &[0, 1, 3]), ("vane 3 pressure face", &[2]), ("hub of channel 1", &[4])];
         assert_eq!(found, due);
         assert_eq!(groups[0].worst(&surfaces, |s| s.gouge.depth).map(|w| w.0), Some(3));
-        // What is not told of is in no group.
+        // A surface that is not reported is in no group.
         let deep = alike(&surfaces, |s| (s.gouge.depth > 6.0).then(String::new));
         assert_eq!(deep.iter().map(|g| g.members.as_slice()).collect::<Vec<_>>(), [[2]]);
         assert_eq!(SurfaceKind::Hub(PassageId::FIRST).in_sectors(&[0, 1, 2, 7, 9]), "hub of channels 1-3, 8, 10");

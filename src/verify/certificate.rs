@@ -1,4 +1,4 @@
-//! What was proved, as figures: for people as text, for tools as JSON.
+//! The figures of the proof: as text for people, as JSON for tools.
 
 use super::alike::{Alike, alike};
 use super::allowance::AllowanceReport;
@@ -31,11 +31,11 @@ pub struct OperationReport {
     pub passes: usize,
     /// Moves.
     pub moves: usize,
-    /// Length of the tip's way while cutting, linking, at rapid, mm.
+    /// Length of the tip path while cutting, linking and at rapid, mm.
     pub length: [f64; 3],
-    /// Time of the same, s.
+    /// Time of cutting, links and rapids, s.
     pub time: [f64; 3],
-    /// Least distance of the shank to the design part; `None` when it stays far away.
+    /// Least distance of the shank to the design part; `None` when it is beyond the search distance.
     pub shank: Option<Clearance>,
     /// Least distance of the holder.
     pub holder: Option<Clearance>,
@@ -43,32 +43,32 @@ pub struct OperationReport {
     pub rapid: Option<Clearance>,
 }
 
-/// A contract with what was found.
+/// A contract with the found value.
 #[derive(Clone, Debug, Serialize)]
 pub struct ContractReport {
-    /// Quantity, as the job language calls it.
+    /// Quantity, by its name in the job language.
     pub kind: &'static str,
-    /// Where it holds, as the job language writes it: `on hub`; empty for everywhere.
+    /// Where the contract holds, as written in the job language: `on hub`; empty for everywhere.
     pub scope: String,
     /// `<=` or `>=`.
     pub relation: &'static str,
-    /// Unit of bound and found: `mm`, `deg`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
+    /// Unit of bound and found value: `mm`, `deg`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
     pub unit: &'static str,
     /// Bound.
     pub bound: f64,
-    /// Found.
+    /// Found value.
     pub found: f64,
-    /// What and where in the program.
+    /// Quantity and place in the program, in words.
     pub place: String,
-    /// Where on the part, mm; `None` for what has no place.
+    /// Place on the part, mm; `None` for quantities without a place.
     pub point: Option<[f64; 3]>,
-    /// Move of the program; `None` for what has no place there.
+    /// Move of the program; `None` for quantities without a move.
     pub at: Option<At>,
-    /// Whether it holds.
+    /// Whether the contract holds.
     pub holds: bool,
-    /// True when the job says nothing, so that the default was judged.
+    /// True for a default contract, which the job does not state.
     pub default: bool,
-    /// Bound and found for people.
+    /// Bound and found value for people.
     #[serde(skip)]
     pub figures: [String; 2],
     /// Its text in the job.
@@ -83,28 +83,28 @@ impl ContractReport {
     }
 }
 
-/// What the job knowingly leaves.
+/// An `allow` of the job with the found value.
 #[derive(Clone, Debug, Serialize)]
 pub struct AllowedReport {
-    /// Quantity, as the job language calls it.
+    /// Quantity, by its name in the job language.
     pub kind: &'static str,
     /// Where.
     pub scope: String,
     /// Unit of the figure, as in [`ContractReport::unit`].
     pub unit: &'static str,
-    /// Found there; `None` where it cannot be measured.
+    /// Value found there; `None` where it cannot be measured.
     pub found: Option<f64>,
-    /// What and where in the program.
+    /// Quantity and place in the program, in words.
     pub place: String,
-    /// Where on the part, mm; `None` for what has no place.
+    /// Place on the part, mm; `None` for quantities without a place.
     pub point: Option<[f64; 3]>,
-    /// Move of the program; `None` for what has no place there.
+    /// Move of the program; `None` for quantities without a move.
     pub at: Option<At>,
-    /// Why, in the words of the job.
+    /// Reason, in the words of the job.
     pub reason: String,
     /// True when a contract would fail without it.
     pub excuses: bool,
-    /// True when it stands in place of a default contract, so that nothing judges the quantity.
+    /// True in place of a default contract: nothing then judges the quantity.
     pub waives: bool,
     /// The figure for people.
     #[serde(skip)]
@@ -120,19 +120,19 @@ pub struct Certificate {
     pub machine_name: String,
     /// Spacing of the samples of the design surfaces, mm.
     pub spacing: f64,
-    /// How far the proved bounds may lie beyond what was found, mm.
+    /// Largest difference between proved bounds and found values, mm.
     pub slack: f64,
     /// Milled surfaces.
     pub surfaces: Vec<SurfaceReport>,
     /// Surfaces that milling must leave as they are.
     pub kept: KeptSurfaces,
-    /// How near roughing comes to the part; `None` without roughing.
+    /// Clearance of roughing to the part; `None` without roughing.
     pub allowance: Option<AllowanceReport>,
     /// Operations in order.
     pub operations: Vec<OperationReport>,
     /// Least distance of the whole tool to the turned stock at rapid.
     pub rapid: Option<Clearance>,
-    /// Before, between and behind the operations.
+    /// Motion before, between and behind the operations.
     pub perimeter: PerimeterReport,
     /// Axes.
     pub machine: MachineReport,
@@ -147,19 +147,19 @@ pub struct Certificate {
     pub clamping: ClampingReport,
     /// Contracts.
     pub contracts: Vec<ContractReport>,
-    /// What is taken out of them.
+    /// Items of `allow`.
     pub allowed: Vec<AllowedReport>,
 }
 
-/// In place of a figure where no cutter comes near.
+/// Text in place of a figure where no cutter comes near.
 const NOT_REACHED: &str = "not reached";
 
-/// Of the columns in um.
+/// A figure of the columns in um.
 fn um(mm: f64) -> String {
     if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { format!("{:.2}", mm * 1e3) }
 }
 
-/// Figures of a surface as its line shows them: area, gouge and its bound, excess and its bound, percentiles.
+/// Figures of a surface as in its line: area, gouge and its bound, excess and its bound, percentiles.
 fn figures(s: &SurfaceReport) -> [String; 8] {
     let [p5, p50, p95] = s.percentiles.map(um);
     let [gouge, gouge_bound] = [s.gouge.depth, s.gouge_bound].map(um);
@@ -168,7 +168,7 @@ fn figures(s: &SurfaceReport) -> [String; 8] {
 }
 
 impl Certificate {
-    /// What the head of the NC says of the proof: whether everything was verified, and what was.
+    /// The lines on the proof at the head of the NC text: whether everything was verified, and what was verified.
     pub fn head(&self) -> Vec<String> {
         let waived = self.allowed.iter().filter(|a| a.waives);
         let mut lines: Vec<String> =
@@ -196,7 +196,7 @@ impl Certificate {
     /// The text form. `places` names the moves.
     pub fn text(&self, program: &Program, motion: &Motion) -> String {
         let mut t = String::new();
-        // Writing to a string cannot fail.
+        // Writing to a string does not fail.
         let _ = self.write(program, motion, &mut t);
         t
     }
@@ -212,7 +212,7 @@ impl Certificate {
             "  {:<27} {:>7} {:>8} {:>8}  {:<28} {:>11} {:>11}  {:<28} {:>7} {:>7} {:>7}",
             "surface", "mm2", "gouge", "at most", "at (mm)", "excess", "at most", "at (mm)", "5 %", "50 %", "95 %"
         )?;
-        // Of each group the deepest cut and the most left, wherever among its vanes they are.
+        // For each group the largest gouge and the largest excess over all of its vanes.
         let mut groups = alike(&self.surfaces, |s| Some(figures(s).concat()));
         let size = |g: &Alike| {
             let largest = |pick: fn(&SurfaceReport) -> f64| g.worst(&self.surfaces, pick).map_or(0.0, |(_, s)| pick(s));
@@ -278,7 +278,7 @@ impl Certificate {
         Ok(())
     }
 
-    /// Why an area is not reached.
+    /// Reason why an area is not reached.
     fn cause(&self, operation: Option<u32>, area: f64) -> String {
         match operation.and_then(|o| self.operations.get(o as usize)) {
             Some(o) => format!("{area:.2} mm2 where {} comes nearest", o.name),
@@ -333,7 +333,7 @@ impl Certificate {
         Ok(())
     }
 
-    /// What the motion takes of travel, speed, acceleration and jerk of each axis.
+    /// The share of travel, speed, acceleration and jerk that the motion takes of each axis.
     fn write_axes(&self, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
@@ -356,7 +356,7 @@ impl Certificate {
         writeln!(t, "  least distance to the pole while cutting {:.3} deg", self.machine.pole_distance)
     }
 
-    /// What the tools do not meet: the stock at rapid and between operations, chuck, table and fixtures.
+    /// Clearances of the tools: to the stock at rapid and between operations, to chuck, table and fixtures.
     fn write_surroundings(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
         match &self.rapid {
             Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
@@ -411,7 +411,7 @@ impl Certificate {
         Ok(())
     }
 
-    /// What the job knowingly leaves.
+    /// Every `allow` with its figure.
     fn write_allowed(&self, t: &mut String) -> std::fmt::Result {
         if !self.allowed.is_empty() {
             writeln!(t)?;

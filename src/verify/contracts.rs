@@ -1,4 +1,4 @@
-//! Contracts of the job against what was measured.
+//! Comparison of the contracts of the job with the measured figures.
 
 use super::certificate::{AllowedReport, Certificate, ContractReport};
 use super::measure::{Figure, NarrowMeasure, Unmeasured, measure};
@@ -10,8 +10,8 @@ use crate::entity::EntityId;
 use crate::ir::{Allowed, Contract, Motion, OperationId, Program};
 use nalgebra::Point3;
 
-/// Judges all contracts; failing ones become errors. Lists what is allowed, with its figure; an `allow` without which
-/// every contract would hold as well becomes a remark.
+/// Judges all contracts; failing contracts become errors. Lists what is allowed, with its figure. An `allow` becomes a
+/// remark when every contract would hold without it.
 pub(super) fn judge(
     program: &Program,
     motion: &Motion,
@@ -41,19 +41,19 @@ impl Judge<'_> {
         Region::of(&Scope { operations, surfaces: scope.surfaces.clone() }, self.program.operations.len())
     }
 
-    /// Operation after which a contract is judged, where it is one on what stands after operations.
+    /// Operation after which a contract is judged, for quantities that are judged after operations.
     fn after(&self, contract: &Contract) -> Option<usize> {
         let last = contract.scope.operations.iter().map(|o| o.index()).max();
         last.filter(|_| contract.kind.of_operations() == OfOperations::After)
     }
 
-    /// The region of a contract without what is allowed; `but` is an item to leave out.
+    /// The region of a contract without the allowed parts; the item `but` does not count as allowed.
     fn kept(&self, contract: &Contract, but: Option<&Allowed>) -> Region {
         let others = self.program.allowed.iter().filter(|a| a.kind == contract.kind && Some(*a) != but);
         let left = others.fold(self.region(contract.kind, &contract.scope), |region, a| {
             region.without(&self.region(a.kind, &a.scope))
         });
-        // A default is for what no other contract speaks of.
+        // A default covers only what no stated contract covers.
         let stated = self.program.contracts.iter().filter(|c| contract.default && !c.default);
         stated
             .filter(|c| c.kind.covers(contract.kind))
@@ -106,7 +106,7 @@ impl Judge<'_> {
         let figure = measure(allowed.kind, &own, None, self.certificate, self.narrow).ok();
         let excuses = self.program.contracts.iter().filter(|c| c.kind == allowed.kind).any(|c| {
             let without = match c.kind {
-                // Sums and shares: with the taken-out operations the contract would fail as a whole.
+                // Sums and shares are judged with the operations that were taken out: the contract may fail as a whole.
                 ContractKind::Time | ContractKind::Air => self.kept(c, Some(allowed)),
                 _ => self.region(c.kind, &c.scope).within(&own),
             };
@@ -198,7 +198,7 @@ impl Judge<'_> {
     }
 }
 
-/// What was found in words; beyond [`FAR`] nobody looked for what is left.
+/// The found value in words; values from [`FAR`] on are not measured.
 fn amount(kind: ContractKind, found: f64) -> String {
     if matches!(kind, ContractKind::Excess | ContractKind::Rest) && found >= FAR {
         "all of it".to_owned()
@@ -207,7 +207,7 @@ fn amount(kind: ContractKind, found: f64) -> String {
     }
 }
 
-/// Code, message and way out of a contract that fails.
+/// Code, message and help of a contract that fails.
 fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
     let what = &found.what;
     let is = amount(contract.kind, found.value);

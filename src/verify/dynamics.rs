@@ -1,22 +1,24 @@
-//! Feed that the machine really reaches: the fastest run through the blocks of an operation that keeps the speed and
-//! the acceleration of every axis, as a control with look-ahead does it.
+//! Feed that the machine reaches: the fastest run through the blocks of an operation within the speed and the
+//! acceleration of every axis, as with a control with look-ahead.
 //!
-//! A block is cut into cells in which the joints are parabolas of the programmed time tau (the time that feed and axis
-//! speeds ask for). The run is y(tau) = (dtau/dt)^2, at most 1. With q' and q'' the derivatives by tau, the axis speed is
-//! q' sqrt(y) and its acceleration q'' y + q' y'/2. Held in every cell: |q'| sqrt(y) <= speed, and
-//! |q''| y + |q'| |y'|/2 <= acceleration, so that the time is that of a feasible run, never below the true least.
-//! One pass forward and one backward find y; a cell is run through with up, even and down phases in closed form.
+//! A block is divided into cells in which the joints are parabolas of the programmed time tau, the time that follows
+//! from feed and axis speeds. The run is y(tau) = (dtau/dt)^2, at most 1. With the derivatives q' and q'' by tau, the
+//! axis speed is q' sqrt(y) and its acceleration is q'' y + q' y'/2. Every cell satisfies |q'| sqrt(y) <= speed and
+//! |q''| y + |q'| |y'|/2 <= acceleration. The time is therefore that of a feasible run and never below the true
+//! minimum. A forward and a backward pass find y; within a cell, phases of rising, constant and falling speed have a
+//! closed form.
 //!
-//! At a block's end the direction jumps. The control rounds that with the acceleration of its slowest axis in a time T,
-//! and leaves the corner by |jump of velocity| T / 8; the speed there is such that neither tip nor flutes leave it by
-//! more than the chord tolerance, which the posts give to the control, and that T fits between the middles of both
-//! blocks. A jump that both ends of a block have is curvature cut into chords: it counts as q'' of the block.
-//! The program of an operation begins and ends at rest.
+//! At the end of a block the direction jumps. The control rounds the corner with the acceleration of its slowest axis
+//! in a time T, and deviates from it by |jump of velocity| T / 8. The speed at the corner is limited: neither tip nor
+//! flutes deviate by more than the chord tolerance, which the posts give to the control, and T fits between the middles
+//! of both blocks. The part of a jump that both ends of a block share is curvature divided into chords; this part
+//! counts as q'' of the block. The program of an operation begins and ends at rest.
 //!
-//! LinuxCNC plans otherwise, see [`crate::kin::linuxcnc`]: for machines with it, times and deviations are those of its planner.
+//! LinuxCNC plans differently, see [`crate::kin::linuxcnc`]: for machines with LinuxCNC, times and deviations are those
+//! of its planner.
 //!
-//! Where the axes have limits of jerk, the run is one below that, see `jerk`; the time without them stays as the bound
-//! that it cannot fall below.
+//! Where the axes have limits of jerk, the run is a slower one, see `jerk`. The time without these limits is kept as a
+//! lower bound.
 
 mod jerk;
 
@@ -27,26 +29,27 @@ use crate::method::Planning;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-/// Turn of a cell, radians: the third derivative of a joint 300 mm from a rotary axis then bends by 0.1 um.
+/// Turn of a cell, radians: over this turn, the third derivative of a joint 300 mm from a rotary axis makes a deviation
+/// of 0.1 um.
 const CELL_TURN: f64 = std::f64::consts::PI / 90.0;
 
-/// Most cells of a block; a block of 2000 deg has no more.
+/// Most cells of a block; a block with a turn of 2000 deg needs no more.
 const MOST_CELLS: f64 = 1000.0;
 
-/// Something that is largest at one place.
+/// A largest value and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Peak {
-    /// How much.
+    /// Value.
     pub value: f64,
     /// Move.
     pub at: Option<At>,
 }
 
 impl Peak {
-    /// Nothing yet.
+    /// No value yet.
     pub const NONE: Self = Self { value: 0.0, at: None };
 
-    /// Takes a larger value, and keeps one that is no number: nothing may hide it.
+    /// Takes a larger value. Keeps a value that is not a number, so that nothing hides it.
     pub fn raise(&mut self, value: f64, at: At) {
         if value > self.value || value.is_nan() {
             *self = Self { value, at: Some(at) };
@@ -54,57 +57,58 @@ impl Peak {
     }
 }
 
-/// How one operation runs.
+/// Run of one operation.
 #[derive(Clone, Debug, Serialize)]
 pub struct Run {
-    /// Time of cutting, links and rapids with speeds, accelerations and jerks kept, s.
+    /// Time of cutting, links and rapids within the limits of speed, acceleration and jerk, s.
     pub time: [f64; 3],
-    /// The same without bounds on jerks, s: no run of these blocks that keeps them is faster.
+    /// Time of the same without limits of jerk, s: no run of these blocks within the limits of acceleration is faster.
     pub within_accelerations: [f64; 3],
-    /// The same with accelerations without bounds, s.
+    /// Time of the same without limits of acceleration, s.
     pub programmed: [f64; 3],
-    /// Share of the programmed feed with which the slowest cutting block is run through, and that block.
+    /// Least share of the programmed feed that a cutting block reaches, and this block.
     pub slowest: Peak,
-    /// Largest speed of X, Y, Z and the rotary axes that is reached, as a share of the limit.
+    /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
     pub speed: [Peak; 5],
-    /// Largest acceleration of the axes inside of blocks that the programmed feed would take, as a share of the limit:
-    /// above 1 the control slows down.
+    /// Largest acceleration of the axes inside of blocks at the programmed feed, as a share of the limit: above 1 the
+    /// control slows down.
     pub asked: [Peak; 5],
-    /// Largest jerk of the axes in the run, as a share of the limit; zero where there is none.
+    /// Largest jerk of the axes in the run, as a share of the limit; zero without a limit.
     pub jerk: [Peak; 5],
-    /// How far tip or flutes leave the programmed corners at the speed reached, mm; not at rapid, nor the next figure.
+    /// Largest deviation of tip or flutes from the programmed corners at the reached speed, mm. Rapids count neither
+    /// here nor in the next figure.
     pub corners: Peak,
-    /// How far the tool leaves the path between two positions that the control gives to its drives, mm.
+    /// Largest deviation of the tool from the path between two positions that the control gives to its drives, mm.
     pub cycle: Peak,
-    /// How far tip or flutes leave the programmed motion in all: the larger corner of a block and its cycle, mm.
+    /// Total deviation of tip or flutes from the programmed motion: the larger corner of a block plus its cycle, mm.
     pub contour: Departure,
-    /// How far the tool axis leaves that of the programmed motion where corners are rounded, degrees. Inside of a block
-    /// the rotary axes are even in the way of the tip, so that the cycle does not tilt the axis.
+    /// Deviation of the tool axis from the programmed motion where corners are rounded, degrees. Inside of a block the
+    /// rotary axes are linear in the path of the tip, so that the cycle does not tilt the axis.
     pub orientation: Departure,
 }
 
-/// A departure from the verified motion where it is largest.
+/// Largest deviation from the verified motion, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Departure {
-    /// How much.
+    /// Total deviation.
     pub value: f64,
-    /// The part of it that rounding a corner makes, in the same unit.
+    /// Share of the deviation from rounding a corner, in the same unit.
     pub corner: f64,
     /// Move.
     pub at: Option<At>,
-    /// Tip at the end of that move, part frame, mm; the origin where nothing departs.
+    /// Tip at the end of this move, part frame, mm; the origin where there is no deviation.
     pub tip: [f64; 3],
 }
 
 impl Departure {
-    /// Nothing departs.
+    /// No deviation.
     pub const NONE: Self = Self { value: 0.0, corner: 0.0, at: None, tip: [0.0; 3] };
 
-    /// The block that departs most, by what its corners and its cycle do.
+    /// The block with the largest deviation, the sum of its larger corner and its cycle.
     fn largest(blocks: &[BlockError], parts: impl Fn(&BlockError) -> [f64; 2]) -> Self {
         let mut most = Self::NONE;
         for (i, block) in blocks.iter().enumerate() {
-            // The corner at its end is the one at the start of the next.
+            // The corner at the end of a block is the corner at the start of the next block.
             let end = blocks.get(i + 1).map_or(0.0, |next| parts(next)[0]);
             let [start, cycle] = parts(block);
             let corner = start.max(end);
@@ -115,7 +119,7 @@ impl Departure {
         most
     }
 
-    /// With the tip at the end of its move.
+    /// With the tip at the end of the move.
     fn placed(self, machine: &Machine, moves: &[JointMove]) -> Self {
         let end = self.at.and_then(|at| moves.get(at.index as usize));
         let tip = end.map_or([0.0; 3], |m| machine.forward(&m.joints).tip.coords.into());
@@ -123,60 +127,61 @@ impl Departure {
     }
 }
 
-/// How a block leaves the programmed motion.
+/// Deviations of a block from the programmed motion.
 struct BlockError {
     at: At,
-    /// Rounding of the corner at its start: tip or flutes, mm, and the tool axis, degrees.
+    /// Rounding of the corner at the start: tip or flutes, mm, and the tool axis, degrees.
     corner: [f64; 2],
-    /// Between two cycles of the control, mm.
+    /// Deviation between two cycles of the control, mm.
     cycle: f64,
 }
 
-/// A piece of a block with even derivatives.
+/// A part of a block in which the joints are parabolas.
 #[derive(Clone, Copy)]
 pub(super) struct MotionCell {
     block: u32,
     kind: MoveKind,
     /// Programmed time, s.
     width: f64,
-    /// Largest |q'| and |q''|, the latter with the curvature that is cut into chords.
+    /// Largest |q'| and |q''|, the latter with the curvature that is divided into chords.
     rate: [f64; 5],
     bend: [f64; 5],
     /// Largest y.
     cap: f64,
-    /// Ratio of dtau/dt after its start to that before; zero where the axes must stand.
+    /// Ratio of dtau/dt after its start to dtau/dt before; zero where the axes must come to rest.
     ratio: f64,
-    /// Largest y before its start that the corner there allows, and the distance by which it is rounded for y = 1.
+    /// Largest y that the corner at its start allows before it, and deviation at this corner for y = 1.
     corner: f64,
     rounding: f64,
-    /// Turn of the tool axis away from the corner for y = 1, radians.
+    /// Deviation of the tool axis at the corner for y = 1, radians.
     tilting: f64,
-    /// |q''| of the linear joints as a vector.
+    /// Norm of q'' of the linear joints as a vector.
     sag: f64,
-    /// q'' with the curvature that is cut into chords, with their signs.
+    /// Signed q'' with the curvature that is divided into chords.
     level: Joint5,
-    /// Jump of q' at the start of a block, in its own time, and the part of it that is such curvature.
+    /// Jump of q' at the start of a block by the time of this block, and the share of such curvature in it.
     jump: Joint5,
     shared: Joint5,
-    /// How fast tip and flutes leave that corner for y = 1 before it, mm/s, and the time there is to round it.
+    /// Jump of the velocity of tip and flutes at the corner for y = 1 before it, mm/s, and the time available for
+    /// rounding.
     flutes: f64,
     room: f64,
 }
 
-/// A part of a cell as it is run through.
+/// A part of a cell in the run.
 pub(super) struct MovePart {
     cell: usize,
-    /// Programmed time, and time, s.
+    /// Programmed time, and real time, s.
     width: f64,
     time: f64,
-    /// y at its start, largest y.
+    /// y at its start, and largest y.
     from: f64,
     peak: f64,
     /// Largest jerk of each axis.
     jerk: Joint5,
 }
 
-/// Limits that a run keeps.
+/// Limits of a run.
 pub(super) struct RunLimits {
     speed: [f64; 5],
     acceleration: [f64; 5],
@@ -188,7 +193,7 @@ pub(super) struct RunLimits {
 
 pub(super) type Joint5 = [f64; 5];
 
-/// A block as it begins and ends.
+/// Start and end of a block.
 struct MotionBlock {
     time: f64,
     cells: std::ops::Range<usize>,
@@ -196,12 +201,12 @@ struct MotionBlock {
     ends: [Joint5; 2],
     /// Velocity of the tip on the part, by tau.
     tip: Vector3<f64>,
-    /// Jump of q' at its start, in the time of this block.
+    /// Jump of q' at its start, by the time of this block.
     jump: Joint5,
 }
 
 impl Run {
-    /// Of an operation without moves.
+    /// Run of an operation without moves.
     const NONE: Self = Self {
         time: [0.0; 3],
         within_accelerations: [0.0; 3],
@@ -216,8 +221,8 @@ impl Run {
         orientation: Departure::NONE,
     };
 
-    /// Takes times, shares of the limits and departures from all parts of a run; `cycle` is that of the control, s. Gives
-    /// how each block leaves the programmed motion.
+    /// Collects times, shares of the limits and deviations from all parts of a run; `cycle` is the cycle of the
+    /// control, s. Returns the deviations of each block from the programmed motion.
     fn measure(
         &mut self,
         limits: &RunLimits,
@@ -259,7 +264,7 @@ impl Run {
         errors
     }
 
-    /// Takes the shares of the limits in a part of a cell.
+    /// Collects the shares of the limits in a part of a cell.
     fn raise_shares(&mut self, limits: &RunLimits, cell: &MotionCell, part: &MovePart, at: At) {
         for k in 0..5 {
             self.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
@@ -269,7 +274,7 @@ impl Run {
     }
 }
 
-/// Place of a kind of moves among the times of a run.
+/// Index of a kind of moves among the times of a run.
 fn number(kind: MoveKind) -> usize {
     match kind {
         MoveKind::Cut => 0,
@@ -278,8 +283,8 @@ fn number(kind: MoveKind) -> usize {
     }
 }
 
-/// How far tip or flutes (mm) and the tool axis (degrees) leave the corner at the start of a cell, of which `part` is the
-/// first. At rapid nothing is near that would mind.
+/// Deviation of tip or flutes (mm) and of the tool axis (degrees) at the corner at the start of a cell; `part` is the
+/// first part of this cell. Next to a rapid the deviation does not matter, since nothing is near.
 fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> [f64; 2] {
     let cell = &cells[part.cell];
     let rapid = |c: &MotionCell| c.kind == MoveKind::Rapid;
@@ -292,7 +297,7 @@ fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> 
     }
 }
 
-/// Runs one operation of a motion.
+/// Run of one operation of a motion.
 pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let mut report = Run::NONE;
     let Some(moves) = motion.operations.get(operation) else { return report };
@@ -315,7 +320,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
-    // Runs with a limit of jerk look at smaller parts of the blocks, which may show that a faster run is possible.
+    // Runs with a limit of jerk use smaller parts of the blocks, which may permit a faster run.
     for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
         *least = least.min(time);
     }
@@ -329,7 +334,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     report
 }
 
-/// Cells of all blocks that take time, with the corners between them.
+/// Cells of all blocks with a time, and the corners between them.
 fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<MotionCell> {
     let mut cells = Vec::new();
     let mut last: Option<MotionBlock> = None;
@@ -358,7 +363,7 @@ fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     cells.iter().zip(&nodes).enumerate().map(part).collect()
 }
 
-/// Times, corners and speeds as LinuxCNC has them, instead of those of a control that plans by joints.
+/// Replaces times, corners and speeds by those of LinuxCNC: its control does not plan by joints.
 fn by_linuxcnc(
     settings: &linuxcnc::Settings,
     moves: &[JointMove],
@@ -372,7 +377,7 @@ fn by_linuxcnc(
     report.corners = Peak::NONE;
     report.slowest = Peak { value: 1.0, at: None };
     let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
-    // The corner at the end of a move. At rapid nothing is near that would mind.
+    // The corner at the end of a move. Between two rapids the deviation does not matter, since nothing is near.
     let corner = |index: usize| -> [f64; 2] {
         let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| !rapid(index) || !rapid(index + 1));
         ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()])
@@ -389,12 +394,12 @@ fn by_linuxcnc(
         }
     }
     for error in errors {
-        // Their corner is the one at the start of a block.
+        // The corner of an error is the corner at the start of its block.
         error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
     }
 }
 
-/// Cells of a block; the corner at its start is not known yet.
+/// Cells of a block; the corner at its start is set later.
 fn block(
     machine: &Machine,
     from: &Joints,
@@ -447,7 +452,7 @@ fn block(
     MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5] }
 }
 
-/// Sets the corner between two blocks, and finishes the first of them.
+/// Sets the corner between two blocks, and finishes the first block.
 fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBlock, cells: &mut [MotionCell]) {
     let at = block.cells.start;
     let Some(before) = before else {
@@ -455,10 +460,10 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
         return;
     };
     let (v1, v2) = (&before.ends[1], &block.ends[0]);
-    // The joints together keep their speed, weighed by how fast they get rid of it.
+    // The joint speed as a whole is constant over the corner; the norm weighs each joint by its acceleration.
     let size = |v: &Joint5| (0..5).map(|k| (v[k] / limits.acceleration[k]).powi(2)).sum::<f64>().sqrt();
     let ratio = size(v1) / size(v2);
-    // A block that moves nothing is a stop.
+    // A block without motion is a stop.
     if ratio <= 0.0 || !ratio.is_finite() {
         cells[at].ratio = 0.0;
         finish(limits, before, &[0.0; 5], cells);
@@ -483,12 +488,12 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
     finish(limits, before, &jump, cells);
 }
 
-/// Curvature and largest y of a block whose jump at the end is known.
+/// Curvature and largest y of a block; `jump` is the jump at its end.
 fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [MotionCell]) {
     for cell in &mut cells[block.cells.clone()] {
         for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
             cell.bend[k] += start.abs().min(end.abs()) / block.time;
-            // Curvature only where both turn the same way.
+            // Both ends share curvature only where their jumps have the same sign.
             if start * end > 0.0 {
                 cell.shared[k] = start.signum() * start.abs().min(end.abs());
                 cell.level[k] += cell.shared[k] / block.time;
@@ -503,7 +508,7 @@ fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [M
     }
 }
 
-/// Largest y that is reached from y over a stretch of a cell.
+/// Largest y that the run reaches from y over a part of a cell.
 fn rise(limits: &RunLimits, cell: &MotionCell, y: f64, width: f64) -> f64 {
     (0..5)
         .filter(|k| cell.rate[*k] > 0.0)
@@ -538,13 +543,13 @@ fn passes(limits: &RunLimits, cells: &[MotionCell]) -> Vec<[f64; 2]> {
 
 /// Time of a cell between two values of y, and the largest y in it.
 fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f64) {
-    // Both slopes meet at the peak, unless the cap cuts it off.
+    // Both slopes intersect at the peak, unless the cap is lower.
     let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
     let slope = (0..5)
         .filter(|k| cell.rate[*k] > 0.0)
         .map(|k| 2.0 * (limits.acceleration[k] - cell.bend[k] * peak).max(0.0) / cell.rate[k])
         .fold(f64::INFINITY, f64::min);
-    // No slope is left only where y cannot change.
+    // The slope is zero only where y cannot change.
     let leg = |y: f64| if slope > 0.0 { (peak - y) / slope } else { 0.0 };
     let (mut up, mut down) = (leg(from), leg(to));
     let sum = up + down;

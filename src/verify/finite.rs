@@ -1,5 +1,5 @@
-//! Whether every number of a certificate is one. JSON writes `null` for a number that is none, as it does where there is
-//! nothing to say, so that nobody would see it.
+//! Whether every number of a certificate is finite. JSON writes `null` for a number that is not finite, as for an
+//! absent value, so that nobody would notice it.
 
 use super::Certificate;
 use crate::diag::{Diag, Sink, codes::verification};
@@ -7,13 +7,13 @@ use crate::ir::{Motion, Program};
 use ciborium::Value;
 use serde::Serialize;
 
-/// Reports figures that are no number: nothing rests on them, and no text shows them.
+/// Reports figures that are not finite: they prove nothing, and no text shows them.
 pub fn report(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
     let mut unknown = match not_finite(certificate) {
         Ok(unknown) => unknown,
         Err(reason) => vec![vec![reason]],
     };
-    // What the report alone shows.
+    // Figures that appear only in the report.
     let shown = certificate.stock.iter().flat_map(|s| &s.operations);
     let curves = shown.filter(|o| o.moves.iter().any(|m| !(m.rate.is_finite() && m.arc.is_finite())));
     unknown
@@ -37,10 +37,10 @@ pub fn report(program: &Program, motion: &Motion, certificate: &Certificate, sin
     sink.push(diag);
 }
 
-/// Where numbers stand that are not finite: names of fields and indices, from the outside inward.
+/// Places of numbers that are not finite: names of fields and indices, from the outside inward.
 ///
 /// # Errors
-/// A value that has no form, with the reason; none is known.
+/// A value that cannot be serialized, with the reason; no such value is known.
 pub fn not_finite(value: &impl Serialize) -> Result<Vec<Vec<String>>, String> {
     let value = Value::serialized(value).map_err(|e| e.to_string())?;
     let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Figures of contracts: what the certificate has proved, narrowed to the surfaces and operations that a contract names.
+//! Figures of contracts: the values of the certificate, limited to the surfaces and operations that a contract names.
 
 use super::certificate::Certificate;
 use super::clearance::Clearance;
@@ -15,15 +15,15 @@ use crate::units::length;
 pub(super) struct Figure {
     /// In the unit of the contract's bound.
     pub(super) value: f64,
-    /// What was found, where the value is a bound that lies beyond it.
+    /// The worst value at the computed points, where `value` is a proved bound beyond it.
     pub(super) found: Option<f64>,
-    /// What was measured, in words.
+    /// The measured quantity in words.
     pub(super) what: String,
-    /// Where on the part.
+    /// Place on the part.
     pub(super) point: Option<[f64; 3]>,
-    /// Where in the program.
+    /// Place in the program.
     pub(super) at: Option<At>,
-    /// Operation that matters most, by its index.
+    /// The operation with the largest share, by its index.
     pub(super) operation: Option<usize>,
 }
 
@@ -38,26 +38,26 @@ pub(super) enum Unmeasured {
     NoSolid,
 }
 
-/// What the verifier measures again for a narrower question.
+/// Measurements for a part of the surfaces or operations.
 pub(super) trait NarrowMeasure {
     /// Surfaces as the cutters of these operations alone leave them.
     fn surfaces(&self, operations: &[bool]) -> Vec<SurfaceReport>;
 
-    /// Least distance of a part of the tool of an operation to some surfaces of the design.
+    /// Least distance of a part of the tool in an operation to some surfaces of the design.
     fn clearance(&self, operation: usize, body: Guarded, surfaces: &[SurfaceClass]) -> Option<Clearance>;
 
-    /// Volume of the finished part, mm3; `None` when its surfaces do not close.
+    /// Volume of the finished part, mm3; `None` when its surfaces are not closed.
     fn part_volume(&self) -> Option<f64>;
 
-    /// Distance within which bodies are looked for, mm.
+    /// Search distance of bodies, mm.
     fn search(&self) -> f64;
 }
 
-/// The figure of a quantity on a region; `after` is the operation after which it is asked for, the last one where none
-/// is named.
+/// The figure of a quantity on a region. `after` is the operation after which the quantity is judged; `None` means the
+/// last operation.
 ///
 /// # Errors
-/// Why there is none.
+/// Why there is no figure.
 pub(super) fn measure(
     kind: ContractKind,
     region: &Region,
@@ -89,7 +89,7 @@ pub(super) fn measure(
     }
 }
 
-/// The largest value over the surfaces of a region, each surface left by the operations that the region has on it.
+/// The largest value over the surfaces of a region; for each surface only the operations of the region count.
 fn worst(
     certificate: &Certificate,
     narrow: &dyn NarrowMeasure,
@@ -159,7 +159,7 @@ fn clearance(certificate: &Certificate, narrow: &dyn NarrowMeasure, body: Guarde
             at: Some(c.at),
             operation: Some(c.at.operation as usize),
         },
-        // Nothing came within the search distance, which no bound of a contract exceeds.
+        // Nothing is within the search distance, and no bound of a contract exceeds this distance.
         None => none(narrow.search(), "tool"),
     }
 }
@@ -214,7 +214,7 @@ fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasur
     ))
 }
 
-/// Stock after an operation, or at the end, less the finished part. A cut into the part counts against what is left.
+/// Stock after an operation, or at the end, less the finished part. A cut into the part reduces this value.
 fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMeasure) -> Result<Figure, Unmeasured> {
     let part = narrow.part_volume().ok_or(Unmeasured::NoSolid)?;
     let last = match after {
@@ -250,7 +250,7 @@ fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
     }
 }
 
-/// Largest departure from the verified motion over the operations of a region, and what makes it in words.
+/// Largest deviation from the verified motion over the operations of a region, and its cause in words.
 fn departure(certificate: &Certificate, region: &Region, pick: fn(&Run) -> (Departure, String)) -> Figure {
     let chosen = region.operations();
     let runs = certificate.machine.runs.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
@@ -278,7 +278,7 @@ fn orientation(run: &Run) -> (Departure, String) {
     (run.orientation, "rounding a corner".to_owned())
 }
 
-/// Surfaces of the region, and islands in the channels where the region is not narrowed to surfaces.
+/// Rest on the surfaces of the region; islands in the channels count as well where the region includes all surfaces.
 fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Result<Figure, Unmeasured> {
     let report = match after {
         Some(o) => certificate.rest.iter().find(|r| r.operation as usize == o),

@@ -1,8 +1,9 @@
-//! Memory that the verification of a motion takes, estimated before it starts.
+//! Memory that the verification of a motion takes, estimated before the start.
 //!
-//! Each block takes memory, each piece of at most 1 deg and 3 mm into which `sweep` divides a block, and each
-//! change of speed. A text of a few kilobytes can turn the table by thousands of turns, so the size of the text says
-//! nothing. Peak memory was measured on two cores with changed texts of `jobs/small` and `jobs/reduced`:
+//! Memory is needed for each block, for each piece of at most 1 deg and 3 mm into which `sweep` divides a block, and
+//! for each change of speed. A text of a few kilobytes can turn the table by thousands of turns, so that the size of
+//! the text gives no estimate. Peak memory was measured on two cores with changed texts of `jobs/small` and
+//! `jobs/reduced`:
 //!
 //! | text | blocks | pieces | changes of speed | measured | estimated |
 //! |---|---|---|---|---|---|
@@ -32,19 +33,19 @@ const BLOCK: f64 = 500.0;
 /// Memory of a piece of a block, bytes.
 const PIECE: f64 = 600.0;
 
-/// Memory of a block while the axes run through its operation, bytes.
+/// Memory of a block during the run of the axes through its operation, bytes.
 const RUN: f64 = 1500.0;
 
-/// The same of a place where they change their speed: the run has many knots about it.
+/// Memory of a change of speed during the run, bytes: the run has many knots around it.
 const CHANGE_OF_SPEED: f64 = 4.2e4;
 
-/// Share of the speed that counts as such a change.
+/// Least change of speed that counts, as a share of the larger speed.
 const CHANGED: f64 = 0.3;
 
-/// Distance at which a turn moves as far as the tip, mm.
+/// Radius with which turns are converted to lengths, mm.
 const ARM: f64 = 50.0;
 
-/// What the moves of an operation take.
+/// Counts that determine the memory of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Counted {
     blocks: f64,
@@ -72,12 +73,12 @@ impl Counted {
         counted
     }
 
-    /// Memory that stays until the end, bytes.
+    /// Memory that is used until the end, bytes.
     fn kept(&self) -> f64 {
         BLOCK * self.blocks + PIECE * self.pieces
     }
 
-    /// Memory while the axes run through the operation, bytes.
+    /// Memory during the run of the axes through the operation, bytes.
     fn run(&self) -> f64 {
         RUN * self.blocks + CHANGE_OF_SPEED * self.changes
     }
@@ -86,7 +87,7 @@ impl Counted {
 /// Peak memory of [`certify`](super::certify) for the moves of all operations, bytes.
 fn peak(program: &Program, counted: &[Counted]) -> f64 {
     let samples = SAMPLE * sample::estimate(&program.part, SPACING);
-    // The runs of the operations follow each other.
+    // The operations run one after the other.
     let run = counted.iter().map(Counted::run).fold(0.0, f64::max);
     PART + samples + counted.iter().map(Counted::kept).sum::<f64>() + run
 }

@@ -1,7 +1,7 @@
-//! Independent checks of a motion; the only maker of [`Verified`].
+//! Independent checks of a motion; only this module makes a [`Verified`].
 //!
-//! The verifier shares the engines with the planner and nothing else. It knows joints, tools and the design; it asks
-//! what the tools do over continuous time, with forward kinematics only.
+//! The verifier shares only the engines with the planner. Its inputs are joints, tools and the design. It computes what
+//! the tools do over continuous time, with forward kinematics only.
 //!
 //! | layer | question | where |
 //! |---|---|---|
@@ -62,11 +62,11 @@ pub const SPACING: f64 = 0.25;
 /// Spacing of the samples of the turned stock, mm.
 const STOCK_SPACING: f64 = 0.5;
 
-/// Deepest cut into kept surfaces in a job that allows gouge, or has no contract on gouge of the whole part, mm: no tolerance
-/// of finishing is as wide.
+/// Deepest allowed cut into kept surfaces in a job that allows gouge, or without a contract on gouge of the whole part,
+/// mm: larger than any tolerance of finishing.
 const KEPT_GOUGE: f64 = 0.1;
 
-/// Distance within which shank, holder and rapids are looked for, mm; farther is "far".
+/// Search distance of shank, holder and rapids, mm; larger distances are not measured.
 const BODY_SEARCH: f64 = 5.0;
 
 /// A value that the verifier accepted.
@@ -83,17 +83,17 @@ impl<T> Verified<T> {
 /// Verifies a motion against its program.
 ///
 /// # Errors
-/// Anything that breaks a rule of the machine or a contract of the job; all of it is in the sink.
+/// Any violation of a rule of the machine or of a contract of the job; all of them are in the sink.
 pub fn verify(program: &Program, motion: Motion, sink: &mut Sink) -> Result<(Verified<Motion>, Certificate), Aborted> {
     let (judged, certificate) = examine(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)?;
     judged.map(|motion| (motion, certificate)).map_err(|_| Aborted)
 }
 
-/// Verifies a motion with settings of the stock simulation, and gives it back as it is when it is refused, so that what
-/// failed can be shown.
+/// Verifies a motion with settings of the stock simulation. Returns a refused motion as it is, so that its faults can
+/// be shown.
 ///
 /// # Errors
-/// The motion is malformed; what else breaks a rule or a contract is in the sink.
+/// The motion is malformed; all other violations of a rule or a contract are in the sink.
 pub fn examine(
     program: &Program,
     motion: Motion,
@@ -113,7 +113,7 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     certify_with(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)
 }
 
-/// [`certify`] with settings of the stock simulation, telling how far it is.
+/// [`certify`] with settings of the stock simulation, and with reports of its progress.
 ///
 /// # Errors
 /// As [`certify`].
@@ -168,7 +168,7 @@ pub fn certify_with(
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
-    // What the machine really takes, not what the feeds ask for.
+    // The time that the machine takes, not the programmed time.
     for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
         operation.time = run.time;
     }
@@ -198,8 +198,8 @@ fn limits(program: &Program) -> Limits {
     Limits { gouge: of(ContractKind::Gouge), excess: of(ContractKind::Excess) }
 }
 
-/// Deepest cut that is allowed into kept surfaces, mm: the strictest contract on gouge of the whole part and program. Where
-/// the job allows gouge, which goes on over the border of a face, no less than [`KEPT_GOUGE`].
+/// Deepest allowed cut into kept surfaces, mm: the strictest contract on gouge of the whole part and program. Where the
+/// job allows gouge, which may extend over the border of a face, at least [`KEPT_GOUGE`].
 fn kept_gouge(program: &Program) -> f64 {
     let whole = program.contracts.iter().filter(|c| c.kind == ContractKind::Gouge && c.scope.is_whole());
     let strictest = whole.map(|c| c.bound.value()).reduce(f64::min).unwrap_or(KEPT_GOUGE);
@@ -207,7 +207,7 @@ fn kept_gouge(program: &Program) -> f64 {
     if allowed { strictest.max(KEPT_GOUGE) } else { strictest }
 }
 
-/// Distance within which shank, holder and rapids are looked for, mm: enough to judge every contract on it.
+/// Search distance of shank, holder and rapids, mm: enough to judge every contract on clearance.
 pub fn search(program: &Program) -> f64 {
     let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
     asked.map(|c| c.bound.value()).fold(BODY_SEARCH, f64::max)
@@ -255,7 +255,7 @@ impl measure::NarrowMeasure for Narrower<'_> {
     }
 }
 
-/// Distance within which every point of a design surface has a sample, mm.
+/// Upper bound of the distance from a point of a design surface to its nearest sample, mm.
 const HALF_SPACING: f64 = SPACING * std::f64::consts::FRAC_1_SQRT_2;
 
 fn shank_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
@@ -266,7 +266,7 @@ fn holder_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
     s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
 }
 
-/// Least distance over pieces, in parallel over runs of pieces; ties go to the earlier run.
+/// Least distance over pieces, in parallel over groups of pieces; of equal distances the earlier group wins.
 fn least_over(
     pieces: &[piece::Piece],
     solid: &ToolSolid,
@@ -275,7 +275,7 @@ fn least_over(
     (half_spacing, search): (f64, f64),
     work: &Work,
 ) -> Option<clearance::Clearance> {
-    /// Pieces of a run: enough that the bound found early in a run prunes the rest.
+    /// Pieces of a group: so many that the bound found early in the group excludes most of the others.
     const RUN: usize = 4096;
     let least = |run: &[piece::Piece]| {
         let found = clearance::least(run, solid, distance, cloud, half_spacing, search);
@@ -328,7 +328,7 @@ fn operation_report(
     }
 }
 
-/// Faults that no contract needs to ask for: axes, rapids through stock; and what is worth a remark.
+/// Reports faults that need no contract: axes beyond their limits, rapids through stock; and further remarks.
 fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
     for f in &certificate.machine.faults {
         let what = describe(program, motion, Some(f.at));

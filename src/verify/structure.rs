@@ -1,16 +1,16 @@
 //! V1: the motion is well formed.
 //!
-//! Checked: every operation of the program is there once and in order; every number is finite; feeds are positive and
-//! not above the process feed; times are not negative; a cut or link has a feed, a rapid has none; an operation begins
-//! with a rapid; labels exist. Not checked here: anything about the part.
+//! Checked: the motion contains every operation of the program once and in order; every number is finite; feeds are
+//! positive and not above the process feed; times are not negative; a cut or link has a feed, a rapid has none; an
+//! operation begins with a rapid; labels exist. Not checked here: anything about the part.
 
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MoveKind, Program};
 
-/// Feed above the process feed that is rounding.
+/// Largest excess of a feed over the process feed that counts as rounding.
 const FEED_ROUNDING: f64 = 1e-6;
 
-/// Reports what is malformed; true when nothing is.
+/// Reports faults of the structure; true when there are none.
 pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
     let mut sound = true;
     let mut fault = |text: String| {

@@ -1,15 +1,16 @@
-//! The run with the jerk of every axis kept, and corners with it.
+//! The run within the jerk of every axis, including the corners.
 //!
-//! In a cell |q'| and |q''| are those of its bounds, and |q'''| is what q'' changes by from the middle of one cell to
-//! that of the next, curvature that is cut into chords included. The run keeps |q''| y + |q'| |y'|/2 <= acceleration and
-//! (|q'''| y + 3/2 |q''| |y'| + |q'| |y''|/2) sqrt(y) <= jerk over every part of a cell.
+//! In a cell, |q'| and |q''| are its bounds. |q'''| is the change of q'' from the middle of one cell to the middle of
+//! the next, including curvature that is divided into chords. The run satisfies |q''| y + |q'| |y'|/2 <= acceleration
+//! and (|q'''| y + 3/2 |q''| |y'| + |q'| |y''|/2) sqrt(y) <= jerk over every part of a cell.
 //!
-//! The part of a corner that is not such curvature is rounded by a pulse of acceleration that grows and falls with the
-//! jerk: a change of speed v takes v/a + a/j where the acceleration a is reached, 2 sqrt(v/j) otherwise. As without
-//! limits of jerk the rounding stays within the chord tolerance and between the middles of both blocks.
+//! The rest of a corner, which is not such curvature, is rounded by a pulse of acceleration that rises and falls with
+//! the jerk. A change of speed v takes v/a + a/j where the acceleration a is reached, and 2 sqrt(v/j) otherwise. As
+//! without limits of jerk, the rounding remains within the chord tolerance and between the middles of both blocks.
 //!
-//! The parameter goes on evenly over corners, so that its scale drifts where blocks end faster than they begin, many times
-//! in a row. Where digits would be lost the run comes to rest at a corner: a feasible run as well, which takes longer.
+//! The rate of the parameter is continuous over corners. Its scale therefore drifts where many blocks in a row end
+//! faster than they begin. Before digits are lost, the run comes to rest at a corner: this run is feasible as well, and
+//! takes longer.
 
 use super::{Joint5, MotionCell, MovePart, RunLimits};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
@@ -22,21 +23,21 @@ const AT_BOUND: f64 = 1e-9;
 /// Halvings in the search of the speed at which a corner can be rounded.
 const HALVINGS: usize = 40;
 
-/// Largest ratio of two scales in one run.
+/// Largest ratio of two scales in a run.
 const WIDEST: f64 = 16_777_216.0;
 
-/// A cell, or a part of one, by a parameter that goes on evenly over corners.
+/// A cell or a part of a cell, by a parameter whose rate is continuous over corners.
 #[derive(Clone)]
 struct JerkSpan {
     cell: usize,
-    /// Parameter over programmed time.
+    /// Ratio of the parameter to the programmed time.
     scale: f64,
     width: f64,
     most: Most,
     cap: f64,
 }
 
-/// Time to change each speed of an axis at most by `change`, s.
+/// Time to change the speed of each axis by `change`, s.
 fn pulse(limits: &RunLimits, change: &Joint5) -> f64 {
     let one = |k: usize| {
         let (v, a, j) = (change[k].abs(), limits.acceleration[k], limits.jerk[k]);
@@ -45,7 +46,7 @@ fn pulse(limits: &RunLimits, change: &Joint5) -> f64 {
     (0..5).filter(|k| limits.jerk[*k].is_finite()).map(one).fold(0.0, f64::max)
 }
 
-/// What of a corner is no curvature, by the time of the block behind it.
+/// Part of a corner that is not curvature, by the time of the block before it.
 fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
     std::array::from_fn(|k| {
         let jump = cell.jump[k] * cell.ratio;
@@ -53,7 +54,7 @@ fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
     })
 }
 
-/// How far tip or flutes (mm) and the tool axis (radians) leave a corner that is run through with y before it.
+/// Deviation of tip or flutes (mm) and of the tool axis (radians) at a corner with y before it.
 pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> (f64, f64) {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
@@ -78,11 +79,12 @@ fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
         let middle = 0.5 * (low + high);
         (low, high) = if fits(middle) { (middle, high) } else { (low, middle) };
     }
-    // Never a stop: at half of what a search can tell apart everything fits.
+    // The result is never a stop: below the resolution of the search every y fits.
     low.max(0.5 * (high - low))
 }
 
-/// Largest change of q'' by the time of a cell, from the middles of its neighbours; none beyond a stop.
+/// Largest change of q'' by the time of a cell, between the middles of the cell and of its neighbours; cells beyond a
+/// stop do not count.
 fn twist(cells: &[MotionCell], i: usize) -> Joint5 {
     let cell = &cells[i];
     let mut most = [0.0_f64; 5];
@@ -97,7 +99,7 @@ fn twist(cells: &[MotionCell], i: usize) -> Joint5 {
     most
 }
 
-/// Bounds of the spans as the engine takes them, and judged by sums of absolute values.
+/// Bounds of the spans for the engine, judged by sums of absolute values.
 struct JerkRows<'a> {
     spans: &'a [JerkSpan],
     limits: feedrate::Limits,
@@ -116,7 +118,7 @@ impl JerkRows<'_> {
         ]
     }
 
-    /// A span as it is run through, in the time of its cell.
+    /// The run over a span, by the time of its cell.
     fn part(&self, span: usize, y: [f64; 3]) -> MovePart {
         let JerkSpan { cell, scale, width, .. } = self.spans[span];
         let square = scale * scale;
@@ -159,7 +161,7 @@ pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
         let stop = (first + 1..cells.len()).find(ends).unwrap_or(cells.len());
         let start = parts.len();
         moving(limits, cells, first..stop, &mut parts);
-        // A control that does not stop there leaves the corner by what its largest speed makes.
+        // A control that does not stop here deviates from the corner as at its largest speed.
         if let (Some(before), Some(part)) = (first.checked_sub(1), parts.get_mut(start))
             && cells[first].ratio > 0.0
         {
@@ -170,7 +172,7 @@ pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     parts
 }
 
-/// Largest y that is reached from y over a span, within the acceleration.
+/// Largest y that the run reaches from y over a span, within the acceleration.
 fn rise(limits: &RunLimits, span: &JerkSpan, y: f64) -> f64 {
     let [rate, bend, _] = &span.most;
     (0..5)
@@ -182,7 +184,7 @@ fn rise(limits: &RunLimits, span: &JerkSpan, y: f64) -> f64 {
         .fold(span.cap, f64::min)
 }
 
-/// Largest y at the knots within accelerations.
+/// Largest y at the knots within the accelerations.
 fn within_accelerations(limits: &RunLimits, spans: &[JerkSpan], knots: &[f64]) -> Vec<f64> {
     let n = spans.len();
     let mut y = knots.to_vec();
@@ -204,7 +206,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// Each cell as a span, by a parameter that goes on evenly over corners.
+    /// Each cell as a span, by a parameter whose rate is continuous over corners.
     fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell], range: std::ops::Range<usize>) -> Self {
         let mut spans: Vec<JerkSpan> = Vec::with_capacity(range.len());
         let mut knots = vec![f64::INFINITY];
@@ -234,7 +236,8 @@ impl Stretch {
         Self { spans, knots }
     }
 
-    /// Parts of the cells where changes of speed have to be resolved, with the places of their knots and these changes.
+    /// Divides the cells where changes of speed need more knots. Returns the parts, the places of their knots, and
+    /// these changes.
     fn divided(&self, limits: &RunLimits) -> (Self, Vec<f64>, Vec<Ramp>) {
         let mut at = vec![0.0];
         for s in &self.spans {
@@ -251,14 +254,14 @@ impl Stretch {
         for pair in fine.windows(2) {
             let whole = &self.spans[pair[1].1 as usize];
             spans.push(JerkSpan { width: pair[1].0 - pair[0].0, ..whole.clone() });
-            // A knot inside of a cell has its cap.
+            // A knot inside of a cell has the cap of the cell.
             let end = pair[1].1 as usize + 1;
             knots.push(if pair[1].0 >= at[end] { self.knots[end] } else { whole.cap });
         }
         (Self { spans, knots }, fine.iter().map(|k| k.0).collect(), ramps)
     }
 
-    /// Largest y of each span within accelerations.
+    /// Upper bound of y of each span within the accelerations.
     fn ceiling(&self, limits: &RunLimits) -> Vec<f64> {
         let Self { spans, knots } = self;
         let y = within_accelerations(limits, spans, knots);
@@ -275,7 +278,7 @@ fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize
     let guess = ramp::guess(&at, &ceiling, &ramps);
     let whole = stretch.spans;
     let n = whole.len();
-    // Getting moving and coming to rest.
+    // Start from rest, and stop.
     let slowest = 0.9 * ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     let half = if n == 1 { 0.25 } else { 0.5 };
     let mut spans = whole.clone();
@@ -291,7 +294,7 @@ fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize
         let accelerations = [ends[0].acceleration, ends[1].acceleration];
         let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
         parts.extend((0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))));
-        // What the run was slowed down by holds for both ends too.
+        // The factor by which the run was slowed down applies to both ends as well.
         let slower = rate / c[0].sqrt();
         let first = parts.len() - n;
         for (i, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
