@@ -1,51 +1,51 @@
-//! Convex quadratic programs over unknowns of which each bound knows a few neighbours only: the interior-point method
+//! Convex quadratic programs in which each bound depends on a few neighbouring unknowns only: the interior-point method
 //! of Mehrotra on banded normal equations.
 //!
-//! Of x in [-1, 1] and, where something may give way, a widening w >= 0, the least of x P x / 2 + q x + w with
-//! a x <= room + give w for all bounds. A general solver takes ten times as long, most of it for ordering and for
-//! matrices that stay the same.
+//! For x in [-1, 1] and, where bounds may give way, a widening w >= 0, the program minimises x P x / 2 + q x + w
+//! subject to a x <= room + give w for all bounds. A general solver takes ten times as long, most of it for ordering
+//! and for matrices that do not change.
 
 use super::band::{Band, Factor, dot};
 
-/// Entries of a bound: those of four control points of both curves.
+/// Factors of a bound: for four control points of both curves.
 pub(super) const ENTRIES: usize = 24;
 
 /// A bound: a x <= room + give w.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
-    /// First unknown that counts.
+    /// First unknown of the bound.
     pub(super) first: usize,
-    /// Its factor and those of the next ones.
+    /// Factors of this unknown and of the next ones.
     pub(super) a: [f64; ENTRIES],
     /// Right side.
     pub(super) room: f64,
-    /// Share of the widening.
+    /// Factor of the widening.
     pub(super) give: f64,
 }
 
-/// A program.
+/// A quadratic program.
 pub(super) struct QuadraticProgram<'a> {
     /// Bounds.
     pub(super) bounds: &'a [Bound],
-    /// P, positive.
+    /// P, positive semidefinite.
     pub(super) quadratic: &'a Band,
     /// q.
     pub(super) linear: &'a [f64],
-    /// True where bounds may give way.
+    /// True when bounds may give way.
     pub(super) widens: bool,
 }
 
-/// Steps at most; some twelve are needed.
+/// Most steps; some twelve are needed.
 const STEPS: usize = 50;
 
-/// What bounds and slopes may be off at the end, and the gap to the best, as a share and as a number.
+/// Largest residuals of bounds and slopes at the end; then the largest gap to the optimum, as a share and as a number.
 const OFF: f64 = 1e-7;
 const GAP: [f64; 2] = [1e-4, 1e-5];
 
-/// Share of the way to the border that a step goes.
+/// Share of the distance to the border that a step covers.
 const INSIDE: f64 = 0.995;
 
-/// Numbers of one kind for all bounds: the given ones, upper and lower ends of all unknowns, the widening.
+/// A number for each bound: the given bounds, the upper and lower ends of all unknowns, and the widening.
 #[derive(Clone)]
 struct Each {
     bounds: Vec<f64>,
@@ -54,7 +54,7 @@ struct Each {
 }
 
 impl Each {
-    /// The same made of two or three.
+    /// Numbers computed from two or three others.
     fn of(f: impl Fn(f64, f64, f64) -> f64, a: &Self, b: &Self, c: &Self) -> Self {
         let list = |a: &[f64], b: &[f64], c: &[f64]| a.iter().zip(b).zip(c).map(|((a, b), c)| f(*a, *b, *c)).collect();
         Self {
@@ -79,7 +79,7 @@ impl Each {
         (self.bounds.len() + 2 * self.ends[0].len() + 1) as f64
     }
 
-    /// Largest step that keeps all of these above zero, one at most.
+    /// Largest step, at most 1, that keeps all of these numbers positive.
     fn step(&self, change: &Self) -> f64 {
         self.all().zip(change.all()).filter(|(_, d)| *d < 0.0).fold(1.0, |step, (x, d)| step.min(-x / d))
     }
@@ -89,15 +89,15 @@ impl Each {
     }
 }
 
-/// What bounds and slopes are off.
+/// Residuals of bounds and slopes.
 struct Off {
     bounds: Each,
     slope: Vec<f64>,
-    /// Slope of the widening.
+    /// Residual of the slope by the widening.
     widening: f64,
 }
 
-/// Changes of the unknowns, of the widening, of what is left to each bound and of its weight.
+/// Changes of the unknowns, of the widening, and of slack and weight of each bound.
 struct Change {
     x: Vec<f64>,
     w: f64,
@@ -109,13 +109,13 @@ struct Change {
 struct Normal {
     factor: Factor,
     border: Vec<f64>,
-    /// Solution for the border.
+    /// Solution of the equations for the border.
     solved: Vec<f64>,
     corner: f64,
 }
 
 impl QuadraticProgram<'_> {
-    /// The solution and its widening, zero where nothing gives way; `None` where there is none.
+    /// The solution and its widening, zero where no bound may give way; `None` when no solution is found.
     pub(super) fn solve(&self) -> Option<(Vec<f64>, f64)> {
         let n = self.quadratic.size();
         let (mut x, mut w) = (vec![0.0; n], f64::from(u8::from(self.widens)));
@@ -124,7 +124,7 @@ impl QuadraticProgram<'_> {
             ends: [vec![1.0; n], vec![1.0; n]],
             widening: 0.0,
         };
-        // What is left to each bound, positive, and its weight.
+        // Slack of each bound, positive, and its weight.
         let taken = self.taken(&x, w);
         let mut left = Each::of(|room, taken, _| (room - taken).max(0.1), &rooms, &taken, &taken);
         let mut weight = Each::of(|left, _, _| 1.0 / left.max(1.0), &left, &left, &left);
@@ -134,7 +134,7 @@ impl QuadraticProgram<'_> {
         let largest = rooms.all().fold(1.0, |m: f64, r| if r.is_finite() { m.max(r.abs()) } else { m });
         for _ in 0..STEPS {
             let taken = self.taken(&x, w);
-            // How far bounds and slopes are from holding.
+            // Residuals of bounds and slopes.
             let bounds = Each::of(|taken, left, room| taken + left - room, &taken, &left, &rooms);
             let bounds = if self.widens { bounds } else { Each { widening: 0.0, ..bounds } };
             let px = self.quadratic.times(&x);
@@ -179,8 +179,8 @@ impl QuadraticProgram<'_> {
         None
     }
 
-    /// The change that brings bounds and slopes to hold, and the products of what is `left` and its weight to
-    /// `complement` less. `share` is the weight over what is left.
+    /// The change that makes the residuals zero and reduces the products of slack (`left`) and weight by `complement`.
+    /// `share` is the weight over the slack.
     fn towards(&self, complement: &Each, off: &Off, (left, share): (&Each, &Each), normal: &Normal) -> Change {
         let relative = Each::of(|c, l, _| c / l, complement, left, left);
         let push = Each::of(|s, off, c| s * off - c, share, &off.bounds, &relative);
@@ -203,7 +203,7 @@ impl QuadraticProgram<'_> {
         Each { bounds: self.bounds.iter().map(bound).collect(), ends: [x.to_vec(), negative], widening: -w }
     }
 
-    /// Sum of all bounds' factors, each with a weight: those of the unknowns and that of the widening.
+    /// Sum of the factors of all bounds, each with its weight: for the unknowns and for the widening.
     fn pulled(&self, weight: &Each) -> (Vec<f64>, f64) {
         let mut out: Vec<f64> = weight.ends[0].iter().zip(&weight.ends[1]).map(|(a, b)| a - b).collect();
         let mut widening = -weight.widening;
@@ -256,7 +256,7 @@ mod tests {
     use clarabel::algebra::CscMatrix;
     use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-    /// Numbers in [-1, 1] that look as if drawn.
+    /// Numbers in [-1, 1] that look random.
     fn drawn(k: usize) -> f64 {
         ((k as f64 * 12.9898 + 78.233).sin() * 43_758.545_3).fract()
     }

@@ -1,8 +1,8 @@
-//! A stream of steps of one tool through the stock.
+//! Simulation of a stream of steps of one tool.
 //!
-//! Steps are taken in batches; of each batch every tile gets the list of the steps whose boxes meet it and works them
-//! off in program order. Tiles share nothing, so that the result does not depend on the number of threads; sums over
-//! tiles are made in the order of the tiles.
+//! Steps are processed in batches. For each batch, every tile gets the list of the steps whose boxes intersect it, and
+//! processes them in program order. Tiles share no data, so that the result does not depend on the number of threads;
+//! sums over tiles are computed in the order of the tiles.
 
 use super::intervals::Intervals;
 use super::moving::Moving;
@@ -15,42 +15,43 @@ use crate::collide::ToolSolid;
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// Steps of a batch: some ten megabytes with all that is prepared for them.
+/// Steps of a batch: some ten megabytes with all prepared data.
 const BATCH: usize = 1 << 14;
 
-/// Depth from which stock inside shank, holder or a cutter at rapid counts, mm: contact with a wall that the same tool
+/// Depth from which stock inside shank, holder or a cutter at rapid counts, mm. Contact with a wall that the same tool
 /// has just cut, on the chords of its path, is shallower.
 pub const CONTACT: f64 = 5e-3;
 
-/// What a block removes. Blocks that remove nothing have none.
+/// Removal of a block. Blocks without removal have no entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockCut {
     /// Number of the block.
     pub block: u32,
     /// Removed volume, mean of the three families, mm3.
     pub volume: f64,
-    /// Lowest and highest height over the tip where material was removed; above and below all when it only rubbed.
+    /// Lowest and highest height over the tip where material was removed; the lowest is above the highest when the tool
+    /// only rubbed.
     pub height: [f64; 2],
-    /// Extent of the removed material across way and axis, from the axis.
+    /// Extent of the removed material across tip motion and axis, from the axis.
     pub side: [f64; 2],
 }
 
-/// Stock inside a part of the tool that must not be there. One for each block and part, the deepest.
+/// Stock inside a part of the tool that must not touch it: the deepest place for each block and part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
     /// Number of the block.
     pub block: u32,
     /// Part of the tool.
     pub what: Touched,
-    /// Depth below its surface, mm.
+    /// Depth below the surface of this part, mm.
     pub depth: f64,
-    /// The place.
+    /// The deepest place.
     pub point: Point3<f64>,
-    /// Height of the place over the tip at half time of the step.
+    /// Height of the place over the tip in the middle of the step.
     pub height: f64,
 }
 
-/// What a stream did.
+/// Result of a stream.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Removal of the blocks that removed something, in order.
@@ -59,19 +60,19 @@ pub struct Outcome {
     pub collisions: Vec<Collision>,
 }
 
-/// Error of the depth of parts that must not touch, mm.
+/// Largest error of the depth for parts that must not touch, mm.
 const FORBIDDEN_ERROR: f64 = 3.0 * END_ERROR;
 
-/// What a tile says of a batch.
+/// Result of a tile for a batch.
 #[derive(Default)]
 struct Said {
     removals: Vec<(u32, Removal)>,
     overlaps: Vec<(u32, Touched, Overlap)>,
 }
 
-/// Sends a tool through the stock. Before a step removes what its cutter sweeps, stock inside shank and holder is
-/// reported, and inside the cutter at rapid. Only the cutter at feed removes: so depths do not depend on how a way is
-/// divided into steps.
+/// Sends a tool through the stock. Before a step removes the material that its cutter sweeps, stock inside shank and
+/// holder is reported; at rapid, stock inside the cutter is reported as well. Only the cutter at feed removes material,
+/// so that depths do not depend on the division of a path into steps.
 pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<Item = Step>) -> Outcome {
     let cutter = SolidShape::cutter(solid);
     let body: Vec<(Touched, SolidShape)> = solid
@@ -92,7 +93,7 @@ pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<I
     }
 }
 
-/// Sends the steps of a batch through all tiles.
+/// Processes the steps of a batch in all tiles.
 fn run_batch(
     field: &mut Field,
     cutter: &SolidShape,
@@ -100,7 +101,7 @@ fn run_batch(
     steps: &[Step],
     outcome: &mut Outcome,
 ) {
-    // Blocks of the batch, and for each step its ordinal among them.
+    // Blocks of the batch, and for each step the index of its block in this list.
     let mut blocks: Vec<u32> = Vec::new();
     let ordinals: Vec<u32> = steps
         .iter()
@@ -132,7 +133,7 @@ fn run_batch(
 /// A tile, its family, and the runs whose boxes meet it, in order.
 type TileWork<'a> = (&'a mut Tile, usize, Vec<u32>);
 
-/// The tiles of all families that have something to do.
+/// The tiles of all families that intersect a run.
 fn tile_work<'a>(field: &'a mut Field, frames: &[Frame; 3], prepared: &[Vec<Prepared>; 3]) -> Vec<TileWork<'a>> {
     let cell = field.cell;
     let mut work: Vec<TileWork<'a>> = Vec::new();
@@ -161,7 +162,7 @@ fn tile_work<'a>(field: &'a mut Field, frames: &[Frame; 3], prepared: &[Vec<Prep
     work
 }
 
-/// Adds what the tiles say of a batch to the outcome. `area` is that of a cell, mm2.
+/// Adds the results of the tiles for a batch to the outcome. `area` is that of a cell, mm2.
 fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
     let mut removals = vec![Removal::NONE; blocks.len()];
     let mut overlaps: Vec<(u32, Touched, Overlap)> = Vec::new();
@@ -179,7 +180,7 @@ fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
             );
         }
     }
-    // Stable: of equal depths the first tile wins.
+    // A stable sort: of equal depths the first tile remains.
     overlaps.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.depth.total_cmp(&a.2.depth)));
     overlaps.dedup_by(|b, a| (a.0, a.1) == (b.0, b.1));
     for (ordinal, what, o) in overlaps {
@@ -194,12 +195,12 @@ fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
     }
 }
 
-/// Number of a step, body or block in 32 bits; batches are far smaller.
+/// Index of a step, body or block in 32 bits; batches are far smaller.
 fn index32(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
 }
 
-/// A block may reach from one batch into the next.
+/// Adds a cut; a block may extend from one batch into the next.
 fn push_cut(outcome: &mut Outcome, cut: BlockCut) {
     match outcome.cuts.last_mut() {
         Some(last) if last.block == cut.block => {
@@ -220,13 +221,13 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
     }
 }
 
-/// Works off the runs of a tile in order.
+/// Processes the runs of a tile in order.
 fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     let mut said = Said::default();
     let mut work = Intervals::default();
     for &n in list {
         let run = &prepared[n as usize];
-        // Parts that touch nothing of the stock as it is before the run touch nothing during it.
+        // A part that touches no stock before the run touches none during the run, since the run adds no stock.
         let near: Vec<(Touched, SolidShape)> = run
             .forbidden
             .iter()
@@ -252,8 +253,8 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
     said
 }
 
-/// The deepest place of stock inside a part that must not touch, over a step; divided until its depth is exact to
-/// [`FORBIDDEN_ERROR`].
+/// The deepest place of stock inside a part that must not touch, over a step. The step is divided until the depth is
+/// exact to [`FORBIDDEN_ERROR`].
 fn touch(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape) -> Option<Overlap> {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
@@ -275,7 +276,7 @@ impl Said {
         }
     }
 
-    /// Takes away what the cutter sweeps in some of the steps of a run.
+    /// Removes what the cutter sweeps in some of the steps of a run.
     fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Intervals) {
         let cut = &run.steps[steps.clone()];
         let whole = match cut {

@@ -1,57 +1,59 @@
-//! A run below a given one whose jerk keeps its limit.
+//! A run below a given run within the limits of jerk.
 //!
-//! Along a path parameter s with y = (ds/dt)^2 the jerk of an axis is (q''' y + 3/2 q'' y' + q' y''/2) sqrt(y). Here y is
-//! a spline of degree two with a knot at every end of a span, so that y'' is even over a span and the bracket is a
-//! quadratic polynomial where q' is one. With upper bounds of y and |y'| in a span, what the first two terms may take at
-//! most leaves an upper bound of |y''| there. The largest such spline is found in three sweeps over its coefficients,
-//! which lie under the given run: forward and backward the slope grows no faster than y'' may (valleys), and the least
-//! convex change takes off what bends faster the other way (crests). Then the bounds are brought nearer to what was found.
+//! Along a path parameter s with y = (ds/dt)^2 the jerk of an axis is (q''' y + 3/2 q'' y' + q' y''/2) sqrt(y). Here y
+//! is a spline of degree two with a knot at every end of a span. Therefore y'' is constant over a span, and the bracket
+//! is a quadratic polynomial where q' is one. With upper bounds of y and |y'| in a span, the first two terms have an
+//! upper bound; the rest of the jerk gives an upper bound of |y''|. Three sweeps over the coefficients, which are below
+//! the given run, find the largest such spline. A forward and a backward sweep limit the growth of the slope by y''
+//! (valleys). The third sweep subtracts the least convex change where y has too much negative curvature (crests).
+//! Afterwards the bounds are tightened around the result.
 //!
-//! A run within its bounds keeps the rows by what the bounds mean; where it leaves them, the exact rows of the caller
-//! decide, and where those are broken the bounds are widened and the sweeps done again. What remains at last is taken off
-//! by slowing down the whole run, so that every run that is returned keeps every row.
+//! A run within its bounds satisfies the rows by the construction of the bounds. Where the run leaves its bounds, the
+//! exact rows of the caller decide. Where rows are violated, the bounds are widened and the sweeps repeated. Violations
+//! that remain at the end are removed by slowing down the whole run, so that every returned run satisfies every row.
 
 use super::ramp::Most;
 use super::{AT_BOUND, AXES, Axes, CURVATURE, Limits, ROUNDING};
 use rayon::prelude::*;
 
-/// Sweeps at most: times in which bounds are brought nearer to the run that was found, or widened.
+/// Most sweeps; each tightens the bounds around the last run, or widens them.
 const SWEEPS: usize = 10;
 
-/// Sweeps without a fault that are enough: what they gain falls to a quarter from one to the next.
+/// Number of sweeps without a violation that is enough: the gain falls to a quarter from one sweep to the next.
 const ROUNDS: usize = 4;
 
-/// Share of the time below which another sweep is not worth it.
+/// Least gain of time, as a share, for which another sweep is made.
 const GAIN: f64 = 1e-3;
 
-/// By how much the slope may grow from one sweep to the next, and bounds that were broken over what broke them.
+/// Factor by which the slope may grow from one sweep to the next; then the ratio of a widened bound to the value that
+/// violated it.
 const LEEWAY: f64 = 1.3;
 const WIDER: f64 = 1.02;
 
-/// Sweeps after which a fault takes from the share of the limits, and the factor.
+/// Number of sweeps after which a violation reduces the share of the limits, and the factor of this reduction.
 const STUBBORN: usize = 3;
 const SMALLER: f64 = 0.9;
 
-/// Spans that one thread judges at least.
+/// Least number of spans for a thread.
 const CHUNK: usize = 4096;
 
 /// Bounds of the derivatives of y over a span.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Whether a run within them keeps the rows.
+    /// Whether a run within these bounds satisfies the rows.
     pub holds: bool,
-    /// Of |y'|.
+    /// Bound of |y'|.
     pub slope: f64,
-    /// Of |y''|.
+    /// Bound of |y''|.
     pub bend: f64,
 }
 
-/// Share of what curvature leaves of the jerk that is kept for a change of y'.
+/// Share of the jerk, after the term of curvature, that is reserved for a change of y'.
 const CHANGE: f64 = 0.2;
 
 impl Bounds {
-    /// Bounds that keep a share of acceleration and jerk in a span with these largest derivatives, where y is at most
-    /// `y` and |y'| at most `steep`.
+    /// Bounds for a share of acceleration and jerk in a span with these largest derivatives, where y is at most `y` and
+    /// |y'| at most `steep`.
     pub fn new([rate, bend, twist]: &Most, limits: &Limits, y: f64, steep: f64, share: f64) -> Self {
         let over = share / y.sqrt();
         let left: Axes = std::array::from_fn(|k| limits.jerk[k] * over - twist[k] * y);
@@ -61,7 +63,7 @@ impl Bounds {
                 .min(2.0 * (share * limits.acceleration[k] - bend[k] * y).max(0.0) / rate[k])
                 .min((1.0 - CHANGE) * left[k].max(0.0) / (1.5 * bend[k]));
         }
-        // What a steady run takes leaves nothing: bounds of its changes say nothing then.
+        // When a steady run already exceeds a limit, bounds of its changes are useless.
         let steady = |k: usize| left[k] >= 0.0 && bend[k] * y <= share * limits.acceleration[k];
         let holds = (0..AXES).all(steady);
         let steep = steep.min(slope);
@@ -77,17 +79,17 @@ pub fn steady([_, bend, twist]: &Most, limits: &Limits) -> f64 {
     acceleration.min(libm::cbrt(CURVATURE * jerk).powi(2))
 }
 
-/// What a run has to keep, span by span.
+/// Constraints of a run, span by span.
 pub trait Rows: Sync {
-    /// Bounds that keep a share of acceleration and jerk where y is at most `most` and |y'| at most `steep` in a span.
+    /// Bounds for a share of acceleration and jerk where y is at most `most` and |y'| at most `steep` in a span.
     fn bounds(&self, span: usize, most: f64, steep: f64, share: f64) -> Bounds;
 
-    /// Shares of the limits of acceleration and of jerk that the run takes at most in a span: `y` are the Bernstein
-    /// coefficients of y there.
+    /// Upper bounds of the shares of the limits of acceleration and of jerk that the run takes in a span: `y` are the
+    /// Bernstein coefficients of y there.
     fn shares(&self, span: usize, y: &[f64; 3]) -> [f64; 2];
 }
 
-/// Bernstein coefficients of the spline in a span: `c` has one coefficient more than spans at either end.
+/// Bernstein coefficients of the spline in a span; `c` has one coefficient for each span and one more at either end.
 pub fn over_span(widths: &[f64], c: &[f64], span: usize) -> [f64; 3] {
     let knot = |j: usize| {
         if j == 0 {
@@ -103,13 +105,15 @@ pub fn over_span(widths: &[f64], c: &[f64], span: usize) -> [f64; 3] {
     [knot(span), c[span + 1], knot(span + 1)]
 }
 
-/// Half of y'' over the square of the sum of roots at both ends, at most: at 1 y touches zero, and the time has no bound.
+/// Upper bound of half of y'' over the square of the sum of the roots at both ends: at 1 y touches zero, and the time
+/// is infinite.
 const LARGEST_BEND: f64 = 1.0 - 1e-12;
 
-/// Time over a span in which y is quadratic and above zero, from its Bernstein coefficients.
+/// Time over a span in which y is quadratic and positive, from its Bernstein coefficients.
 pub fn time(width: f64, [from, middle, to]: [f64; 3]) -> f64 {
     let sum = from.sqrt() + to.sqrt();
-    // Half of y'', over the square of the sum. Above zero it stays below 1; rounding of a y that nearly vanishes may not.
+    // Half of y'' over the square of the sum. This is below 1 where y is positive; rounding may exceed 1 where y nearly
+    // vanishes.
     let bend = ((from - 2.0 * middle + to) / (sum * sum)).min(LARGEST_BEND);
     let root = bend.abs().sqrt();
     // Area hyperbolic tangent or arc tangent, over its argument.
@@ -130,7 +134,7 @@ fn grown(step: &[f64], ceiling: &[f64], mass: &[f64], slope: &[f64], backward: b
     let mut rising = 0.0_f64;
     for i in 1..n {
         let (here, next, gap) = if backward { (n - i, n - 1 - i, n - 1 - i) } else { (i - 1, i, i - 1) };
-        // From a valley half of the bend is for the other side.
+        // From a valley on, half of the second derivative is reserved for the other side.
         let grow = if rising < 0.0 { 0.5 * mass[here] } else { rising + mass[here] };
         c[next] = ceiling[next].min(c[here] + grow.min(slope[gap]) * step[gap]);
         rising = (c[next] - c[here]) / step[gap];
@@ -138,10 +142,10 @@ fn grown(step: &[f64], ceiling: &[f64], mass: &[f64], slope: &[f64], backward: b
     c
 }
 
-/// Takes off crests that bend faster than `mass`: the largest sequence below `c` that does not.
+/// Reduces crests whose negative curvature exceeds `mass`: the result is the largest sequence below `c` without them.
 fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
-    /// A coefficient on the convex hull of c plus a function that bends by the mass. That function counts from the
-    /// coefficient before on the hull: `lift` over the line there, `turn` of its slope.
+    /// A vertex of the convex hull of c plus a function whose second derivative is the mass. This function is given
+    /// relative to the previous vertex: `lift` is its height over the line there, `turn` its change of slope.
     struct Kept {
         at: usize,
         way: f64,
@@ -177,14 +181,14 @@ fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
     }
 }
 
-/// What the bounds of each span are made for: its largest y and |y'|, and the share of the limits that it may take.
+/// Assumptions of the bounds of each span: largest y and |y'|, and the share of the limits that the run may take.
 struct Room {
     most: Vec<f64>,
     steep: Vec<f64>,
     share: Vec<f64>,
 }
 
-/// What a run holds in a span: largest y and |y'|, and whether rows are broken.
+/// Values of a run in a span: largest y and |y'|, and whether rows are violated.
 type Held = ([f64; 2], bool);
 
 impl Room {
@@ -198,7 +202,7 @@ impl Room {
         (0..self.most.len()).into_par_iter().with_min_len(CHUNK).map(bounds).collect()
     }
 
-    /// Looks at a run span by span. The rows are asked only where it leaves the bounds.
+    /// Evaluates a run span by span. The rows are evaluated only where the run leaves the bounds.
     fn held(&self, widths: &[f64], c: &[f64], bounds: &[Bounds], rows: &impl Rows) -> Vec<Held> {
         let held = |j: usize| {
             let y = over_span(widths, c, j);
@@ -211,13 +215,13 @@ impl Room {
         (0..widths.len()).into_par_iter().with_min_len(CHUNK).map(held).collect()
     }
 
-    /// Brings the bounds nearer to a run that keeps the rows, or widens them where it breaks them.
+    /// Tightens the bounds around a run that satisfies the rows, or widens them where the run violates rows.
     fn adapt(&mut self, held: Vec<Held>, sweep: usize) {
         let n = held.len();
         let broken = held.iter().any(|h| h.1);
         for (j, ([found, slope], fault)) in held.into_iter().enumerate() {
             if fault {
-                // Widened bounds did not help: a smaller share of the limits does.
+                // Where wider bounds did not help, a smaller share of the limits does.
                 if sweep >= STUBBORN {
                     for s in &mut self.share[j.saturating_sub(1)..(j + 2).min(n)] {
                         *s *= SMALLER;
@@ -232,7 +236,7 @@ impl Room {
         }
     }
 
-    /// Goes back to bounds that nothing below the ceiling can leave.
+    /// Returns to bounds that no run below the ceiling leaves.
     fn retreat(&mut self, ceiling: &[f64], edge: f64) {
         for (most, c) in self.most.iter_mut().zip(ceiling) {
             *most = c.max(edge);
@@ -241,16 +245,16 @@ impl Room {
     }
 }
 
-/// Ways between two coefficients, which stand in the middles of their spans, or at the ends.
+/// Distances between neighbouring coefficients; their places are the middles of the spans, and both ends.
 fn steps(widths: &[f64]) -> Vec<f64> {
     let width = |c: usize| if c == 0 { 0.0 } else { widths[c - 1] };
     (0..=widths.len()).map(|i| 0.5 * (width(i) + widths.get(i).copied().unwrap_or(0.0))).collect()
 }
 
-/// Coefficients of y, one a span and one at either end, below `ceiling` (largest y of each span). At both ends y is
-/// `edge`, which must lie below every ceiling, and the acceleration y'/2 is that of `accelerations` as one goes away from
-/// the end. `guess` is about the largest y of each span. `None` where the run cannot go on from these accelerations; from
-/// zero it always can.
+/// Coefficients of y, one for each span and one at either end, below `ceiling` (largest y of each span). At both ends y
+/// is `edge`, which must be below every ceiling, and the acceleration y'/2 in the direction away from the end is given
+/// by `accelerations`. `guess` is the approximate largest y of each span. `None` where no run continues from these
+/// accelerations; from zero a run always exists.
 pub fn limit(
     widths: &[f64],
     ceiling: &[f64],
@@ -304,7 +308,7 @@ pub fn limit(
             }
             before = spent;
         }
-        // The sweep before the last without a run goes back.
+        // If no run was found, the last sweep but one returns to the widest bounds.
         if best.is_none() && sweep + 2 == SWEEPS {
             room.retreat(ceiling, edge);
         } else {
@@ -318,7 +322,7 @@ pub fn limit(
     }
 }
 
-/// The whole run slowed down until it keeps the rows: acceleration falls with y, jerk with its power 3/2.
+/// The whole run slowed down until it satisfies the rows: acceleration is proportional to y, jerk to its power 3/2.
 fn slowed(widths: &[f64], c: &[f64], rows: &impl Rows) -> Vec<f64> {
     let over = |j: usize| {
         let [acceleration, jerk] = rows.shares(j, &over_span(widths, c, j));
@@ -332,7 +336,7 @@ fn slowed(widths: &[f64], c: &[f64], rows: &impl Rows) -> Vec<f64> {
 fn swept(widths: &[f64], step: &[f64], top: &[f64], bounds: &[Bounds], first: [f64; 2]) -> Vec<f64> {
     let n = widths.len();
     let mut mass = vec![0.0; n + 2];
-    // Slopes with which the run comes in at both ends.
+    // Slopes of the run at both ends.
     (mass[0], mass[n + 1]) = (first[0], first[1]);
     for j in 0..n {
         mass[j + 1] = bounds[j].bend * widths[j];

@@ -1,6 +1,7 @@
-//! Feed against spindle and engagement: chips that are too thick for the tool, finishing in full material, links that cut.
+//! Feed against spindle speed and engagement: chips that are too thick for the tool, finishing in full material, links
+//! that cut.
 //!
-//! Findings are errors where the tool breaks, else remarks. What they are compared with comes from the tool and the job.
+//! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
 use super::{FULL_ARC, OperationStock};
 use crate::diag::{Diag, Sink, codes::verification};
@@ -10,16 +11,16 @@ use crate::verify::place::describe;
 use crate::verify::proof::piece::At;
 use nalgebra::Point3;
 
-/// Depth of a slot from which finishing in full material is worth a remark, as a share of the diameter of the cutter.
+/// Depth of a slot from which finishing in full material gives a remark, as a share of the diameter of the cutter.
 const FULL_DEPTH: f64 = 0.25;
 
-/// The same from which the tool breaks, where the chip is thick as well.
+/// Depth of a slot from which the tool breaks when the chip is thick as well, as a share of the diameter.
 const BREAKING_DEPTH: f64 = 1.0;
 
-/// Chip a tooth that is worth a remark, as a share of the diameter: tables of end mills end at some 2 %.
+/// Feed per tooth from which there is a remark, as a share of the diameter: tables of end mills end at some 2 %.
 const THICK_CHIP: f64 = 0.03;
 
-/// The same from which the tool breaks.
+/// Feed per tooth from which the tool breaks, as a share of the diameter.
 const BREAKING_CHIP: f64 = 0.1;
 
 /// Findings of one operation.
@@ -28,7 +29,7 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sin
     report_link(program, motion, o, sink);
 }
 
-/// The link that removes most.
+/// Finding on the link with the largest removal.
 fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let Some((link, operation)) = o.link.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
@@ -56,14 +57,14 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     );
 }
 
-/// Chip a tooth of the fastest cut of an operation, mm, with its move; infinite where the spindle stands.
+/// Feed per tooth of the fastest cut of an operation, mm, with its move; infinite where the spindle stands.
 fn thickest_chip(declared: &Operation, operation: &MotionOperation) -> Option<(f64, usize)> {
     let cuts = operation.moves.iter().enumerate().filter(|(_, m)| m.kind == MoveKind::Cut);
     let fastest = cuts.filter_map(|(i, m)| Some((m.feed?, i))).max_by(|a, b| a.0.total_cmp(&b.0));
     fastest.map(|(feed, i)| (feed / declared.speed.get().max(0.0), i))
 }
 
-/// Findings of feed against spindle: chips that break the tool, and finishing in full material.
+/// Findings on feed against spindle speed: chips that break the tool, and finishing in full material.
 fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let Some(operation) = motion.operations.get(o.operation as usize) else { return };
     let declared = &program.operations[operation.operation];

@@ -1,5 +1,5 @@
-//! V3: the stock itself, operation by operation: what each takes away, when the tools run in air, and what shank, holder
-//! and rapids meet of what is still there.
+//! V3: the simulated stock, operation by operation: the volume that each operation removes, the time of air cuts, and
+//! the stock that shank, holder and rapids meet.
 
 mod load;
 mod report;
@@ -17,39 +17,39 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Cells of the usual stock, mm: the default run of an impeller of some 120 mm grows by a few seconds.
+/// Usual cell of the stock, mm: the run of an impeller of some 120 mm takes a few seconds more with it.
 pub const USUAL_CELL: f64 = 1.0;
 
-/// Cells across the largest stock that still has usual cells.
+/// Most cells across a stock with usual cells.
 const MOST_USUAL: f64 = 200.0;
 
-/// Longest way of the tip in a step, mm; air and engagement are known to this.
+/// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
 const STEP_LENGTH: f64 = 2.0;
 
-/// Steps that go through the stock between two looks at the share done.
+/// Steps that are simulated between two reports of progress.
 const PIECE: usize = 1 << 11;
 
-/// Cells of way over which removal is averaged, since the rays meet the chips of single steps by chance.
+/// Tip motion over which removal is averaged, in cells: the rays meet the chips of single steps by chance.
 const WINDOW_CELLS: f64 = 4.0;
 
-/// Section of a chip from which the tool counts as cutting, mm2: thinner is rubbing, and rounding.
+/// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
 const CHIP_SECTION: f64 = 1e-3;
 
-/// Arc of engagement from which a cutter stands in full material, degrees: of a slot it is 180, which rays that lie a cell
-/// apart seldom meet.
+/// Arc of engagement from which a cutter counts as in full material, degrees. In a slot the arc is 180, but rays at the
+/// distance of a cell seldom meet all of it.
 pub(super) const FULL_ARC: f64 = 150.0;
 
-/// How far below its surface the hub disc is looked for in the stock, mm: more than any tolerance of finishing, and than
-/// what ends of rays and chords of its profile are wrong by.
+/// Depth below the surface of the hub disc from which missing stock is reported, mm: more than any tolerance of
+/// finishing, and more than the errors of ray ends and of chords of the profile.
 const BELOW_SURFACE: f64 = 0.1;
 
-/// The same where the job allows gouge.
+/// The same depth where the job allows gouge.
 const BELOW_ALLOWED: f64 = 0.5;
 
-/// Takes the index of an operation in the motion and the stock after it.
+/// Callback with the index of an operation in the motion and the stock after this operation.
 pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
 
-/// How the stock is simulated.
+/// Settings of the stock simulation.
 #[derive(Default)]
 pub struct Settings<'a> {
     /// Edge of the cells, mm; `None` for [`usual_cell`].
@@ -58,33 +58,33 @@ pub struct Settings<'a> {
     pub after: Option<AfterOperation<'a>>,
 }
 
-/// Largest value with its place.
+/// A largest value with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Peak {
     /// Value.
     pub value: f64,
     /// Move.
     pub at: At,
-    /// Tool tip there, part frame, mm.
+    /// Tool tip at this move, part frame, mm.
     pub tip: [f64; 3],
 }
 
-/// Stock inside a part of the tool that must not be there.
+/// Stock inside a part of the tool that must not touch it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StockCollision {
     /// `cutter at rapid`, `shank`, `holder`.
     pub part: &'static str,
-    /// Depth of the deepest place below the surface of the tool, mm.
+    /// Depth of the deepest place below the surface of this part of the tool, mm.
     pub depth: f64,
-    /// That place, part frame, mm.
+    /// The deepest place, part frame, mm.
     pub point: [f64; 3],
-    /// Its height over the tip, mm.
+    /// Height of this place over the tip, mm.
     pub height: f64,
     /// Move.
     pub at: At,
 }
 
-/// What an operation does to the stock.
+/// Effect of an operation on the stock.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OperationStock {
     /// Index of the operation in the motion.
@@ -93,28 +93,28 @@ pub struct OperationStock {
     pub name: String,
     /// Removed volume, mm3.
     pub removed: f64,
-    /// Part of it removed by link moves, mm3.
+    /// Volume removed by link moves, mm3.
     pub by_links: f64,
-    /// The link that removes most for its time, where it removes more than a cell: its own rate, mm3/s.
+    /// Largest removal rate of a link, mm3/s, among the links that remove more than the volume of a cell.
     #[serde(skip)]
     pub link: Option<Peak>,
-    /// Stock left after it, mm3.
+    /// Stock after the operation, mm3.
     pub rest: f64,
     /// Time of all moves, s.
     pub time: f64,
     /// Time in which nothing is removed, s.
     pub air: f64,
-    /// The same of moves at feed alone: their time and that in air, s.
+    /// Time of the moves at feed, and time of their air cuts, s.
     pub feed: [f64; 2],
     /// Largest extent of removed material along the tool axis, mm.
     pub depth: Option<Peak>,
-    /// Largest extent across way and axis, mm.
+    /// Largest extent across tip motion and axis, mm.
     pub width: Option<Peak>,
     /// Largest arc of engagement of the circle of the cutter, degrees.
     pub arc: Option<Peak>,
-    /// Largest removal rate, mm3/s, over a way of some cells.
+    /// Largest removal rate, mm3/s, averaged over a tip motion of some cells.
     pub rate: Option<Peak>,
-    /// Deepest place along the tool axis, mm, where the cutter stands in full material, over an arc of 150 degrees.
+    /// Largest extent along the tool axis, mm, where the cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
     pub full: Option<Peak>,
     /// Collisions, the deepest of each move and part of the tool.
@@ -124,10 +124,10 @@ pub struct OperationStock {
     pub moves: Vec<Engagement>,
 }
 
-/// How the cutter stands in the stock during a move.
+/// Engagement of the cutter during a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Engagement {
-    /// Removal rate, mm3/s, over a way of some cells that ends with the move.
+    /// Removal rate, mm3/s, averaged over a tip motion of some cells that ends with the move.
     pub rate: f64,
     /// Largest arc of the cutter's circle in the stock, degrees.
     pub arc: f64,
@@ -140,29 +140,29 @@ impl OperationStock {
     }
 }
 
-/// The stock through the program.
+/// Results of the stock simulation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StockReport {
-    /// Edge of the cells, mm. Nothing smaller is sure to be seen; ends of rays are exact to [`stock::END_ERROR`].
+    /// Edge of the cells, mm. Smaller features may be missed; ends of rays are exact to [`stock::END_ERROR`].
     pub cell: f64,
-    /// Rays.
+    /// Number of rays.
     pub rays: usize,
     /// Volume of the blank, mm3.
     pub blank: f64,
     /// Operations in order.
     pub operations: Vec<OperationStock>,
-    /// Stock that is missing inside of the hub disc, after the first operation that takes some away.
+    /// Missing stock inside of the hub disc, after the first operation that removes some.
     pub missing: Option<Missing>,
 }
 
-/// Stock that was removed where the finished part is.
+/// Stock that was removed inside of the finished part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Missing {
     /// Index of the operation in the motion.
     pub operation: u32,
-    /// Volume of what is gone over a tenth of a millimetre below the surface, half of one where the job allows gouge, mm3.
+    /// Missing volume deeper than 0.1 mm below the surface, 0.5 mm where the job allows gouge, mm3.
     pub volume: f64,
-    /// A place of it, part frame, mm.
+    /// A place of missing stock, part frame, mm.
     pub point: [f64; 3],
 }
 
@@ -172,7 +172,7 @@ impl StockReport {
         self.operations.iter().flat_map(|o| &o.collisions)
     }
 
-    /// Stock left at the end, mm3.
+    /// Stock at the end, mm3.
     pub fn rest(&self) -> f64 {
         self.operations.last().map_or(self.blank, |o| o.rest)
     }
@@ -183,7 +183,7 @@ impl StockReport {
         if time > 0.0 { air / time } else { 0.0 }
     }
 
-    /// Writes the part of the certificate.
+    /// Writes the stock section of the certificate.
     pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
         writeln!(
             t,
@@ -219,7 +219,7 @@ impl StockReport {
     }
 }
 
-/// Cells that a stock of a profile of (r, z) points gets when the user does not choose, mm.
+/// Default cell of a stock with a profile of (r, z) points, mm.
 pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
     let (mut r, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
     for p in profile {
@@ -228,7 +228,7 @@ pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
     USUAL_CELL.max((2.0 * r).max(high - low) / MOST_USUAL)
 }
 
-/// Sends the whole program through the stock; `None` when the field cannot be made, which is told to the sink.
+/// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink.
 pub fn simulate(
     program: &Program,
     motion: &Motion,
@@ -275,19 +275,19 @@ pub fn simulate(
     Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations, missing })
 }
 
-/// How far below its surface the hub disc is looked for, mm.
+/// Depth below the surface of the hub disc from which missing stock is reported, mm.
 fn below_surface(program: &Program) -> f64 {
     let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
     if allowed { BELOW_ALLOWED } else { BELOW_SURFACE }
 }
 
-/// Profile of the part below the hub, some way inside of it: what no operation may take away.
+/// Profile of the part below the hub, reduced by `below`: no operation may remove any of it.
 fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
-    /// Chords of the hub: within a micrometre of a meridian that bends over centimetres.
+    /// Chords of the hub: within a micrometre of a meridian with radii of curvature of centimetres.
     const PIECES: usize = 400;
     let (stock, hub) = (&program.stock, &program.part.hub);
     let (bore, back) = (stock.bore_radius.get(), stock.back.get() + below);
-    // Without a bore the body goes to the axis.
+    // Without a bore the body extends to the axis.
     let inner = if bore > 0.0 { bore + below } else { 0.0 };
     let outer = stock.profile.last().map_or(0.0, |p| p[0]) - below;
     let front = hub.meridian(0.0).point.y - below;
@@ -304,17 +304,17 @@ fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
     profile
 }
 
-/// What the engine says of an operation, and the steps that it was given.
+/// Result of the stock simulation for an operation, with its steps.
 struct Milled {
     /// Index of the operation in the motion.
     operation: u32,
-    /// Each step is a block of its own to the engine: moves may be long.
+    /// Places of the steps. The simulation treats each step as a block of its own, since moves may be long.
     places: Vec<StepPlace>,
     outcome: Outcome,
 }
 
 impl Milled {
-    /// Sends the steps of an operation through the stock, piece by piece.
+    /// Simulates the steps of an operation, batch by batch.
     fn new(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> Self {
         let solid = &program.tools[program.operations[operation.operation].tool].solid;
         let mut places: Vec<StepPlace> = Vec::new();
@@ -346,23 +346,23 @@ impl Milled {
         Some(Peak { value, at: self.at(step), tip: [tip.x, tip.y, tip.z] })
     }
 
-    /// The largest value of all steps in which material was removed.
+    /// The largest value over all steps that remove material.
     fn peak(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak> {
         let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
         let c = cuts.max_by(|a, b| value(a).total_cmp(&value(b)))?;
         self.peak_at(value(c), c.block)
     }
 
-    /// Time of the steps that are chosen by number and place, s.
+    /// Time of the chosen steps, s; `choose` gets index and place of a step.
     fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> f64 {
         self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum()
     }
 
-    /// Volume that link moves remove, mm3.
+    /// Volume removed by link moves, mm3.
     fn by_links(&self) -> f64 {
         let place = |c: &BlockCut| self.places.get(c.block as usize);
         let links = self.outcome.cuts.iter().filter(|c| place(c).is_some_and(|p| p.kind == MoveKind::Link));
-        // The sum of nothing is -0.
+        // Without this start, the sum of an empty list is -0.
         links.map(|c| c.volume).fold(0.0, |sum, v| sum + v)
     }
 
@@ -388,7 +388,7 @@ impl Milled {
     }
 }
 
-/// One operation through the stock; volumes of the whole are left to the caller.
+/// Simulates an operation; the caller adds the volumes of the whole stock.
 fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
     let milled = Milled::new(program, operation, o, field, work);
     let Milled { places, outcome, .. } = &milled;
@@ -421,8 +421,8 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     }
 }
 
-/// Largest rate, mm3/s, with which a link removes stock by itself, and a step of it; of links that remove more than
-/// `least`, mm3.
+/// Largest removal rate of a link, mm3/s, and a step of this link; only links that remove more than `least`, mm3,
+/// count.
 fn fastest_link(
     operation: &MotionOperation,
     places: &[StepPlace],
@@ -444,7 +444,7 @@ fn fastest_link(
     rates.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Engagement by move, from that of its steps.
+/// Engagement of the moves, from the engagement of their steps.
 fn engagement(
     count: usize,
     places: &[StepPlace],
@@ -472,20 +472,20 @@ fn engagement(
     moves
 }
 
-/// What is kept of a step.
+/// Place of a step.
 struct StepPlace {
     /// Index of its move.
     index: u32,
     kind: MoveKind,
-    /// Tip at its end.
+    /// Tip at the end of the step.
     tip: Point3<f64>,
-    /// Way of the tip, mm.
+    /// Length of the tip motion, mm.
     way: f64,
     /// Time, s.
     time: f64,
 }
 
-/// The steps of one move, which turn and run no farther than the engine wants.
+/// The steps of a move, with turn and tip motion within the limits of the stock simulation.
 fn steps<'a>(
     program: &'a Program,
     pair: &'a [JointMove],
@@ -512,11 +512,11 @@ fn steps<'a>(
     })
 }
 
-/// Removal averaged over a way of some cells around each step.
+/// Removal averaged over a tip motion of some cells around each step.
 struct Removal {
-    /// Whether the tool cuts there.
+    /// Whether the tool cuts in each step.
     cuts: Vec<bool>,
-    /// Rate of each step, mm3/s, over the window that ends with it.
+    /// Rate of each step, mm3/s, over the window that ends with the step.
     rates: Vec<f64>,
     /// Largest rate, mm3/s, and its step.
     rate: Option<(f64, usize)>,
@@ -537,16 +537,16 @@ impl Removal {
             way += places[end].way;
             time += places[end].time;
             sum += volume[end];
-            // As few steps as reach over the window.
+            // The shortest sequence of steps that covers the window.
             while start < end && way - places[start].way >= window {
                 way -= places[start].way;
                 time -= places[start].time;
                 sum -= volume[start];
                 start += 1;
             }
-            // Differences of sums leave rounding behind.
+            // Differences of sums contain rounding errors.
             if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
-                // Steps without removal between such with it cut, those before and after do not.
+                // Steps without removal between steps with removal count as cutting; steps before and after do not.
                 let first = (start..=end).find(|i| volume[*i] > 0.0).unwrap_or(end);
                 let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
                 found.cuts[first..=last].fill(true);

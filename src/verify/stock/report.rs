@@ -1,4 +1,4 @@
-//! What the simulated stock shows, as findings.
+//! Findings from the simulated stock.
 
 use super::{StockReport, below_surface, load};
 use crate::diag::{Diag, Sink, codes::verification};
@@ -7,7 +7,7 @@ use crate::units::length;
 use crate::verify::place::describe;
 use nalgebra::Point3;
 
-/// Stock missing where the finished part is, as an error.
+/// Reports missing stock inside of the finished part as an error.
 fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
     let Some(missing) = &stock.missing else { return };
     let Some(operation) = motion.operations.get(missing.operation as usize) else { return };
@@ -32,7 +32,7 @@ fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink:
     );
 }
 
-/// Collisions as errors: one for each operation and part of the tool, with the deepest place.
+/// Reports collisions as errors: one for each operation and part of the tool, with the deepest place.
 pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mut Sink) {
     report_missing(program, motion, stock, sink);
     for o in &stock.operations {
