@@ -1,5 +1,5 @@
-//! Hostile and faulty input through the real program: a diagnostic with its code, exit code 2 or 3, nothing written, memory
-//! bounded.
+//! Hostile and faulty input to the real program: the result is a diagnostic with its code and exit code 2 or 3. Nothing
+//! is written, and memory is bounded.
 
 use crate::support::bounded;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
-//! Modules of a folder name each other in one direction: no circle, at any depth of the tree.
+//! Modules of a folder use each other in one direction: there is no cycle at any depth of the tree.
 //!
-//! A folder counts as one with all that is in it. The own file of a folder (`mod.rs`) may name what is in the folder, and
-//! what is in it may name what that file defines.
+//! A folder with its content counts as one module. The file `mod.rs` of a folder may use the content of the folder, and
+//! the content may use the definitions of this file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

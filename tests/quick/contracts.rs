@@ -1,5 +1,5 @@
-//! Contracts on surfaces and operations: their figures against those of programs that have only these, and what
-//! `allow` takes out.
+//! Contracts on surfaces and operations: their figures are compared with those of programs that consist of these alone;
+//! and the effect of `allow`.
 
 use crate::support;
 use impellerc::contract::{ContractKind, Guarded, Scope};

@@ -1,4 +1,4 @@
-//! What a plan will cost is known before it starts: jobs that would run away are refused, with a value that fits.
+//! The cost of a plan is known before it starts: jobs that would need too much are refused, with a value that fits.
 
 use impellerc::analysis::cost;
 use impellerc::diag::codes::{job as codes, planning};

@@ -1,5 +1,5 @@
-//! Flank milling by optimisation on surfaces with known optima: reference table of the algorithms reference, 1.5
-//! (cylinders, found there by another program), and brute force.
+//! Flank milling by optimisation on surfaces with known optima: the reference table of the algorithms reference, 1.5
+//! (cylinders, computed there by another program), and brute force.
 
 use crate::support;
 use impellerc::collide::{Cutter, Section};

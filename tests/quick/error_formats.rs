@@ -1,4 +1,4 @@
-//! SARIF for comments of a review and JUnit for build servers: well formed, with the lines that are meant, for both
+//! SARIF for comments of a review and JUnit for build servers: both are well formed and name the right lines, for both
 //! commands.
 
 use serde_json::Value;

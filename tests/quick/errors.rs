@@ -1,4 +1,4 @@
-//! The report of every code, pinned, and the manual pages.
+//! The report of every code as a golden, and the manual pages.
 
 use impellerc::analysis;
 use impellerc::diag::{Code, Severity, codes, render};

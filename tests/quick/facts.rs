@@ -1,4 +1,4 @@
-//! Facts about the paper's impeller, and what the tools of a job reach in it.
+//! Facts about the paper's impeller, and the reach of the tools of a job in it.
 
 use crate::support;
 use impellerc::analysis::{self, Facts, outliers, throat};

@@ -1,5 +1,5 @@
-//! Faults put into a verified motion are found, with their size and place. What is expected is computed here without
-//! the verifier: in closed form, or by brute force over finely sampled poses.
+//! Faults in a verified motion are found with their size and place. The expected values are computed here without the
+//! verifier: in closed form, or by brute force over finely sampled poses.
 
 use crate::support;
 use crate::support::jobs;

@@ -1,4 +1,5 @@
-//! No value that is not finite reaches a certificate: each kind of figure is made none, and it is an error that names it.
+//! No value that is not finite reaches a certificate: each kind of figure is replaced by such a value, and an error
+//! names it.
 
 use crate::support::jobs::{self, Compiled};
 use ciborium::Value;

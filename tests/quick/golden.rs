@@ -1,4 +1,5 @@
-//! Goldens of the reduced job, and whether every golden has its test; those of whole parts are in `tests/slow/golden.rs`.
+//! Goldens of the reduced job, and whether every golden has its test; goldens of whole parts are in
+//! `tests/slow/golden.rs`.
 
 use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{self, Compiled};

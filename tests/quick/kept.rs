@@ -1,5 +1,5 @@
-//! What milling must leave alone: kept surfaces against exact shapes, the clamping in closed form, roughing with what the
-//! control may add, and harm done to a verified program outside of the design surfaces.
+//! What milling must not touch: kept surfaces against exact shapes, the clamping in closed form, roughing with the
+//! deviations of the control, and damage outside of the design surfaces in a verified program.
 
 use crate::support;
 use crate::support::jobs;

@@ -1,4 +1,4 @@
-//! The job language: what is read, what is refused, and in which words.
+//! The job language: accepted texts, refused texts, and the words of the messages.
 
 use impellerc::contract::{ContractKind, Guarded};
 use impellerc::diag::{Code, Sink, codes, render};

@@ -1,4 +1,5 @@
-//! Who may name whom: modules use those of their own layer's left side and below, see `ARCHITECTURE.md`.
+//! Dependencies of modules: a module uses only modules further left in its own layer and modules below, see
+//! `ARCHITECTURE.md`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
-//! The seven-vane demonstration program of the LinuxCNC package: read as it stands, and measured against a job for it
+//! The seven-vane demonstration program of the LinuxCNC package: read unchanged, and measured against a job for it
 //! (tests/linuxcnc/impeller) with a head and an end around its moves.
 //!
-//! The program is no part of this repository. `IMPELLERC_LINUXCNC` names the folder that the package was unpacked to; without
-//! the program the tests say that they were skipped.
+//! The program is not part of this repository. `IMPELLERC_LINUXCNC` names the folder of the unpacked package; without
+//! the program the tests report that they were skipped.
 
 use impellerc::diag::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};

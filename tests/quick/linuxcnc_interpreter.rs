@@ -1,9 +1,9 @@
-//! LinuxCNC itself on what the compiler writes for it: its interpreter accepts every program and means the poses that our
-//! reader finds, and its kinematics module puts them where our machine does.
+//! LinuxCNC itself on the output of the compiler: its interpreter accepts every program and gives the same poses as our
+//! reader, and its kinematics module puts these poses where our machine does.
 //!
-//! The tools are those of the package linuxcnc-uspace. `IMPELLERC_LINUXCNC` names the folder that it was unpacked to, and
-//! then it must be there (`/` where it is installed); without the variable and the package the tests say that they were
-//! skipped.
+//! The tools come from the package linuxcnc-uspace. `IMPELLERC_LINUXCNC` names the folder of the unpacked package, `/`
+//! where it is installed; when the variable is set, the package must be there. Without the variable and the package the
+//! tests report that they were skipped.
 
 use impellerc::driver::{self, Emit, Options, Outcome, RunOptions, Stages};
 use impellerc::ir::Program;

@@ -1,4 +1,4 @@
-//! Machines of every kind: what is planned for one is the same on another, and what is not planned says so.
+//! Machines of every kind: the plan for one machine is the same on another, and kinds that are not planned are refused.
 
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};

@@ -1,5 +1,6 @@
-//! Tests that find faults quickly, a module for each subject: `cargo test` runs them all, and
-//! `cargo test --test quick errors` those of one module. They are one program, so that an edit of the library links once.
+//! Tests that find faults quickly, a module for each subject. `cargo test` runs all of them;
+//! `cargo test --test quick errors` runs the tests of one module. They are one program, so that the library is linked
+//! only once after an edit.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]

@@ -1,4 +1,4 @@
-//! Messages never end the program: whatever a text is, its faults are told in every format, in bounded time and size.
+//! Messages never end the program: the faults of any text are reported in every format, in bounded time and size.
 
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;

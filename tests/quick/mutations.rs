@@ -1,5 +1,5 @@
-//! Valid texts of every kind that comes from outside, changed at random: bytes dropped, doubled or replaced, numbers
-//! made extreme, lines dropped, doubled or swapped, the end cut off. Each is read, or refused with a place.
+//! Random changes of valid texts of every kind that comes from outside: bytes are dropped, doubled or replaced, numbers
+//! made extreme, lines dropped, doubled or swapped, the end cut off. Each text is read, or refused with a place.
 
 use crate::support;
 use crate::support::jobs::{self, Compiled};

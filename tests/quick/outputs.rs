@@ -1,5 +1,5 @@
-//! Files of a run, by the real program: nothing of the user's is lost or leaked, outputs come together or not at all, which
-//! files took part does not depend on how a path is spelt, and exit codes say how a run ended.
+//! Files of a run of the real program: no file of the user is lost or leaked, and all outputs are written or none. The
+//! list of input files does not depend on the spelling of paths, and exit codes report how a run ended.
 
 #![cfg(unix)]
 

@@ -1,4 +1,5 @@
-//! Parts beyond one ruled vane a sector: a splitter with a lofted face is modelled, sampled and measured, and not planned.
+//! Parts with more than one ruled vane for each sector: a splitter with a lofted face is modelled, sampled and
+//! measured, but not planned.
 
 use crate::support::jobs;
 use impellerc::driver::{self, Options, Outcome, Stages};

@@ -1,4 +1,4 @@
-//! Before, between and behind operations: heights at which axes move from unknown places, and ways down and up.
+//! Before, between and behind operations: heights at which axes move from unknown positions, and paths down and up.
 
 use crate::support::jobs;
 use impellerc::analysis;

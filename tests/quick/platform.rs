@@ -1,4 +1,4 @@
-//! The same bytes on every platform: the program computes alike with another C library's elementary functions.
+//! The same bytes on every platform: the results do not depend on the elementary functions of the C library.
 
 #![cfg(target_os = "linux")]
 

@@ -1,4 +1,4 @@
-//! Both dialects say what the motion means, and the readers notice when they do not.
+//! The texts of both dialects mean the motion, and the readers notice when they do not.
 
 use crate::support;
 use impellerc::diag::Sink;

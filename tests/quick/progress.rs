@@ -1,4 +1,4 @@
-//! What is said of long work: on a terminal the stages with the shares done, in a pipe nothing.
+//! Progress of long work: on a terminal the stages with their completed shares, in a pipe nothing.
 
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};

@@ -1,4 +1,4 @@
-//! Rest machining: of an operation only what the rest stock of the operations before leaves to do.
+//! Rest machining: an operation cuts only where earlier operations left stock.
 
 use crate::support;
 use impellerc::collide::{Cutter, Section};

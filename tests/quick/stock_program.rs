@@ -1,4 +1,5 @@
-//! The stock through a planned program: against the surface verifier, its own mesh, and other numbers of threads.
+//! The stock of a planned program: compared with the surface verifier, with its own mesh, and with other numbers of
+//! threads.
 
 use crate::support::jobs;
 use impellerc::diag::Sink;

@@ -1,5 +1,5 @@
-//! The surface certificate against exact shapes: what it finds lies within 0.1 um of the closed form, and what it proves
-//! holds.
+//! The surface certificate against exact shapes: found values are within 0.1 um of the closed form, and proved bounds
+//! hold.
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};

@@ -1,4 +1,4 @@
-//! The validators of the stage values: a real plan passes all of them, and every single thing that is broken in it is found.
+//! The validators of the stage values: a real plan passes all of them, and every single defect in it is found.
 
 use crate::support::jobs;
 use impellerc::entity::PrimaryMap;

@@ -1,4 +1,4 @@
-//! `impellerc verify` as a user runs it: on what the compiler wrote, and on the same with faults.
+//! `impellerc verify` as a user runs it: on the output of the compiler, and on the same output with faults.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Work on grossly wrong programs: a cut that is far deeper than its contract is not followed any further, and the
-//! certificate says so. Work is counted in points and cells that were looked at, not in seconds.
+//! Work on grossly wrong programs: the verifier does not follow a cut that is far deeper than its contract, and the
+//! certificate reports this. Work is counted in evaluated points and cells, not in seconds.
 
 use crate::support::jobs::{self, Compiled};
 use impellerc::diag::Sink;

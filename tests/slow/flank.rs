@@ -1,4 +1,4 @@
-//! Flank milling by `minimax`: contracts that are kept as a proof, planning and verification together.
+//! Flank milling by `minimax`: contracts are kept with proof, planning and verification together.
 
 use crate::support;
 use impellerc::collide::{Cutter, Section};

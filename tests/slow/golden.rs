@@ -1,4 +1,4 @@
-//! Goldens of whole parts, in short.
+//! Goldens of whole parts, in short form.
 
 use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{Compiled, machine_of, program};

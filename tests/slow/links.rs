@@ -1,4 +1,5 @@
-//! Ways between passes: over the clearance sphere, and the short way where a pass begins beside the end of the last.
+//! Links between passes: over the clearance sphere, and direct links where a pass begins beside the end of the last
+//! one.
 
 use crate::support;
 use impellerc::collide::{Cloud, Cutter, ToolSolid};

@@ -1,5 +1,5 @@
 //! Whole parts, and the fault campaign: minutes of work, which `.ci/run` does and `cargo test` leaves out.
-//! `cargo test --test slow links` runs those of one module.
+//! `cargo test --test slow links` runs the tests of one module.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures of a run are shown with --nocapture")]

@@ -1,8 +1,8 @@
-//! Tool orientation of the floor and finishing of the vanes: the methods against each other, printed as Xu 2013 prints
-//! them (before and after: speed and time), with what the rotary axes do; and the proof of clearance, by the verifier's
-//! own means.
+//! Tool orientation of the floor and finishing of the vanes. The methods are compared with each other and printed as in
+//! Xu 2013 (before and after: speed and time), with the motion of the rotary axes. The clearance is proved with the
+//! means of the verifier.
 //!
-//! Times are those of the verifier's simulation with the limits of the axes, not of the planner. `cargo test --test
+//! Times come from the verifier's simulation with the limits of the axes, not from the planner. `cargo test --test
 //! orientation -- --nocapture` shows the tables.
 
 use crate::support;

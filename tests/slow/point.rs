@@ -1,4 +1,4 @@
-//! Point milling of vane faces and fillets: what is left is proved by the certificate, whose verifier knows nothing of
+//! Point milling of vane faces and fillets: the certificate proves the remaining excess, and its verifier does not use
 //! lines and scallops.
 
 use crate::support;

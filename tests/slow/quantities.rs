@@ -1,4 +1,4 @@
-//! Absurd sizes: whatever number a property is given, the job compiles or is refused for a reason that is the job's.
+//! Absurd sizes: for any number of a property, the job compiles or is refused for a reason that lies in the job.
 
 use impellerc::diag::codes;
 use impellerc::driver::{self, Options, Outcome, Stages};

@@ -1,4 +1,5 @@
-//! Stock simulation against volumes in closed form, brute force, and itself on other numbers of threads.
+//! Stock simulation against volumes in closed form, against brute force, and against itself on other numbers of
+//! threads.
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::stock::{END_ERROR, Field, FieldError, Outcome, Step, StepKind, Touched, simulate};

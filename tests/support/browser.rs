@@ -1,4 +1,4 @@
-//! A headless browser driven over its debugging pipe, so that tests see what a reader of a page sees.
+//! A headless browser, driven over its debugging pipe, so that tests see a page as its reader does.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
@@ -7,14 +7,14 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// Programs that understand the protocol.
+/// Browsers that support the protocol.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// Patience with one answer: drawing without a graphics card takes seconds on a busy machine.
+/// Longest time for one answer: drawing without a graphics card takes seconds on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// The browser on this machine. Without one the reason is printed, past the capture of tests; where the environment
-/// says `IMPELLERC_BROWSER=required` that is a failure.
+/// The browser on this machine. Without a browser the reason is printed, past the capture of tests; where the
+/// environment has `IMPELLERC_BROWSER=required`, this is a failure.
 pub(crate) fn find() -> Option<PathBuf> {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let found =
@@ -35,16 +35,16 @@ pub(crate) struct Page {
     messages: Receiver<Value>,
     next: u64,
     session: Option<String>,
-    /// Addresses that the page asked for.
+    /// Addresses that the page requested.
     pub(crate) requests: Vec<String>,
-    /// What went to the console, errors and exceptions.
+    /// Errors and exceptions on the console.
     pub(crate) complaints: Vec<String>,
 }
 
 impl Page {
-    /// Opens a file and waits until it says that it has drawn.
+    /// Opens a file and waits until the page reports that it is drawn.
     pub(crate) fn open(browser: &Path, file: &Path, size: [u32; 2], profile: &Path) -> Self {
-        // The browser speaks on descriptors 3 and 4: the shell lays our pipes there.
+        // The browser uses descriptors 3 and 4: the shell connects our pipes to them.
         let script = "exec \"$0\" \"$@\" 3<&0 4>&1 0</dev/null 1>/dev/null 2>/dev/null";
         let mut child = Command::new("sh")
             .args(["-c", script])
@@ -97,7 +97,7 @@ impl Page {
         page
     }
 
-    /// Sends a command and gives its result.
+    /// Sends a command and returns its result.
     fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.next += 1;
         let id = self.next;
@@ -118,7 +118,7 @@ impl Page {
         }
     }
 
-    /// Keeps what an event says about requests and complaints.
+    /// Keeps the requests and complaints of an event.
     fn note(&mut self, event: &Value) {
         let p = &event["params"];
         match event["method"].as_str() {
@@ -142,7 +142,7 @@ impl Page {
         }
     }
 
-    /// Left, top, width and height of the first element that a selector finds, in pixels of the screenshot.
+    /// Left, top, width and height of the first element of a selector, in pixels of the screenshot.
     pub(crate) fn place(&mut self, selector: &str) -> [usize; 4] {
         let expression = format!(
             "(() => {{ const b = document.querySelector({selector:?}).getBoundingClientRect(); \
@@ -171,13 +171,13 @@ impl Page {
         self.call("Input.dispatchMouseEvent", &event);
     }
 
-    /// Waits for two frames: what was asked for is drawn then.
+    /// Waits for two frames: all requested changes are then drawn.
     pub(crate) fn settle(&mut self) {
         let frames = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))";
         self.call("Runtime.evaluate", &json!({ "expression": frames, "awaitPromise": true }));
     }
 
-    /// What the reader sees.
+    /// A screenshot of the page.
     pub(crate) fn screenshot(&mut self) -> Picture {
         let result = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
         let bytes = base64(result["data"].as_str().unwrap());
@@ -187,7 +187,7 @@ impl Page {
 
 impl Drop for Page {
     fn drop(&mut self) {
-        // A closed pipe ends the browser; whatever hangs is ended with it.
+        // A closed pipe ends the browser; a browser that hangs is killed.
         self.input = None;
         let start = Instant::now();
         while start.elapsed() < Duration::from_secs(5) {
@@ -249,7 +249,7 @@ impl Picture {
     }
 }
 
-/// How many colours there are, steps of 8 apart.
+/// Number of colours, in steps of 8.
 pub(crate) fn colours(pixels: &[[u8; 3]]) -> usize {
     let mut seen: Vec<[u8; 3]> = pixels.iter().map(|p| p.map(|v| v / 8)).collect();
     seen.sort_unstable();
@@ -257,7 +257,7 @@ pub(crate) fn colours(pixels: &[[u8; 3]]) -> usize {
     seen.len()
 }
 
-/// How many pixels are within 24 of a colour in each channel.
+/// Number of pixels within 24 of a colour in each channel.
 pub(crate) fn count(pixels: &[[u8; 3]], colour: [u8; 3]) -> usize {
     pixels.iter().filter(|p| p.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 24)).count()
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 pub const GOLDENS: &[(&str, &[&str])] = &[
     ("reduced", &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "bytes"]),
     ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
-    // For LinuxCNC the whole job is compiled in `.ci/run`, and read by its interpreter.
+    // For LinuxCNC, `.ci/run` compiles the whole job, and the interpreter of LinuxCNC reads it.
     ("wei2021", &["ir", "plan", "certificate", "siemens-840d"]),
 ];
 
@@ -22,12 +22,12 @@ pub fn check(job: &str, name: &str, text: &str) {
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 
-/// NC text without the header, which names the hash of the inputs.
+/// NC text without the header, which contains the hash of the inputs.
 pub fn nc(compiled: &Compiled, post: &dyn post::Post) -> String {
     post.emit(&compiled.program, &compiled.motion, &[]).text()
 }
 
-/// What a text snapshot does not see.
+/// Properties that a text snapshot does not show.
 pub fn bytes(name: &str, text: &str) -> String {
     assert!(text.is_ascii() && text.ends_with('\n') && !text.ends_with("\n\n") && !text.contains('\r'), "{name}");
     format!("{name}: {} bytes, {} lines, blake3 {}\n", text.len(), text.lines().count(), blake3::hash(text.as_bytes()))

@@ -1,4 +1,4 @@
-//! Jobs that are planned and verified once in a program of tests, for all who look at them.
+//! Jobs that are planned and verified once for all tests of a test program.
 
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
@@ -8,7 +8,7 @@ use impellerc::verify::{Certificate, Verified, verify};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// A program with all that is made of it before its text.
+/// A program with all stages before its text.
 #[derive(Clone)]
 pub struct Compiled {
     pub program: Program,
@@ -31,13 +31,13 @@ impl Compiled {
         (&self.program, &self.plan.motion)
     }
 
-    /// Plans and verifies on so many threads.
+    /// Plans and verifies on a number of threads.
     pub fn on_threads(threads: usize, program: Program) -> Self {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| Self::new(program))
     }
 }
 
-/// Options for a job that ships with the compiler, for another machine of the library where one is named.
+/// Options for a job that ships with the compiler; for another machine of the library where `machine` names one.
 pub fn options(job: &str, machine: Option<&str>) -> Options {
     let folder = if job == "point" { "small" } else { job };
     let mut options = Options { job: PathBuf::from(format!("jobs/{folder}/{job}.imp")), ..Options::default() };
@@ -45,17 +45,17 @@ pub fn options(job: &str, machine: Option<&str>) -> Options {
     options
 }
 
-/// The program of such a job.
+/// The program of a shipped job, see [`options`].
 pub fn program(job: &str, machine: Option<&str>) -> Program {
     driver::front(&options(job, machine), &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
 }
 
-/// The machine that has the control of a dialect, where it is not that of the jobs.
+/// The machine with the control of a dialect, where the machine of the jobs has another control.
 pub fn machine_of(dialect: &str) -> Option<&'static str> {
     (dialect == "linuxcnc").then_some("5mc850-c-linuxcnc")
 }
 
-/// One job on the machines of both dialects, each when it is asked for.
+/// A job on the machines of both dialects, each compiled on first use.
 struct Dialects([LazyLock<Compiled>; 2]);
 
 impl Dialects {
@@ -64,7 +64,7 @@ impl Dialects {
     }
 }
 
-/// The small job on the machine that has the control of a dialect.
+/// The small job on the machine with the control of a dialect.
 pub fn small(dialect: &str) -> &'static Compiled {
     static SMALL: Dialects = Dialects([
         LazyLock::new(|| Compiled::new(program("small", None))),
@@ -73,7 +73,7 @@ pub fn small(dialect: &str) -> &'static Compiled {
     SMALL.on(dialect)
 }
 
-/// The reduced job on the machine that has the control of a dialect; on two threads, wherever it runs.
+/// The reduced job on the machine with the control of a dialect; always on two threads.
 pub fn reduced(dialect: &str) -> &'static Compiled {
     static REDUCED: Dialects = Dialects([
         LazyLock::new(|| Compiled::on_threads(2, program("reduced", None))),

@@ -1,4 +1,4 @@
-//! Programs for tests, made without the job language.
+//! Programs for tests, built without the job language.
 
 #![allow(dead_code, reason = "each program of tests uses its part")]
 
@@ -129,7 +129,7 @@ pub fn axis_at(a: f64, c: f64) -> Vector3<f64> {
     Vector3::new(a.sin() * c.sin(), -a.sin() * c.cos(), a.cos())
 }
 
-/// Moves the axes of a chain: that next to the tool and that next to the part, mm.
+/// Moves the axes of a chain by these vectors, mm: first the axis next to the tool, then the axis next to the part.
 pub fn shifted(chain: &Chain, by: [[f64; 3]; 2]) -> Chain {
     let mut axes = *chain.axes();
     for (axis, by) in axes.iter_mut().zip(by) {
@@ -138,8 +138,8 @@ pub fn shifted(chain: &Chain, by: [[f64; 3]; 2]) -> Chain {
     Chain::new(axes).unwrap()
 }
 
-/// A machine with the control of a dialect: LinuxCNC turns the part with a positive word as a right-hand screw, and plans
-/// speeds in its own way.
+/// A machine with the control of a dialect. On LinuxCNC a positive word turns the part as a right-hand screw, and the
+/// control plans speeds in its own way.
 pub fn machine_for(dialect: &str, machine: &Machine) -> Machine {
     let linuxcnc = dialect == "linuxcnc";
     let word_sign = if linuxcnc { -1.0 } else { 1.0 };
@@ -171,7 +171,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
     }
 }
 
-/// An operation with the settings of the paper's table 3 where they matter.
+/// An operation; settings that matter are those of the paper's table 3.
 pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32>, lead: f64) -> Operation {
     Operation {
         name: name.to_owned(),
@@ -188,7 +188,7 @@ pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32
     }
 }
 
-/// Finishing of channels in even lines, all in one direction, with the scallop in mm.
+/// Finishing of channels with evenly spaced lines, all in one direction, with the scallop height in mm.
 pub fn channel(scallop: f64) -> OperationKind {
     let (spacing, lines, method) = (Spacing::EqualDivision, Lines::OneWay, AxisMethod::Blend);
     OperationKind::Channel { scallop: Mm(scallop), spacing, lines, method }

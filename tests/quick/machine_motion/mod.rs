@@ -1,4 +1,4 @@
-//! Feed reached, time and deviation of the machine's motion, against closed forms and a brute-force run.
+//! Reached feed, time and deviation of the machine's motion, against closed forms and a brute-force run.
 
 mod times;
 

@@ -1,4 +1,4 @@
-//! Times of any motion are numbers, and no block goes missing in them: extreme feeds, limits and lengths, long operations.
+//! Times of any motion are finite and include every block: extreme feeds, limits and lengths, long operations.
 
 use super::{Stop, motion, program, ran, support, with_jerk};
 use impellerc::ir::{JointMove, MoveKind, Program};

@@ -1,5 +1,5 @@
-//! Forged and stale certificates: what is edited in a certificate, in the head of its text, or in both so that their hashes
-//! fit again. Hashes alone tell the first two; what was sealed again is told by measuring the text against the job.
+//! Forged and stale certificates: changes in a certificate, in the head of its text, or in both with matching hashes.
+//! Hashes alone reveal the first two; only a measurement of the text against the job reveals the third.
 
 use super::Verdict::{self, Found, Harmless, Refused};
 use impellerc::export::certificate_file::{CertificateFile, HEAD, NcText, named, sha256};

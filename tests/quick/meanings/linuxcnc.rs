@@ -1,5 +1,5 @@
-//! Kinds for LinuxCNC 2.9 under xyzac-trt kinematics. Reasons are from its manual, from runs of its interpreter, and from runs
-//! of its controller.
+//! Changes for LinuxCNC 2.9 with the kinematics xyzac-trt. Reasons come from its manual, from runs of its interpreter,
+//! and from runs of its controller.
 
 use super::Change::{All, Cut, First, Job, Last, Machine, Move, Text, Word};
 use super::How::{Address, Double, Number};

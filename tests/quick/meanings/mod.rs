@@ -1,5 +1,6 @@
-//! The campaign of meanings: changes in the words of a program, each with what has to become of it and why, by the manual of
-//! the control. Kinds that would harm are refused by the reader or found by the verifier; harmless ones mean the same motion.
+//! The campaign of meanings: changes in the words of a program, each with the expected result and the reason by the
+//! manual of the control. The reader refuses harmful kinds, or the verifier finds them; harmless kinds mean the same
+//! motion.
 //!
 //! `cargo test --test quick meanings -- --nocapture` prints the counts.
 

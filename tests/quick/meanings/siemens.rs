@@ -1,4 +1,4 @@
-//! Kinds for SINUMERIK 840D. Reasons are from its programming manuals.
+//! Changes for SINUMERIK 840D. Reasons come from its programming manuals.
 
 use super::Change::{All, Cut, First, Job, Last, Machine, Move, Text, Word};
 use super::How::{Address, Double, Number};

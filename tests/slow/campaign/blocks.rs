@@ -1,5 +1,4 @@
-//! NC text as the campaign sees it: lines and the tool poses that they mean, read here without the readers of the
-//! compiler.
+//! NC text for the campaign: lines and their tool poses, read here without the readers of the compiler.
 
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! Seeded faults, put into the text or into the tools that the text is run with.
+//! Seeded faults in the text, or in the tools with which the text is run.
 
 use super::blocks::{Dialect, Station, axis, is_rapid, set, stations, word};
 use impellerc::collide::{Cutter, ToolSolid};

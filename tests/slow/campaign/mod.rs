@@ -1,9 +1,9 @@
-//! The fault campaign: seeded faults in the verified text of every dialect, each measured by the verifier and, without
-//! it, by brute force. What gouges by two micrometres or more, or collides, is found with its size and its line; what
-//! does not is not reported.
+//! The fault campaign: seeded faults in the verified text of every dialect. The verifier measures each fault, and brute
+//! force measures it without the verifier. A fault that gouges by two micrometres or more, or collides, is found with
+//! its size and its line; any other fault is not reported.
 //!
 //! Run with `cargo test --test slow campaign -- --nocapture`.
-//! With CAMPAIGN_LIST set each fault is listed with its truth.
+//! When CAMPAIGN_LIST is set, each fault is listed with its truth.
 
 mod blocks;
 mod faults;

@@ -1,4 +1,4 @@
-//! What a program really cuts: brute force over dense poses of the tools and dense points of the design surfaces, with
+//! The true cut of a program: brute force over dense poses of the tools and dense points of the design surfaces, with
 //! signed distances to convex solids in closed form. Nothing here comes from the verifier.
 
 use super::blocks::{Station, axis};
