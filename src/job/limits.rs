@@ -1,7 +1,7 @@
-//! Least and largest sizes that job and library files may give: what machines do and tools are made in. A size that is
-//! far below all others of a job leaves no digits for them.
+//! Least and largest sizes in job and library files: sizes that machines and tools have. A size far below all other
+//! sizes of a job would be lost in rounding.
 
-/// Slowest feed, mm/min: a control runs no slower with three decimals in its F word, and a cut of a metre takes a week.
+/// Slowest feed, mm/min: the F word of a control has three decimals, and a cut of a metre takes a week at this feed.
 pub(super) const LEAST_FEED: f64 = 0.1;
 
 /// Largest feed, mm/min; machines limit it further.
@@ -13,18 +13,18 @@ pub(super) const LEAST_SPINDLE: f64 = 1.0;
 /// Diameters of cutter, neck and shank, mm: end mills are made from 0.1 mm on.
 pub(super) const DIAMETER: [f64; 2] = [0.1, 500.0];
 
-/// Radii of a corner and of the tip of a barrel, mm: below the least an edge is called sharp.
+/// Radii of a corner and of the tip of a barrel, mm: an edge below the least radius counts as sharp.
 pub(super) const CORNER: [f64; 2] = [0.01, 250.0];
 
 /// Lengths along a tool, and the radius of a barrel, mm.
 pub(super) const LENGTH: [f64; 2] = [0.01, 1000.0];
 
-/// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. Steeper than 45 deg to
-/// the axis the side would be a point mill, which the contact search does not know.
+/// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. A side steeper
+/// than 45 deg to the axis would be a point mill, which the contact search does not support.
 pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];
 
 /// Numbers of flutes.
 pub(super) const FLUTES: [u32; 2] = [1, 20];
 
-/// Least fillet, mm, where there is one.
+/// Least fillet radius, mm, where there is a fillet.
 pub(super) const LEAST_FILLET: f64 = 0.01;

@@ -275,7 +275,7 @@ pub struct CurveSpec {
     pub span: Span,
 }
 
-/// A curve of the main blade at one end of its rulings.
+/// A curve of the main blade, at one end of the rulings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveRef {
     /// Face.

@@ -54,7 +54,7 @@ pub struct Collision {
 /// Result of a stream.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Removal of the blocks that removed something, in order.
+    /// Removal of the blocks that removed material, in order.
     pub cuts: Vec<BlockCut>,
     /// Collisions in the order of blocks.
     pub collisions: Vec<Collision>,

@@ -11,7 +11,7 @@ pub struct Name {
     pub span: Span,
 }
 
-/// A quoted text with its place, quotes included in the place.
+/// A quoted text with its place; the place includes the quotes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text {
     /// The text between the quotes.

@@ -1,4 +1,4 @@
-//! From text to [`File`]: pest reads one item after another, and pairs become the tree.
+//! From text to [`File`]: pest reads one item after another, and its pairs become the tree.
 
 use super::ast::{
     Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, ScopeTarget, Spline, SplinePoints,

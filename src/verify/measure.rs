@@ -40,7 +40,7 @@ pub(super) enum Unmeasured {
 
 /// Measurements for a part of the surfaces or operations.
 pub(super) trait NarrowMeasure {
-    /// Surfaces as the cutters of these operations alone leave them.
+    /// Surfaces as left by the cutters of these operations alone.
     fn surfaces(&self, operations: &[bool]) -> Vec<SurfaceReport>;
 
     /// Least distance of a part of the tool in an operation to some surfaces of the design.

@@ -7,16 +7,16 @@
 //! |---|---|---|
 //! | V1 | is the motion well formed? | [`structure`] |
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], by [`proof`] |
-//! | | do they leave alone what milling does not make? | [`kept`] |
-//! | | does roughing keep off the part with what the control may add? | [`allowance`] |
-//! | | how near come shank and holder to the part, the tool at rapid to the stock? | [`clearance`] |
-//! | | how near comes the tool to table and fixtures? | [`carried`] |
-//! | | how near to chuck and table that only the job knows of? | [`clamping`] |
+//! | | do the cutters leave the kept surfaces untouched? | [`kept`] |
+//! | | does roughing keep clear of the part, deviations of the control included? | [`allowance`] |
+//! | | what is the clearance of shank and holder to the part, and of rapids to the stock? | [`clearance`] |
+//! | | what is the clearance of the tool to table and fixtures? | [`carried`] |
+//! | | what is the clearance of the tool to the clamping of the job? | [`clamping`] |
 //! | | what does roughing leave? | [`rest`] |
-//! | V3 | what happens to the stock, block by block? | [`stock`] |
-//! | | does the tool stand over everything while all axes but Z move without tool centre point control? | [`perimeter`] |
+//! | V3 | what does each block remove of the stock, and what touches the stock? | [`stock`] |
+//! | | is the tool above all obstacles where all axes but Z move without tool centre point control? | [`perimeter`] |
 //! | V4 | are the axes within travel and speed? | [`machine`] |
-//! | | what feed is reached within accelerations and jerks, how far does the real motion leave the verified one? | [`dynamics`] |
+//! | | which feed is reached within accelerations and jerks, with which deviation? | [`dynamics`] |
 
 pub mod alike;
 pub mod allowance;
