@@ -2,8 +2,8 @@
 //! Xu 2013 (before and after: speed and time), with the motion of the rotary axes. The clearance is proved with the
 //! means of the verifier.
 //!
-//! Times come from the verifier's simulation with the limits of the axes, not from the planner. `cargo test --test
-//! orientation -- --nocapture` shows the tables.
+//! Times come from the verifier's simulation with the limits of the axes, not from the planner. `cargo test --test slow --
+//! orientation:: --nocapture` shows the tables.
 
 use crate::support;
 use impellerc::collide::{Cloud, ToolSolid};
