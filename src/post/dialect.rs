@@ -1,4 +1,4 @@
-//! What a dialect does: refuse, write, read, recognise.
+//! The operations of a dialect: refuse, write, read, recognise.
 
 use super::nc::{NcProgram, NcSection, ReadError};
 use crate::diag::Sink;
@@ -12,19 +12,19 @@ pub trait Post: Sync {
     fn name(&self) -> &'static str;
     /// One line for the help.
     fn about(&self) -> &'static str;
-    /// Refuses a machine that the transformation of the control cannot have.
+    /// Refuses a machine that the transformation of the control does not support.
     fn check_machine(&self, machine: &Machine, sink: &mut Sink);
-    /// Refuses what the dialect cannot say, on a machine that it cannot have too.
+    /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
     /// The program as text. `header` holds lines of the comment block at its head.
     fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram;
-    /// What a text in this dialect makes the machine do, from where the transformation is switched on to the retract
-    /// after it, section by section.
+    /// Motion that a text in this dialect commands, section by section: from the block that switches the transformation
+    /// on to the retract after it.
     ///
     /// # Errors
-    /// The lines that are not understood or that are no sound program, at least one, at most [`super::MOST_FAULTS`].
+    /// The lines that are not understood or that make the program invalid, at least one, at most
+    /// [`super::MOST_FAULTS`].
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>>;
-    /// Whether a block holds a word that no other dialect knows. `code` ends where a bracket or a
-    /// comment begins.
+    /// Whether a block holds a word that only this dialect has. `code` ends at the first bracket or comment.
     fn recognises(&self, code: &str) -> bool;
 }

@@ -1,8 +1,8 @@
 //! Dialects: from a verified motion to NC text, and back.
 //!
-//! A post decides words, never geometry. [`Post::check`] refuses everything that the dialect cannot say, before
-//! anything is written; then [`Post::emit`] cannot fail. [`read_back`] interprets the text with a reader that shares
-//! nothing with the writer and compares it with the motion (V5).
+//! A post chooses words and changes no geometry. [`Post::check`] refuses every motion that the dialect cannot express,
+//! before anything is written; therefore [`Post::emit`] cannot fail. [`read_back`] interprets the text with a reader
+//! that shares no code with the writer, and compares the result with the motion (V5).
 
 mod control;
 mod dialect;
@@ -18,22 +18,22 @@ pub use dialect::Post;
 pub use nc::{Direction, NcLine, NcMove, NcProgram, NcSection, NcStation, NcTool, ReadError};
 pub use read_back::{ReadBack, read_back};
 
-/// The dialects that are built.
+/// The available dialects.
 pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc];
 
-/// The dialect of a name.
+/// The dialect with a name.
 pub fn find(name: &str) -> Option<&'static dyn Post> {
     POSTS.iter().copied().find(|p| p.name() == name)
 }
 
-/// Lines of a text that are looked at to recognise its dialect.
+/// Number of lines that are examined to recognise the dialect of a text.
 const LOOKED_AT: usize = 10_000;
 
-/// Lines with words of each dialect alone, over the first lines of a text.
+/// Number of lines with words that only one dialect has, for each dialect, within the first lines of a text.
 fn own_words(text: &str) -> Vec<usize> {
     let mut counts = vec![0_usize; POSTS.len()];
     for line in text.lines().take(LOOKED_AT) {
-        // Either kind of comment.
+        // The comments of either dialect.
         let code = line.split([';', '(']).next().unwrap_or_default();
         for (count, post) in counts.iter_mut().zip(POSTS) {
             *count += usize::from(post.recognises(code));
@@ -42,8 +42,8 @@ fn own_words(text: &str) -> Vec<usize> {
     counts
 }
 
-/// The dialect of a text: the one whose own words stand in most of its first lines; `None` when there are none of any
-/// dialect, or as many of two.
+/// The dialect of a text: the dialect with the most lines that hold its own words, within the first lines. `None` when
+/// no dialect has such lines, or two dialects have the same number.
 pub fn recognise(text: &str) -> Option<&'static dyn Post> {
     let counts = own_words(text);
     let most = *counts.iter().max()?;
@@ -51,10 +51,11 @@ pub fn recognise(text: &str) -> Option<&'static dyn Post> {
     best.next().filter(|_| best.next().is_none())
 }
 
-/// How many times as many lines must have words of another dialect before a text is taken as one of it.
+/// Ratio of the lines of another dialect to those of the expected one from which on the text counts as the other
+/// dialect.
 const CLEARLY: usize = 10;
 
-/// The dialect of a text that is clearly not in the one that was to be expected.
+/// The dialect of a text that is clearly not in the expected dialect.
 pub fn clearly_other(text: &str, expected: &dyn Post) -> Option<&'static dyn Post> {
     let counts = own_words(text);
     let own = counts.iter().zip(POSTS).find(|(_, p)| p.name() == expected.name()).map_or(0, |(n, _)| *n);

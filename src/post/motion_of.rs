@@ -1,9 +1,10 @@
-//! From the sections that a reader found to the motion of the machine.
+//! From the sections of a reader to the motion of the machine.
 //!
-//! The other way round than in compilation: the operations of the job are found again in the order of the text, each by
-//! its tool and its spindle speed; the rotary axes stand where the control would turn them; times follow from feeds and
-//! axis speeds. Where the axes stand when the transformation is switched on is the first station of an operation, the
-//! retract after it the last. Nothing is mended: what the job does not allow is a fault with its line.
+//! This is the reverse of the compilation. The operations of the job are identified in the order of the text, each by
+//! its tool and its spindle speed. The rotary axes have the positions to which the control would turn them. Times
+//! follow from feeds and axis speeds. The position at which the transformation is switched on is the first station of
+//! an operation, and the retract after it is the last. Nothing is corrected: whatever the job does not allow is a fault
+//! with its line.
 
 use super::nc::{Direction, NcMove, NcSection};
 use super::read_back::says_tool;
@@ -16,7 +17,7 @@ use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// A motion with the lines that say it.
+/// A motion with the lines of its moves.
 #[derive(Clone, Debug, Default)]
 pub struct NcMotion {
     /// The motion; its labels name the lines at which passes begin.
@@ -32,27 +33,27 @@ impl NcMotion {
     }
 }
 
-/// Most faults of one text that are told.
+/// Most faults of one text that are reported.
 const MOST_FAULTS: usize = super::MOST_FAULTS;
 
-/// Feed and spindle speed above the job's that is rounding, as a share.
+/// Share by which feed and spindle speed may exceed those of the job through rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Turn of the table while the tool comes down to the first move that is rounding of words, radians.
+/// Largest turn of the table that is rounding of words while the tool moves down to the first target, radians.
 const PARKED: f64 = 1e-5;
 
-/// Part of the time of a way at rapid that is rounding of the words of its block.
+/// Share of the time of a move at rapid that is rounding of the words of its block.
 const RAPID_ROUNDING: f64 = 1e-3;
 
-/// Rotary moves of less are standstill; tips that move less stand still. Radians and mm.
+/// Rotary moves and tip moves below these values count as standstill, in radians and mm.
 const STILL: (f64, f64) = (1e-6, 1e-4);
 
-/// Error of a time that comes from the last digits of the words of a block: of a length (mm, over the feed) and of an
-/// angle (radians, over the speed of the axis, with room for rotary axis 2 near the pole).
+/// Error of a time through the last digits of the words of a block: of a length (mm, divided by the feed) and of an
+/// angle (radians, divided by the speed of the axis; it includes a margin for rotary axis 2 near the pole).
 const QUANTUM: (f64, f64) = (2e-4, 1e-6);
 
-/// Makes the motion of the sections. Faults go to the sink under the spans of their lines; `span` gives the span of a
-/// line. `None` when there are faults with which no motion can be measured.
+/// Makes the motion of the sections. Faults go to the sink with the spans of their lines; `span` gives the span of a
+/// line. `None` when the faults prevent the motion from being measured.
 pub fn motion_of(
     program: &Program,
     sections: &[NcSection],
@@ -101,14 +102,15 @@ struct Interpreter<'a> {
 
 impl Interpreter<'_> {
     fn fault(&mut self, code: Code, line: usize, text: String, help: &str) -> Diag {
-        // Finding a line takes as long as the text is.
+        // To find a line takes time in proportion to the length of the text.
         if self.told >= MOST_FAULTS {
             return Diag::error(code, text);
         }
         Diag::error(code, text).label((self.span)(line), "this block").help(help)
     }
 
-    /// Tells a fault. Beyond the most that are told the text is not measured: each of a million blocks may have one.
+    /// Reports a fault. A text with more than [`MOST_FAULTS`] faults is not measured: each of a million blocks may have
+    /// a fault.
     fn tell(&mut self, diag: Diag) {
         self.told += 1;
         if self.told <= MOST_FAULTS {
@@ -118,14 +120,14 @@ impl Interpreter<'_> {
         }
     }
 
-    /// A fault with which the rest cannot be measured.
+    /// Reports a fault after which the rest cannot be measured.
     fn fatal(&mut self, code: Code, line: usize, text: String, help: &str) {
         let diag = self.fault(code, line, text, help);
         self.tell(diag);
         self.sound = false;
     }
 
-    /// Whether a section is made with the tool and the speed of an operation of the job.
+    /// Whether a section has the tool and the spindle speed of an operation of the job.
     fn belongs(&mut self, section: &[NcMove], id: OperationId, operation: &Operation, number: usize) -> bool {
         let tool = &self.program.tools[operation.tool];
         let fits = |m: &NcMove| {
@@ -191,7 +193,7 @@ impl Interpreter<'_> {
             };
             if kind != MoveKind::Rapid && way.turns_on_the_spot() {
                 self.tell_standstill(m);
-                // In inverse time a tip at rest has no feed of its own.
+                // In inverse time a block with its tip at rest has no feed.
                 feed = Some(operation.feed.get());
             }
             course.go(m, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
@@ -202,7 +204,7 @@ impl Interpreter<'_> {
         (course.made, course.lines)
     }
 
-    /// Where the control turns the rotary axes in a block. They stand at `before`.
+    /// Positions to which the control turns the rotary axes in a block, from the positions `before`.
     fn rotary(&mut self, m: &NcMove, before: Angles) -> Angles {
         let machine = &self.program.machine;
         match m.direction {
@@ -226,7 +228,7 @@ impl Interpreter<'_> {
         self.tell(diag);
     }
 
-    /// Rotary positions that nobody can be sure of, and turns while the tool comes down.
+    /// Reports rotary positions that are not certain, and turns while the tool moves down.
     fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles) {
         let names = self.program.machine.names();
         if first && most_turn(before, to) > PARKED {
@@ -268,8 +270,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Kind and feed. What is faster than the process feed can only be a link; what says its time is a way at rapid
-    /// where it takes the time of one, or is faster than any feed of the operation.
+    /// Kind and feed of a move. A move faster than the process feed can only be a link. A block in inverse time is a
+    /// move at rapid in two cases: its time is that of a rapid, or its feed is larger than every feed of the operation.
     fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &ReadMove) -> (MoveKind, Option<f64>) {
         let most = operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING);
         let feed = match (m.feed, m.time) {
@@ -309,21 +311,21 @@ impl Interpreter<'_> {
     }
 }
 
-/// The rotary position of a direction that the control takes: of both that fit, with any whole turns, the nearest.
+/// The rotary position that the control takes for a direction: the nearest of both solutions with all their windings.
 fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
     let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
     let [one, other] = chain.inverse(axis, before[1])?.map(|[first, second]| [first, nearest_turn(second, before[1])]);
     Some(if way(&other) < way(&one) { other } else { one })
 }
 
-/// An operation as far as its blocks are read.
+/// An operation, up to the block that was read last.
 struct Course<'a> {
     machine: &'a Machine,
     length_of_tool: f64,
     made: MotionOperation,
     /// Line of every move.
     lines: Vec<usize>,
-    /// Where the rotary axes stand.
+    /// Positions of the rotary axes.
     rotary: Angles,
     /// The block before; `None` before the first one.
     last: Option<&'a NcMove>,
@@ -342,12 +344,12 @@ impl<'a> Course<'a> {
         Self { machine, length_of_tool, made, lines, rotary: start.rotary, last: None }
     }
 
-    /// Whether a block moves nothing.
+    /// Whether a block moves no axis.
     fn stays(&self, m: &NcMove, rotary: Angles) -> bool {
         self.last.is_some_and(|l| l.tip == m.tip && rotary == self.rotary)
     }
 
-    /// The way to the end of a block.
+    /// The motion from the end of the last block to the end of this block.
     fn way(&self, m: &NcMove, rotary: Angles) -> ReadMove<'a> {
         let machine = self.machine;
         let joints = machine.joints(&m.tip, rotary);
@@ -356,14 +358,14 @@ impl<'a> Course<'a> {
         ReadMove { machine, length_of_tool: self.length_of_tool, tips, joints: [start, joints] }
     }
 
-    /// Adds the move of a block, with its pass. A pass begins with the first rapid after feed.
+    /// Adds the move of a block, with its pass. A pass begins with the first rapid after a feed.
     fn go(&mut self, m: &'a NcMove, step: JointMove) {
         let made = &mut self.made;
         if self.last.is_none_or(|l| m.rapid && !l.rapid) {
             made.labels.push(format!("blocks from line {}", m.line));
         }
         let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
-        // Where its planner comes to rest is looked at for this control alone.
+        // Stops matter only for this planner.
         let stops = self.machine.planning == Planning::LinuxCnc;
         if let (Some(before), Some(l)) = (made.moves.last_mut(), self.last) {
             before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);
@@ -379,19 +381,19 @@ impl<'a> Course<'a> {
         let Some(from) = self.made.moves.last().copied() else { return };
         let mut joints = from.joints;
         joints.xyz.z = z - self.length_of_tool;
-        // With the transformation off each axis keeps its own speed.
+        // With the transformation off each axis has its own speed limit.
         let time = self.machine.least_time(&from.joints, &joints, self.length_of_tool);
         self.made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
         self.lines.push(line);
     }
 }
 
-/// A move that does no work.
+/// A move that cuts nothing.
 fn station(joints: Joints) -> JointMove {
     JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }
 }
 
-/// The way of one move.
+/// Start and end of one move.
 struct ReadMove<'a> {
     machine: &'a Machine,
     length_of_tool: f64,
@@ -404,7 +406,7 @@ impl ReadMove<'_> {
         (self.tips[1] - self.tips[0]).norm()
     }
 
-    /// Whether the tool turns and its tip stands still.
+    /// Whether the tool turns while its tip stands still.
     fn turns_on_the_spot(&self) -> bool {
         self.length() < STILL.1 && most_turn(self.joints[0].rotary, self.joints[1].rotary) > STILL.0
     }
@@ -416,8 +418,8 @@ impl ReadMove<'_> {
             .max(self.length() / self.machine.rapid)
     }
 
-    /// Whether a move takes the time that planning gives to a way at rapid. Blocks in inverse time are nothing else for
-    /// their words.
+    /// Whether a move takes the time that planning gives to a rapid. The words of a block in inverse time do not show
+    /// whether it is a rapid.
     fn is_rapid(&self, time: f64) -> bool {
         let machine = self.machine;
         let planned = machine.planned_time(&self.joints[0], &self.joints[1], self.length_of_tool);
@@ -427,7 +429,7 @@ impl ReadMove<'_> {
         (time - planned).abs() <= RAPID_ROUNDING * planned + digits
     }
 
-    /// Time of a rapid by its word, s.
+    /// Time of a block with the word of a rapid, s.
     fn rapid_time(&self) -> f64 {
         match self.machine.planning {
             Planning::Joints => self.least_time(),
@@ -435,8 +437,8 @@ impl ReadMove<'_> {
         }
     }
 
-    /// Time at a feed, s: that of the feed even where an axis cannot follow, so that the check of the axes finds it; but
-    /// what the last digits of the words make is not held against the text.
+    /// Time at a feed, s. The feed decides also where an axis cannot follow, so that the check of the axes finds the
+    /// fault. A difference that the last digits of the words explain is no fault.
     fn time(&self, feed: f64) -> f64 {
         let (machine, length) = (self.machine, self.length());
         let least = machine.least_time(&self.joints[0], &self.joints[1], self.length_of_tool);
@@ -452,7 +454,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Within a quarter turn of axis 2, and away from the pole, a vector leads to the position that was meant.
+        /// Within a quarter turn of axis 2, and away from the pole, a vector leads to the intended position.
         #[test]
         fn a_vector_comes_back_as_the_near_position(
             a in 0.1..1.6_f64, c in -9.0..9.0_f64, da in -0.05..0.05_f64, dc in -1.4..1.4_f64, branch in any::<bool>()

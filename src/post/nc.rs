@@ -1,4 +1,4 @@
-//! NC text as blocks, and what a reader makes of it.
+//! NC text as blocks, and the result of a reader.
 
 use crate::kin::Angles;
 use nalgebra::{Point3, Vector3};
@@ -16,17 +16,17 @@ pub struct NcProgram {
 pub struct NcLine {
     /// Text.
     pub text: String,
-    /// Operation and move of the motion that it says.
+    /// Operation and move of the motion that the line writes.
     pub source: Option<(u32, u32)>,
 }
 
 impl NcProgram {
-    /// Adds a line that no move stands behind.
+    /// Adds a line that belongs to no move.
     pub(crate) fn line(&mut self, text: impl Into<String>) {
         self.lines.push(NcLine { text: text.into(), source: None });
     }
 
-    /// The whole text: every line ends with a line feed, the last one too.
+    /// The whole text: every line ends with a line feed, also the last.
     pub fn text(&self) -> String {
         let mut text = String::with_capacity(self.lines.iter().map(|l| l.text.len() + 1).sum());
         for line in &self.lines {
@@ -46,7 +46,7 @@ pub enum Direction {
     Rotary(Angles),
 }
 
-/// A tool as a text calls it.
+/// Name of a tool in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NcTool {
     /// By its number in the tool table.
@@ -55,10 +55,10 @@ pub enum NcTool {
     Name(Arc<str>),
 }
 
-/// Where all axes stand with the transformation off.
+/// Positions of all axes with the transformation off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NcStation {
-    /// Line of the block that moved the last of them there, from 1.
+    /// Line of the block that moved the last axis to its position, from 1.
     pub line: usize,
     /// X and Y, and Z of the gauge line of the spindle, machine frame, mm.
     pub xyz: Vector3<f64>,
@@ -66,15 +66,15 @@ pub struct NcStation {
     pub rotary: Angles,
 }
 
-/// Moves between switching the transformation on and off.
+/// Moves from the block that switches the transformation on to the block that switches it off.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NcSection {
-    /// Where the axes stand when the transformation is switched on.
+    /// Positions of the axes when the transformation is switched on.
     pub start: NcStation,
-    /// The moves with it on.
+    /// The moves with the transformation on.
     pub moves: Vec<NcMove>,
-    /// Line of the retract after it is switched off, and machine Z of the gauge line there, mm. There is one in every text
-    /// that is read without a fault.
+    /// Line of the retract after the transformation is switched off, and machine Z of the gauge line there, mm. Every
+    /// text that is read without a fault has this retract.
     pub retract: Option<(usize, f64)>,
 }
 
@@ -83,29 +83,30 @@ pub struct NcSection {
 pub struct NcMove {
     /// Line, from 1.
     pub line: usize,
-    /// By the word of a rapid.
+    /// Whether the word of a rapid (G0) acts.
     pub rapid: bool,
     /// Tool tip, part frame, mm.
     pub tip: Point3<f64>,
-    /// Direction.
+    /// Tool direction.
     pub direction: Direction,
-    /// Feed of the tip in mm/min; `None` at rapid, and in inverse time where the text does not say where the way begins.
+    /// Feed of the tip in mm/min; `None` at rapid, and in inverse time where the text does not give the start of the
+    /// move.
     pub feed: Option<f64>,
-    /// Time of the move, s, where the block says it (inverse time).
+    /// Time of the move, s, where the block gives it (inverse time).
     pub time: Option<f64>,
-    /// Tool in the spindle, whose length acts.
+    /// Tool in the spindle; its length acts.
     pub tool: NcTool,
     /// Spindle speed, rpm.
     pub speed: f64,
-    /// How far the control may leave the path to smooth it, mm.
+    /// Largest deviation from the path with which the control may smooth it, mm.
     pub smoothing: f64,
 }
 
-/// A line that a reader does not understand, or that is no sound part of a program.
+/// A line that a reader does not understand, or that makes the program invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {
     /// Line, from 1.
     pub line: usize,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }

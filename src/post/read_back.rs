@@ -1,4 +1,4 @@
-//! V5: the text, interpreted, against the motion.
+//! V5: interprets the NC text and compares it with the motion.
 
 use super::dialect::Post;
 use super::nc::{Direction, NcMove, NcSection, NcTool};
@@ -22,16 +22,16 @@ pub struct ReadBack {
     pub axis: f64,
 }
 
-/// Half a step of a word, with room for the rounding of the arithmetic around it.
+/// Half a step of a word, plus a margin for the rounding of the arithmetic.
 fn half_step(decimals: usize) -> f64 {
     0.5 * 10f64.powi(-i32::try_from(decimals).unwrap_or(0)) + 1e-11
 }
 
 /// Interprets the text of a dialect and compares every move with the motion: kind, tip, axis, rotary positions, feed,
-/// tool and speed.
+/// tool and spindle speed.
 ///
 /// # Errors
-/// A line that is not understood, or that says something else than the motion.
+/// A line that is not understood, or that differs from the motion.
 pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
     let sections = post.read(text, &program.machine).map_err(|faults| {
         let first = faults.first().map_or(String::new(), |e| format!("line {} of the NC text: {}", e.line, e.reason));
@@ -54,7 +54,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, 
                 return Err(differs(line, "the operation ends before the motion".to_owned()));
             };
             compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
-            // Behind the last one the transformation is switched off, at rest.
+            // After the last move the transformation is switched off, at rest.
             if meant.stop && read.smoothing > 0.0 && i + 3 < operation.moves.len() {
                 return Err(differs(read.line, "the control does not stop where it is meant to".to_owned()));
             }
@@ -73,7 +73,8 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, 
     }
 }
 
-/// The stations at retract height against the first and the last move. A fault says whether it is the last one.
+/// Compares the stations at retract height with the first and the last move. A fault says whether it is in the last
+/// move.
 fn stations(
     program: &Program,
     operation: &MotionOperation,
@@ -98,7 +99,7 @@ fn stations(
     if off > half_step(LENGTH_DECIMALS) {
         return Err((true, format!("the retract is off by {off:.6} mm")));
     }
-    // Above the last target, where the text says nothing of any axis but Z.
+    // Above the last target, where the text has no word of an axis but Z.
     let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
     let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
@@ -144,7 +145,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         }
     };
     let off = (axis - pose.axis).norm();
-    // Three components, or two angles, each half a step off.
+    // Three components, or two angles, each with an error of half a step.
     let bound = match read.direction {
         Direction::Axis(_) => half_step(VECTOR_DECIMALS) * 3f64.sqrt(),
         Direction::Rotary(..) => half_step(ANGLE_DECIMALS).to_radians() * 2f64.sqrt(),
@@ -154,7 +155,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     }
     result.axis = result.axis.max(off);
     if let Some(time) = read.time.filter(|_| inverse) {
-        // A step of F, and the shortest time that is written.
+        // One step of F, and the shortest time that is written.
         let longest = meant.time * (1.0 + meant.time / 60.0 * 10f64.powi(-INVERSE_DECIMALS)) + 1e-3;
         let fits = time >= meant.time * (1.0 - ROUNDING) && time <= longest;
         return if fits {

@@ -18,10 +18,10 @@ pub const FEED_DECIMALS: usize = 3;
 
 /// Decimals of F in inverse time, in moves a minute.
 pub const INVERSE_DECIMALS: i32 = 5;
-/// Largest F in inverse time: moves that take less time are no ways.
+/// Largest F in inverse time; a move that would need a larger F is written with this value.
 const MOST_INVERSE: f64 = 1e5;
 
-/// A number with fixed decimals, never as a negative zero.
+/// A number with fixed decimals and without a negative zero.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
@@ -37,20 +37,20 @@ pub(super) fn rotary(machine: &Machine, joints: &Joints, sign: &str) -> String {
     format!("{first} {second}")
 }
 
-/// A feed, rounded down: the axes were proved for no more.
+/// A feed, rounded down, since the proof of the axes holds for no larger feed.
 pub fn feed(value: f64) -> String {
     let scale = 1000.0;
     fixed((value * scale + ON_STEP).floor() / scale, FEED_DECIMALS)
 }
 
-/// F of a move in inverse time, rounded down: the axes were proved for no shorter time, s.
+/// F of a move in inverse time, rounded down, since the proof of the axes holds for no shorter time. `time` in s.
 pub fn inverse_time(time: f64) -> String {
     let scale = 10f64.powi(INVERSE_DECIMALS);
     let per_minute = (60.0 / time).min(MOST_INVERSE);
     fixed((per_minute * scale).floor() / scale, usize::try_from(INVERSE_DECIMALS).unwrap_or(0))
 }
 
-/// Text that may stand in a comment of any dialect.
+/// A text with only such characters as are allowed in a comment of every dialect.
 pub fn comment(text: &str) -> String {
     text.chars()
         .map(|c| match c {
@@ -64,7 +64,7 @@ pub fn comment(text: &str) -> String {
         .collect()
 }
 
-/// Refuses what no dialect can say.
+/// Refuses a motion that no dialect can express.
 pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     let plain = |name: &str| {
         !name.is_empty() && name.len() <= 24 && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')

@@ -1,9 +1,9 @@
-//! A control as a state machine: what the readers of all dialects stand on. Shares nothing with the writers.
+//! A control as a state machine: the common base of the readers of all dialects. It shares no code with the writers.
 //!
-//! Nothing is taken for granted at the start: modal groups, tool, tool length, offsets, transformation and the positions
-//! of all axes are unknown until the program says them. A move on what is unknown or wrong is a fault that says what to
-//! write. After a fault the state goes on as the block meant it, so that a text with many faults says them all in one
-//! run. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
+//! At the start everything is unknown: modal groups, tool, tool length, offsets, transformation and the positions of
+//! all axes. Only the program makes them known. A move with an unknown or wrong setting is a fault, and its message
+//! says what to write. After a fault the state changes as the block intended, so that one run reports all faults of a
+//! text. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
 
 pub(super) mod modal;
 mod state;
@@ -15,23 +15,23 @@ use crate::post::nc::NcTool;
 use modal::{GROUPS, Modal, ModalGroup};
 use std::sync::Arc;
 
-/// Most faults of one text that are told.
+/// Most faults of one text that are reported.
 pub const MOST_FAULTS: usize = 50;
 
-/// Most moves of one text: beyond them the memory of the checks that follow would have no bound.
+/// Most moves of one text: it bounds the memory of the checks that follow.
 const MOST_MOVES: usize = 4_000_000;
 
 /// Longest number, in characters.
 const LONGEST_NUMBER: usize = 24;
 
-/// Farthest coordinate, mm: beyond any machine.
+/// Largest coordinate, mm: larger than any machine.
 const FARTHEST: f64 = 1e5;
 
-/// Largest feed (mm/min), spindle speed (rpm) and share of a block in a minute.
+/// Largest feed (mm/min), largest spindle speed (rpm), and largest F in inverse time (1/min).
 const FASTEST: f64 = 1e6;
 
-/// Slowest feed of a block in inverse time, mm/min: the interpreter of LinuxCNC takes no less, so that a slower block takes
-/// another time than it says.
+/// Slowest feed of a block in inverse time, mm/min. The interpreter of LinuxCNC uses no slower feed, so a slower block
+/// takes another time than F says.
 pub(super) const SLOWEST_INVERSE: f64 = 0.1;
 
 /// Rounding of positions in words: mm, and radians (a step of a rotary word is 1e-5 deg).
@@ -51,14 +51,15 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
     })
 }
 
-/// The first characters of a text as a message shows them; what looks like another sign, or like none, by its number.
+/// The first characters of a text as a message shows them. Characters that look like another one, or are invisible, are
+/// shown by their number.
 pub(super) fn shown(text: &str, most: usize) -> String {
     let plain =
         |c: char| if c.is_ascii_graphic() || c == ' ' { c.to_string() } else { format!("<U+{:04X}>", u32::from(c)) };
     text.chars().take(most).map(plain).collect()
 }
 
-/// A figure in a message: no more decimals than it has.
+/// A figure in a message, without trailing zeros.
 fn figure(value: f64) -> String {
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -66,33 +67,33 @@ fn figure(value: f64) -> String {
 
 /// A dialect as data.
 pub(super) struct Control {
-    /// Its modal groups.
+    /// Modal groups.
     pub(super) modal: &'static [Modal],
-    /// In which order the words of a block act.
+    /// Order in which the words of a block act.
     pub(super) order: &'static [Act],
     /// Words that switch tool centre point control on and off.
     pub(super) transformation: [&'static str; 2],
-    /// The words of a rapid in the machine frame, with offsets and tool length out, in front of the axis words.
+    /// The words before the axis words of a rapid in the machine frame, in which neither offsets nor tool length act.
     pub(super) machine_frame: &'static str,
-    /// What stands behind them.
+    /// The words after the axis words.
     pub(super) behind: &'static str,
-    /// The word that takes the tool length of the tool in the spindle.
+    /// The word that activates the length of the tool in the spindle.
     pub(super) length: &'static str,
     /// The word that gives the tolerance of smoothing.
     pub(super) smoothing: &'static str,
     /// The word that ends a program.
     pub(super) end: &'static str,
-    /// Moves in the machine frame leave the tool length out by themselves.
+    /// In moves in the machine frame the tool length does not act.
     pub(super) machine_frame_drops_length: bool,
-    /// Switching the transformation drops the work offset and shifts and rotations of it.
+    /// Switching the transformation cancels the work offset, its shifts and its rotations.
     pub(super) switching_drops_frames: bool,
-    /// A tool change makes the tool length that of a default.
+    /// A tool change activates a default tool length.
     pub(super) change_drops_length: bool,
     /// The end of a program switches spindle and coolant off.
     pub(super) end_switches_off: bool,
 }
 
-/// What words of a block do, each at its place in the order of the control.
+/// Actions of the words of a block, in the order of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Act {
     /// A modal group is set.
@@ -107,7 +108,7 @@ pub(super) enum Act {
     Change,
     /// The transformation is switched.
     Transform,
-    /// The tool length is taken or dropped.
+    /// The tool length is activated or cancelled.
     Length,
     /// The tolerance of smoothing is set.
     Smooth,
@@ -126,50 +127,50 @@ pub(super) enum MotionWord {
     Rapid,
     /// G1.
     Feed,
-    /// None: axis words need a motion word of their own.
+    /// Neither: axis words need a motion word in their block.
     Cancelled,
 }
 
-/// Whose length acts.
+/// Tool length that acts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum LengthWord {
     /// None.
     Off,
-    /// That of the tool in the spindle.
+    /// The length of the tool in the spindle.
     OfSpindle,
-    /// That of a number in the tool table.
+    /// The length under a number in the tool table.
     Of(u32),
 }
 
-/// How far the control may leave the path.
+/// Allowed deviation of the control from the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Smoothing {
-    /// By so much, mm.
+    /// At most this length, mm.
     Within(f64),
-    /// As it likes, by this word.
+    /// Not limited, by this word.
     Left(&'static str),
 }
 
-/// What the words of one block say. Angles in radians, ISO sense.
+/// Words of one block. Angles in radians, ISO sense.
 #[derive(Default)]
 pub(super) struct NcBlock {
     /// Motion word.
     pub(super) motion: Option<MotionWord>,
-    /// Coordinates are those of the machine, with all offsets out.
+    /// Coordinates are in the machine frame, without any offset.
     pub(super) machine_frame: bool,
     /// X Y Z, mm.
     pub(super) tip: [Option<f64>; 3],
     /// Tool direction.
     pub(super) vector: [Option<f64>; 3],
-    /// The rotary axes, next to the tool first.
+    /// The rotary axes; the first is next to the tool.
     pub(super) rotary: [Option<f64>; 2],
     /// F.
     pub(super) feed: Option<f64>,
     /// rpm.
     pub(super) speed: Option<f64>,
-    /// Tool that is made ready.
+    /// Tool that is selected.
     pub(super) tool: Option<NcTool>,
-    /// The tool that is ready comes into the spindle.
+    /// The selected tool comes into the spindle.
     pub(super) change: bool,
     /// Words of modal groups.
     pub(super) modal: [Option<&'static str>; GROUPS],
@@ -185,7 +186,7 @@ pub(super) struct NcBlock {
     pub(super) end: Option<&'static str>,
 }
 
-/// Stores what may stand once in a block.
+/// Stores a value of which a block may hold only one.
 pub(super) fn once<T>(slot: &mut Option<T>, address: &str, value: T) -> Result<(), String> {
     if slot.replace(value).is_some() { Err(format!("`{address}` stands twice in one block")) } else { Ok(()) }
 }
@@ -208,7 +209,8 @@ impl NcBlock {
         store(&mut self.vector[axis], ["A3", "B3", "C3"][axis], value, FARTHEST)
     }
 
-    /// A rotary axis, in degrees of the word. A word beyond the travel of the axis is refused here: nothing is measured on it.
+    /// A rotary axis, in degrees as in the word. A word beyond the travel of the axis is refused here, so that nothing
+    /// is measured with it.
     pub(super) fn angle(&mut self, name: &str, degrees: f64, machine: &Machine) -> Result<(), String> {
         let Some(axis) = machine.rotary_axis(name) else { return Err(format!("the machine has no axis {name}")) };
         let limits = &machine.rotary[axis];
@@ -242,7 +244,7 @@ impl NcBlock {
         store(&mut self.speed, "S", value, FASTEST)
     }
 
-    /// A word of a modal group, when it is one.
+    /// Stores a word of a modal group; `None` when the text is no such word.
     pub(super) fn modal_word(&mut self, control: &Control, text: &str) -> Option<Result<(), String>> {
         let (modal, word) = control.modal.iter().find_map(|m| Some((m, m.word(text)?)))?;
         let slot = &mut self.modal[modal.group as usize];
@@ -257,7 +259,7 @@ impl NcBlock {
     }
 }
 
-/// A tool by number or by name.
+/// Number or name.
 impl std::fmt::Display for NcTool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

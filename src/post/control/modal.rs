@@ -1,6 +1,6 @@
-//! Modal groups of controls as data: what a group decides, the words that set it, and which of them a move needs.
+//! Modal groups of controls as data: what a group controls, the words that set it, and the moves that need it.
 
-/// What modal words decide, over all dialects. A control has those that its table names.
+/// The modal groups of all dialects. A control has the groups that its table names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::post) enum ModalGroup {
     /// Plane of tool length and radius.
@@ -11,7 +11,7 @@ pub(in crate::post) enum ModalGroup {
     Distance,
     /// Radius or diameter in X.
     Diameter,
-    /// Feed a minute, inverse time, a revolution.
+    /// Feed per minute, inverse time, or feed per revolution.
     FeedMode,
     /// Spindle in rpm or at constant cutting speed.
     SpindleMode,
@@ -25,7 +25,7 @@ pub(in crate::post) enum ModalGroup {
     Rotation,
     /// Frame of direction vectors.
     VectorFrame,
-    /// How the tool turns between two directions.
+    /// Motion of the tool between two directions.
     Turning,
     /// Spindle on, and its direction.
     Spindle,
@@ -36,7 +36,7 @@ pub(in crate::post) enum ModalGroup {
 /// Number of groups.
 pub(in crate::post) const GROUPS: usize = ModalGroup::Coolant as usize + 1;
 
-/// Moves that need a group to be right.
+/// Moves for which a group must be set correctly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::post) enum Needed {
     /// Every move.
@@ -51,32 +51,32 @@ pub(in crate::post) enum Needed {
 
 /// One modal group of a control.
 pub(in crate::post) struct Modal {
-    /// Which one.
+    /// Group.
     pub(in crate::post) group: ModalGroup,
-    /// What it decides, as a message says it.
+    /// What the group controls, as a message says it.
     pub(in crate::post) what: &'static str,
-    /// Words with which moves are right; the first is the one to write.
+    /// Words with which moves are correct; messages recommend the first.
     pub(in crate::post) right: &'static [&'static str],
     /// Other words of the group.
     pub(in crate::post) wrong: &'static [&'static str],
-    /// Moves that need it.
+    /// Moves that need the group.
     pub(in crate::post) needed: Needed,
 }
 
 impl Modal {
-    /// The word of this group that is spelt like this.
+    /// The word of this group with this spelling.
     pub(in crate::post) fn word(&self, text: &str) -> Option<&'static str> {
         self.right.iter().chain(self.wrong).copied().find(|w| *w == text)
     }
 }
 
-/// What a group is set to.
+/// Setting of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::post) enum Setting {
-    /// By whatever ran before; no block says.
+    /// Set by an earlier program; no block sets the group.
     Unknown,
-    /// By a word in a line.
+    /// Set by a word, in a line.
     Said(&'static str, usize),
-    /// Reported as a fault, and taken as right from there on.
+    /// Reported as a fault; from there on the setting counts as correct.
     Reported,
 }

@@ -1,16 +1,17 @@
 //! LinuxCNC with the xyzac-trt kinematics.
 //!
-//! M428 switches tool centre point kinematics on, M429 off (remaps of the trt simulations). Feed is G94: under these
-//! kinematics X Y Z are the tip in the part frame, so that F is the feed of the tip, as in the motion; all blocks at feed
-//! move the tip. Every block with the kinematics on carries all five words.
+//! M428 switches tool centre point kinematics on, M429 switches them off (remaps of the trt simulations). The feed mode
+//! is G94: under these kinematics X Y Z are the tip in the part frame, so F is the feed of the tip, as in the motion.
+//! All blocks at feed move the tip. Every block with the kinematics on carries all five words.
 //!
-//! Under these kinematics G0 keeps the speeds of the tip and not those of the joints. Ways at rapid are written as G1 in
-//! inverse time (G93), in which F says the time of the block that was proved for all joints. Where the motion stops, the
-//! block is one of exact stop (G61.1).
+//! Under these kinematics G0 keeps the speed limits of the tip and not those of the joints. Moves at rapid are
+//! therefore written as G1 in inverse time (G93), where F gives the time that was proved for all joints. Where the
+//! motion stops, the block is one of exact stop (G61.1).
 //!
-//! The head takes back what a program that was aborted can have left: M429 alone first, since any change of tool length with
-//! the kinematics on makes the axes jump; then tool length, offsets and rotation. Axes move with the kinematics off in the
-//! machine frame (G53), which leaves offsets and tool length out: Z alone to the retract height, there the rotary axes, then X and Y.
+//! The head of the program resets what an aborted program can have left active. M429 comes first and alone, since any
+//! change of tool length with the kinematics on makes the axes jump. Tool length, offsets and rotation follow. With the
+//! kinematics off, axes move in the machine frame (G53), in which neither offsets nor tool length act: Z alone to the
+//! retract height, there the rotary axes, then X and Y.
 
 mod reader;
 mod writer;

@@ -1,7 +1,8 @@
-//! Reader of the LinuxCNC dialect: words of lines. Shares nothing with the writer.
+//! Reader of the LinuxCNC dialect: words of lines. It shares no code with the writer.
 //!
-//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks and case mean nothing. What
-//! is accepted and in which order the words of a block act is that of the interpreter (manual, "Order of Execution").
+//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks and case have no meaning.
+//! The reader accepts the words that the interpreter accepts, and they act in the same order (manual, "Order of
+//! Execution").
 
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
@@ -17,7 +18,7 @@ const LONGEST_LINE: usize = 252;
 /// Widest tolerance of G64, mm.
 const WIDEST: f64 = 10.0;
 
-/// A rotation of the work offset that is none, as a message names it.
+/// The word for a work offset without rotation, as a message names it.
 const NO_ROTATION: &str = "G10 L2 P1 R0";
 
 /// The control.
@@ -144,7 +145,7 @@ const LINUXCNC: Control = Control {
     end_switches_off: true,
 };
 
-/// What begins a comment that the control or its screen executes.
+/// Beginnings of comments that the control or its screen executes.
 const EXECUTED: [&str; 12] = [
     "debug,",
     "print,",
@@ -160,14 +161,14 @@ const EXECUTED: [&str; 12] = [
     "preview,",
 ];
 
-/// Where the text stands with `%`.
+/// State of the `%` lines.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Tape {
     /// Before any block.
     Start,
-    /// After the first one.
+    /// After the first `%`.
     Open,
-    /// Blocks without it.
+    /// The text has blocks and no `%`.
     None,
 }
 
@@ -233,7 +234,7 @@ fn without_comments(line: &str) -> Result<String, String> {
     if inside.is_some() { Err("a comment does not end".to_owned()) } else { Ok(code) }
 }
 
-/// Refuses comments that are orders.
+/// Refuses comments that are commands.
 fn harmless(comment: &str) -> Result<(), String> {
     let start: String =
         comment.chars().filter(|c| !c.is_whitespace()).take(12).collect::<String>().to_ascii_lowercase();
@@ -312,7 +313,7 @@ fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<NcBl
     (!empty).then_some(block)
 }
 
-/// What codes and parameters of one block say together.
+/// Checks the codes and parameters of one block together.
 fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> {
     let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST;
     let Parameters { p, q, .. } = *parameters;
@@ -331,7 +332,8 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
             } else if q.is_some_and(|q| q != 0.0 && !good(q)) {
                 return Err(format!("the tolerance Q of G64 is out of range: at most {WIDEST}"));
             } else {
-                // Corners are blended within P, and before that moves in line are joined within Q, which is P unless said.
+                // P is the tolerance of blending at corners. Before blending, moves nearly in line are joined within Q;
+                // without Q the interpreter uses P.
                 block.smoothing = Some(Smoothing::Within(p + q.unwrap_or(p)));
             }
         }
@@ -379,7 +381,7 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
     Ok(())
 }
 
-/// A whole number as the interpreter takes it: leading zeros and a point are allowed.
+/// A whole number as the interpreter accepts it: leading zeros and a decimal point are allowed.
 fn count(text: &str) -> Result<u32, String> {
     let value = number(text)?;
     if value.fract() == 0.0 && (0.0..=1e9).contains(&value) {
@@ -422,7 +424,7 @@ fn word(
     }
 }
 
-/// A code with one way to spell it: G01 and G1.0 are G1.
+/// The name of a code in one spelling: G01 and G1.0 are G1.
 fn code_name(letter: char, value: f64) -> String {
     let tenths = (value * 10.0).round();
     if (tenths - value * 10.0).abs() > DIGITS || !(0.0..1e5).contains(&tenths) {
@@ -463,7 +465,7 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
             Ok(())
         }
         "G4" => once(&mut block.wait, "G4", "G4"),
-        // Of arcs, and of the retract of cycles; neither is read.
+        // These concern arcs and the retract of cycles; the reader accepts neither.
         "G91.1" | "G98" | "G99" => Ok(()),
         "G2" | "G3" | "G5" | "G5.1" | "G5.2" | "G5.3" => {
             Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
@@ -506,18 +508,18 @@ fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
             block.change = true;
             Ok(())
         }
-        // Overrides of feed and spindle by hand are allowed, as at the start of a program.
+        // These permit overrides of feed and spindle by hand, as at the start of a program.
         "M48" => Ok(()),
         _ => Err(format!("`{code}` is not understood")),
     }
 }
 
-/// Whether a block holds a word that no other dialect knows.
+/// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
     const OWN: [&str; 6] = ["M428", "M429", "G43", "G49", "G92.1", "G21"];
     let mut words = code.split_whitespace();
     let first = words.next().unwrap_or_default().to_ascii_uppercase();
-    // On the other control rotary words have an equals sign.
+    // In the 840D dialect rotary words have an equals sign.
     let number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
     let rotary = |w: &str| w.strip_prefix(['A', 'C']).is_some_and(|n| !n.is_empty() && n.chars().all(number));
     OWN.contains(&first.as_str()) || words.any(rotary)

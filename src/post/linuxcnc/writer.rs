@@ -7,7 +7,7 @@ use crate::method::Planning;
 use crate::post::nc::{NcLine, NcProgram};
 use crate::post::words::{self, LENGTH_DECIMALS, feed, fixed, inverse_time};
 
-/// Longest line that the interpreter takes.
+/// Longest line of the interpreter.
 const LONGEST_LINE: usize = 252;
 
 /// Rotary axes of the kinematics xyzac-trt.
@@ -16,7 +16,7 @@ const ROTARY: [&str; 2] = ["A", "C"];
 /// Largest tool number of the standard tool table.
 const LARGEST_TOOL: u32 = 99_999;
 
-/// Refuses a machine that the transformation of the control cannot have.
+/// Refuses a machine that the transformation of the control does not support.
 pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
     if machine.planning != Planning::LinuxCnc {
         sink.push(
@@ -58,7 +58,7 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
     }
 }
 
-/// Refuses what the dialect cannot say.
+/// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     check_machine(&program.machine, sink);
     words::check(program, motion, sink);
@@ -84,7 +84,7 @@ pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcP
     for line in ["M429", "G21 G17 G90 G40 G49 G80 G94 G97 G8 G54", "G92.1", "G10 L2 P1 R0"] {
         nc.line(line);
     }
-    // Q0: the naive cam detector would merge five-axis blocks.
+    // Q0 switches the naive cam detector off, which would merge five-axis blocks.
     let smoothing = format!("G64 P{} Q0", fixed(program.tolerances.chord.get(), 4));
     nc.line(smoothing.clone());
     let retract = format!("G53 G0 Z{}", fixed(program.machine.retract, LENGTH_DECIMALS));
@@ -107,7 +107,7 @@ pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcP
         nc.line("M428");
         let mut modes = Modes::default();
         for (i, m) in between.iter().enumerate() {
-            // Behind the last block M429 waits until the axes rest.
+            // After the last block M429 waits until the axes rest.
             let stop = m.stop && i + 1 < between.len();
             if modes.stop && !stop {
                 nc.line(smoothing.clone());
@@ -136,7 +136,7 @@ pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcP
     nc
 }
 
-/// What is in force from block to block.
+/// Modal state from block to block.
 #[derive(Default)]
 struct Modes {
     /// G93.
@@ -158,7 +158,7 @@ fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
     let inverse = m.kind == MoveKind::Rapid;
     if inverse != modes.inverse {
         text.push_str(if inverse { "G93 " } else { "G94 " });
-        // The control forgets F with its unit.
+        // The control forgets F when the feed mode changes.
         modes.feed.clear();
     }
     modes.inverse = inverse;

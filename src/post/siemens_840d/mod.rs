@@ -1,15 +1,17 @@
 //! Siemens SINUMERIK 840D sl and ONE.
 //!
-//! Tool centre point control by TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
-//! to the holder, always all three: a missing one would count as 0). ORIAXES lets the rotary axes run linearly between
-//! blocks, which is what the motion means. A vector fits two rotary positions; which one is meant is made certain by
-//! the rapid in front of every pass, which carries the rotary positions themselves (such as A= C=), and by [`Post::check`]:
-//! within a pass rotary axis 1 keeps its sign and rotary axis 2 turns less than 90 deg a block, so that the nearest
-//! position is the right one. Rotary axis 2 is a limited axis here: no DC().
+//! Tool centre point control is TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
+//! to the holder). All three components are always written: the control takes a missing component as 0. With ORIAXES
+//! the rotary axes run linearly between blocks, as in the motion.
 //!
-//! The head takes back what a program that was aborted can have left. Axes move with the transformation off in the machine
-//! frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X and Y. TRAORI
-//! and TRAFOOF drop frames, so that the work offset is said again behind them.
+//! Two rotary positions give the same vector. The rapid before every pass carries the rotary positions themselves (such
+//! as A= C=), and thus selects one of them. [`Post::check`] makes sure that the nearest position is the right one in
+//! every later block: within a pass rotary axis 1 keeps its sign, and rotary axis 2 turns less than 90 deg a block.
+//! Rotary axis 2 is a limited axis here: no DC().
+//!
+//! The head of the program resets what an aborted program can have left active. With the transformation off, axes move
+//! in the machine frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X
+//! and Y. TRAORI and TRAFOOF cancel frames, so the work offset is written again after them.
 
 mod reader;
 mod writer;

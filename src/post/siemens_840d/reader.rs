@@ -1,7 +1,8 @@
-//! Reader of the 840D dialect: words of blocks. Shares nothing with the writer.
+//! Reader of the 840D dialect: words of blocks. It shares no code with the writer.
 //!
-//! Modal: G0 and G1, X Y Z, F, S, the direction as a whole. A vector is taken with all three components only: on the
-//! control a missing one counts as 0, which nobody means. Case means nothing but in names of tools; words may be glued.
+//! Modal: G0 and G1, X Y Z, F, S, the direction as a whole. The reader accepts a vector only with all three components:
+//! the control takes a missing component as 0, which is never intended. Case matters only in names of tools; words may
+//! follow each other without a blank.
 
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
@@ -144,7 +145,7 @@ const SINUMERIK: Control = Control {
     end_switches_off: false,
 };
 
-/// Words that change neither the path nor what is judged. Those of smoothing keep the tolerance that CYCLE832 gave.
+/// Words that change neither the path nor any value that is checked. Words of smoothing keep the tolerance of CYCLE832.
 const HARMLESS: [&str; 17] = [
     "SOFT",
     "FFWON",
@@ -173,7 +174,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
             faults.push(format!("longer than {LONGEST_BLOCK} characters"));
             return None;
         }
-        // The head of a transferred file.
+        // First line of a transferred file.
         if number == 1 && line.starts_with("%_N_") {
             return None;
         }
@@ -189,15 +190,15 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
     })
 }
 
-/// What stands behind the name of a word.
+/// What follows the name of a word.
 enum WordValue<'a> {
     /// Nothing.
     None,
-    /// A number, or what stands in its place.
+    /// A number, or other text in the place of a number.
     Number(&'a str),
     /// A name in quotes.
     Quoted(&'a str),
-    /// Between brackets.
+    /// Text between brackets.
     Arguments(&'a str),
 }
 
@@ -205,9 +206,9 @@ struct BlockReader<'a> {
     machine: &'a Machine,
     block: NcBlock,
     words: usize,
-    /// A word that stands alone in its block.
+    /// A word that must be the only one in its block.
     alone: Option<&'static str>,
-    /// A word that shifts or turns the work frame.
+    /// A word that shifts or rotates the work frame.
     frame: Option<&'static str>,
     edge: Option<u32>,
 }
@@ -240,7 +241,7 @@ impl BlockReader<'_> {
                 once(&mut self.block.tool, "T", control::name(text))
             }
             WordValue::Quoted(_) => Err(format!("`{name}` with a text in quotes is not understood")),
-            // A text on the screen.
+            // A text for the screen.
             WordValue::Arguments(_) if name == "MSG" => Ok(()),
             WordValue::Arguments(arguments) if name == "CYCLE832" => {
                 self.alone = Some("CYCLE832");
@@ -348,11 +349,11 @@ impl BlockReader<'_> {
         }
     }
 
-    /// What words say together.
+    /// Checks the words of a block together.
     fn together(&mut self) -> Result<(), String> {
         let block = &mut self.block;
         if block.wait == Some("G4") {
-            // F and S of a dwell are its time.
+            // F and S in a block of G4 are the time of the dwell.
             let time = (block.feed.take(), block.speed.take());
             if time == (None, None) {
                 return Err("G4 without F or S: how long the program waits is not known".to_owned());
@@ -382,7 +383,7 @@ impl BlockReader<'_> {
     }
 }
 
-/// First word of a text: its name in upper case, what stands behind it, and the rest.
+/// First word of a text: its name in upper case, its value, and the rest.
 fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     let letter = text.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
@@ -414,7 +415,7 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
         let (value, rest) = value(behind)?;
         return Ok((upper(&text[..digits]), value, rest));
     }
-    // The control takes the digit behind these letters for a part of the name.
+    // The control takes the digit after these letters as part of the name.
     if matches!(letter.to_ascii_uppercase(), 'A'..='C') && second == '3' {
         let word = text.split([' ', '\t']).next().unwrap_or_default();
         return Err(format!("`{}`: `=` is missing behind the address", shown(word, 20)));
@@ -424,7 +425,7 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     Ok((upper(&text[..1]), value, rest))
 }
 
-/// What stands behind an equals sign.
+/// Text after an equals sign.
 fn after_equals(text: &str) -> Option<&str> {
     text.trim_start_matches([' ', '\t']).strip_prefix('=').map(|t| t.trim_start_matches([' ', '\t']))
 }
@@ -444,7 +445,7 @@ fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
     Err(format!("`{}` is not a number: parameters and expressions are not read", shown(wrong, 20)))
 }
 
-/// What stands between brackets, and the rest.
+/// Text between brackets, and the rest.
 fn arguments(inside: &str) -> Result<(&str, &str), String> {
     let mut quoted = false;
     for (i, c) in inside.char_indices() {
@@ -474,7 +475,8 @@ fn count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Tolerance of CYCLE832(tolerance, mode, orientation tolerance); off, the control goes back to settings of its own.
+/// Tolerance of CYCLE832(tolerance, mode, orientation tolerance). When CYCLE832 is off, the control uses its own
+/// settings.
 fn smoothing(arguments: &str) -> Result<Smoothing, String> {
     if arguments.trim().is_empty() {
         return Ok(Smoothing::Left("CYCLE832()"));
@@ -500,7 +502,7 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
     }
 }
 
-/// Whether a block holds a word that no other dialect knows.
+/// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
     const OWN: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
     code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {

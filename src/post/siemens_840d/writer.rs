@@ -6,10 +6,10 @@ use crate::kin::{Joints, Machine};
 use crate::post::nc::{NcLine, NcProgram};
 use crate::post::words::{self, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
 
-/// Turn of rotary axis 2 between blocks from which the nearest rotary position would no longer be certain.
+/// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
 const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Refuses what the dialect cannot say.
+/// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
     for operation in &motion.operations {
@@ -67,7 +67,7 @@ pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcP
                 MoveKind::Rapid => format!("G0 {} {}", tip(program, m), rotary(&program.machine, &m.joints)),
                 MoveKind::Link | MoveKind::Cut => {
                     let f = feed(m.feed.unwrap_or(0.0));
-                    // After a rapid the feed is said again, so that every pass stands on its own.
+                    // After a rapid F is written again, so that every pass can be read by itself.
                     let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
                     let word = if say { format!(" F{f}") } else { String::new() };
                     last_feed = f;
@@ -87,8 +87,8 @@ pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcP
     nc
 }
 
-/// Retract, tool, spindle, the way to the first target, work offset, smoothing, transformation. The block that ends at the
-/// first station is marked.
+/// Retract, tool, spindle, moves to the first target, work offset, smoothing, transformation. The block that ends at
+/// the first station is marked.
 fn begin(program: &Program, operation: &MotionOperation, first: &JointMove, block: &mut dyn FnMut(String, bool)) {
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];

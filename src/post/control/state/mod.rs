@@ -1,4 +1,4 @@
-//! The state of a control while it reads a program: what each block changes, and what is a fault.
+//! The state of a control while it executes a program: the changes of each block, and its faults.
 
 mod moves;
 
@@ -16,12 +16,12 @@ enum Transformation {
     On,
 }
 
-/// Position of an axis with the transformation off: of the gauge line in the machine frame for X Y Z.
+/// Position of an axis with the transformation off; for X Y Z the gauge line in the machine frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum AxisPosition {
-    /// Wherever the program before left it.
+    /// Not known: where an earlier program left the axis.
     Unknown,
-    /// Where the transformation left it.
+    /// Not known: where the transformation left the axis.
     Left,
     /// mm or radians.
     At(f64),
@@ -33,7 +33,7 @@ impl AxisPosition {
     }
 }
 
-/// Whose length acts.
+/// Tool length that acts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Length {
     Unknown,
@@ -41,7 +41,7 @@ enum Length {
     Of(NcTool, usize),
 }
 
-/// State of the control. Nothing is taken for granted at its start.
+/// State of the control. At its start everything is unknown.
 struct ControlState<'a> {
     control: &'a Control,
     machine: &'a Machine,
@@ -60,17 +60,17 @@ struct ControlState<'a> {
     length: Length,
     speed: Option<f64>,
     smoothing: Option<Smoothing>,
-    /// The section under way was left without a retract so far.
+    /// A section has begun, and its retract is still missing.
     open: bool,
     ended: bool,
     sections: Vec<NcSection>,
     moves: usize,
     faults: Vec<ReadError>,
-    /// The block has a fault already: what follows from it is not told.
+    /// The block has a fault already: faults that follow from it are not reported.
     quiet: bool,
     /// All words of the block were understood.
     understood: bool,
-    /// What was told once and would be told for every block.
+    /// Faults that are reported only once, since they would occur in every block.
     told: Vec<&'static str>,
 }
 
@@ -104,7 +104,7 @@ impl<'a> ControlState<'a> {
         }
     }
 
-    /// Tells a fault of this block, when it has none so far.
+    /// Reports a fault of this block unless the block has one already.
     fn fault(&mut self, reason: impl Into<String>) {
         if !self.quiet && self.faults.len() < MOST_FAULTS {
             self.faults.push(ReadError { line: self.line, reason: reason.into() });
@@ -112,13 +112,13 @@ impl<'a> ControlState<'a> {
         self.quiet = true;
     }
 
-    /// Tells a fault that does not follow from another one of this block.
+    /// Reports a fault that does not follow from another fault of this block.
     fn fault_apart(&mut self, reason: impl Into<String>) {
         self.quiet = !self.understood;
         self.fault(reason);
     }
 
-    /// Tells a fault that would stand in every block from here on, once.
+    /// Reports once a fault that would occur in every block from here on.
     fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
         if self.told.contains(&about) || !self.understood {
             return;
@@ -132,12 +132,12 @@ impl<'a> ControlState<'a> {
         format!("`{machine_frame} Z{}{behind}`", figure(self.machine.retract))
     }
 
-    /// Whether the tool stands at the retract height or above.
+    /// Whether the tool is at the retract height or above.
     fn is_retracted(&self) -> bool {
         self.axes[2].known().is_some_and(|z| z >= self.machine.retract - ROUNDING.0)
     }
 
-    /// Runs one block. A move runs on a state that may be faulty; then it is no move of the result.
+    /// Executes one block. A move is executed also with a faulty state; the result then does not hold it.
     fn run(&mut self, block: &NcBlock) {
         if self.ended {
             return self.fault_once("ended", "text after the end of the program");
@@ -187,7 +187,7 @@ impl<'a> ControlState<'a> {
     fn set(&mut self, group: ModalGroup, block: &NcBlock) {
         let Some(word) = block.modal[group as usize] else { return };
         let before = self.modal[group as usize];
-        // A control forgets the feed with its unit.
+        // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode
             && before != Setting::Unknown
             && !matches!(before, Setting::Said(w, _) if w == word)
@@ -211,7 +211,7 @@ impl<'a> ControlState<'a> {
         if self.control.change_drops_length {
             self.length = Length::Unknown;
         }
-        // A change stops the spindle.
+        // A tool change stops the spindle.
         self.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
     }
 
@@ -228,7 +228,7 @@ impl<'a> ControlState<'a> {
                     "the tool length changes while the transformation may still be on from another program: the axes \
                      would jump; write {off} alone in a block before"
                 ));
-                // As the block meant it.
+                // Continue as the block intended.
                 self.transformation = Transformation::Off;
             }
             Transformation::Off => {}
@@ -249,14 +249,14 @@ impl<'a> ControlState<'a> {
         };
     }
 
-    /// Transformation on or off.
+    /// Switches the transformation on or off.
     fn switch(&mut self, on: bool, block: &NcBlock) {
         let [word, off] = self.control.transformation;
         if block.has_axis_words() {
             self.fault("the transformation is switched in a move: write the word alone in its block");
         }
         if self.control.switching_drops_frames {
-            // The programmable frame is taken back, and so is the work offset.
+            // The control cancels the programmable frame and the work offset.
             self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
             if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
                 self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
@@ -315,7 +315,7 @@ impl<'a> ControlState<'a> {
         self.begin();
     }
 
-    /// A section begins where the axes stand.
+    /// Begins a section at the present axis positions.
     fn begin(&mut self) {
         let [x, y, z, first, second] = self.axes.map(|p| p.known().unwrap_or(0.0));
         let rotary = [first, second];
@@ -329,7 +329,7 @@ impl<'a> ControlState<'a> {
         self.open = true;
     }
 
-    /// Judges the modal groups that a move needs. What no block says is one fault, whatever it is that is missing.
+    /// Checks the modal groups that a move needs. All groups that no block has set are reported as one fault.
     fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
         let mut unsaid: Vec<String> = Vec::new();
         for modal in self.control.modal {
@@ -359,7 +359,7 @@ impl<'a> ControlState<'a> {
         }
     }
 
-    /// What the program leaves behind.
+    /// Checks the state at the end of the program.
     fn end(&mut self, word: &str) {
         let [_, off] = self.control.transformation;
         match self.transformation {
@@ -395,8 +395,8 @@ impl<'a> ControlState<'a> {
     }
 }
 
-/// Runs a text line by line through a dialect's `block`, which makes a [`NcBlock`] of a line, or none of an empty one. What
-/// it does not understand goes to the list that it is given.
+/// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
+/// adds whatever it does not understand to the list that it receives.
 ///
 /// # Errors
 /// The faults, in order, at most [`MOST_FAULTS`].

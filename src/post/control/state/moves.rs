@@ -1,4 +1,4 @@
-//! Moves of the axes by themselves and of the tool tip, as the state of the control makes them.
+//! Moves of single axes and of the tool tip, as changes of the state of the control.
 
 use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::post::control::modal::{ModalGroup, Setting};
@@ -36,7 +36,8 @@ impl ControlState<'_> {
         }
     }
 
-    /// A move with the transformation off: only at rapid, in the machine frame, and sideways only at the retract height.
+    /// Executes a move with the transformation off. It must be at rapid and in the machine frame, and sideways moves
+    /// must be at the retract height.
     fn axis_move(&mut self, block: &NcBlock) {
         let Control { machine_frame, behind, .. } = self.control;
         if block.vector != [None; 3] {
@@ -100,7 +101,7 @@ impl ControlState<'_> {
                 *place = AxisPosition::At(x);
             }
         }
-        // As the block meant it.
+        // Continue as the block intended.
         self.axes[2] = self.axes[2].known().map_or(AxisPosition::At(retract), |z| AxisPosition::At(z.max(retract)));
         self.placed = self.line;
     }
@@ -121,7 +122,7 @@ impl ControlState<'_> {
         }
     }
 
-    /// The tool goes up after a section.
+    /// The tool moves up after a section.
     fn retracted(&mut self, z: f64) {
         if !std::mem::take(&mut self.open) {
             return;
@@ -135,14 +136,14 @@ impl ControlState<'_> {
         }
     }
 
-    /// A move of the tip.
+    /// Executes a move of the tip.
     fn tip_move(&mut self, block: &NcBlock) {
         let off = self.control.transformation[1];
         if block.machine_frame {
             self.fault(format!(
                 "a move in the machine frame with the transformation on: write {off} before this block"
             ));
-            // As the block meant it.
+            // Continue as the block intended.
             self.switch(false, &NcBlock::default());
             self.motion = block.motion.or(self.motion);
             return self.axis_move(block);
@@ -205,7 +206,8 @@ impl ControlState<'_> {
         }
     }
 
-    /// Feed of a block in mm/min; in inverse time from its length, with the time that it says, s.
+    /// Feed of a block in mm/min, and its time in s in inverse time, where the feed follows from the length of the
+    /// block.
     fn feed_of(
         &mut self,
         block: &NcBlock,
@@ -229,7 +231,7 @@ impl ControlState<'_> {
         let time = Some(60.0 / word);
         let [Some(x), Some(y), Some(z)] = before else { return (None, time) };
         let feed = (tip - Point3::new(x, y, z)).norm() * word;
-        // The control counts degrees where the tip stands.
+        // Where the tip stands still, the control takes F as degrees.
         let turn = match (self.direction, *direction) {
             (Direction::Rotary(from), Direction::Rotary(to)) if feed == 0.0 => {
                 libm::hypot(to[0] - from[0], to[1] - from[1]).to_degrees() * word
