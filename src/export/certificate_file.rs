@@ -1,9 +1,10 @@
-//! The certificate as a file beside the NC text, and the question whether a text and a file belong together.
+//! The certificate as a file beside the NC text, and the check whether a text and a file belong together.
 //!
-//! Both hold hashes (SHA-256, hexadecimal) of each other: the file those of the text's body and of its head, the head of
-//! the text that of the whole file. The body is everything from the first block on; the head is the comments before it, but
-//! for the line that names the file.
-//! The form is described in `docs/certificate.md` and `docs/certificate.schema.json`.
+//! Each holds hashes (SHA-256, hexadecimal) of the other: the file holds the hashes of the body and of the head of the
+//! text, and the head of the text holds the hash of the whole file. The body is the text from the first block on. The
+//! head is the comments before the body, without the line that names the file.
+//!
+//! `docs/certificate.md` and `docs/certificate.schema.json` describe the format.
 
 use crate::source::Origin;
 use crate::verify::Certificate;
@@ -14,35 +15,36 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Name of the form, first in every file.
+/// Name of the format, first in every file.
 pub const FORMAT: &str = "impellerc-certificate";
 
-/// Version of the form: grows when a field changes its meaning or goes.
+/// Version of the format; it grows when a field changes its meaning or is removed.
 pub const VERSION: u32 = 2;
 
-/// Lines in a run of the body that has a hash of its own.
+/// Number of lines in a run of the body; each run has its hash.
 pub const RUN: usize = 100;
 
-/// Digits that the hash of a run or of a line of the head keeps: it says where texts differ, the whole hash says whether.
+/// Digits that the hash of a run or of a line of the head keeps. Short hashes locate a difference; the whole hash
+/// decides whether there is one.
 const DIGITS: usize = 16;
 
-/// A text that the program was made from.
+/// A text that is an input of the program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
-    /// Name: of the job without its folder, of the others as the job calls them.
+    /// Name: of the job without its folder, of the other texts as in the job.
     pub name: String,
-    /// Where it was found: the word of an [`Origin`].
+    /// Origin: the word of an [`Origin`].
     pub origin: String,
-    /// Length.
+    /// Length in bytes.
     pub bytes: u64,
     /// SHA-256 of the text.
     pub sha256: String,
 }
 
-/// All texts that the program was made from: the job first.
+/// All input texts of the program; the first is the job.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inputs {
-    /// SHA-256 over length (8 bytes, little endian) and bytes of each text in order; names are left out.
+    /// SHA-256 over length (8 bytes, little endian) and bytes of each text in order, without the names.
     pub sha256: String,
     /// The texts.
     pub files: Vec<InputFile>,
@@ -53,10 +55,11 @@ pub struct Inputs {
 pub struct Lines {
     /// Operation.
     pub name: String,
-    /// Line of the first and of the last move with the transformation on, from 1. Move `index` of the operation stands in
-    /// line `first + index - 1`; move 0 is the way to the first target, in front of it, the last move the retract behind.
+    /// Line of the first move with the transformation on, from 1. Move `index` of the operation is in line
+    /// `first + index - 1`. Move 0, before this line, leads to the first target; the last move, after line `last`, is
+    /// the retract.
     pub first: usize,
-    /// As above.
+    /// Line of the last move with the transformation on, from 1.
     pub last: usize,
 }
 
@@ -67,7 +70,7 @@ pub struct NcText {
     pub post: String,
     /// SHA-256 of the head without the line that names the certificate.
     pub head_sha256: String,
-    /// First digits of the SHA-256 of every line of it: they say which one was edited.
+    /// First digits of the SHA-256 of every line of the head: they locate an edited line.
     pub head: Vec<String>,
     /// SHA-256 of the body.
     pub body_sha256: String,
@@ -75,13 +78,13 @@ pub struct NcText {
     pub body_lines: usize,
     /// Line at which the body begins, from 1.
     pub body_starts: usize,
-    /// First digits of the SHA-256 of every hundred lines of the body: they say where an edited text differs.
+    /// First digits of the SHA-256 of every hundred lines of the body: they locate an edit of the text.
     pub runs: Vec<String>,
-    /// Where the operations stand.
+    /// Lines of the operations.
     pub operations: Vec<Lines>,
 }
 
-/// What the file holds.
+/// Content of the file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CertificateFile {
     /// [`FORMAT`].
@@ -90,9 +93,9 @@ pub struct CertificateFile {
     pub version: u32,
     /// Compiler and its version.
     pub compiler: String,
-    /// What it was made from.
+    /// Inputs of the program.
     pub inputs: Inputs,
-    /// What it was made for.
+    /// NC text of the program.
     pub nc: NcText,
     /// The figures: a [`Certificate`].
     pub measured: Value,
@@ -113,7 +116,7 @@ impl Inputs {
         let mut all = Sha256::new();
         let mut files = Vec::new();
         for (name, origin, text) in texts {
-            // Lengths keep texts apart; names are left out, so that the same job elsewhere hashes the same.
+            // Lengths keep texts apart. Names are left out, so that the hash of a job does not depend on its folder.
             all.update((text.len() as u64).to_le_bytes());
             all.update(text.as_bytes());
             let (bytes, sha256) = (text.len() as u64, sha256(text.as_bytes()));
@@ -122,7 +125,7 @@ impl Inputs {
         Self { sha256: hexadecimal(all), files }
     }
 
-    /// What differs from other inputs, in words; empty when nothing does.
+    /// Differences from other inputs, in words; empty when there are none.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         if self.sha256 == other.sha256 {
             return Vec::new();
@@ -144,7 +147,8 @@ impl Inputs {
     }
 }
 
-/// The body of an NC text of any dialect with its first line, from 1: all but the comments and empty lines at its head.
+/// The body of an NC text of any dialect, after the line with which it begins, from 1. The body is the text without the
+/// comments and empty lines at its head.
 pub fn body(text: &str) -> (usize, &str) {
     let mut rest = text;
     let mut line = 1;
@@ -160,7 +164,7 @@ pub fn body(text: &str) -> (usize, &str) {
     (line, rest)
 }
 
-/// The lines of the head with their ends and numbers, without the first one that names the certificate.
+/// The lines of the head with their line ends and numbers, without the first line that names the certificate.
 fn head(text: &str) -> Vec<(usize, &str)> {
     let (starts, _) = body(text);
     let mut lines: Vec<(usize, &str)> = (1..starts).zip(text.split_inclusive('\n')).collect();
@@ -170,7 +174,7 @@ fn head(text: &str) -> Vec<(usize, &str)> {
     lines
 }
 
-/// What follows a word that a comment begins with.
+/// The rest of a line after the word with which its comment begins.
 fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
     line.trim_start().strip_prefix([';', '('])?.trim_start().strip_prefix(word)
 }
@@ -179,7 +183,7 @@ fn in_short(text: &str) -> String {
     sha256(text.as_bytes()).chars().take(DIGITS).collect()
 }
 
-/// Hashes of the runs of a body, in short.
+/// Short hashes of the runs of a body.
 fn runs(body: &str) -> Vec<String> {
     let lines: Vec<&str> = body.split_inclusive('\n').collect();
     lines.chunks(RUN).map(|run| in_short(&run.concat())).collect()
@@ -202,8 +206,8 @@ impl NcText {
         }
     }
 
-    /// The line of the head of a text that is the first to differ, from 1; the line after the head where one is missing.
-    /// `None` when the heads are the same.
+    /// The first line in which the head of a text differs, from 1; when a line is missing at the end, the line after
+    /// the head. `None` when the heads are the same.
     pub fn head_difference(&self, text: &str) -> Option<usize> {
         let lines = head(text);
         let whole: String = lines.iter().map(|(_, line)| *line).collect();
@@ -215,8 +219,8 @@ impl NcText {
         Some(differs.map_or(lines.last().map_or(1, |(number, _)| number + 1), |((number, _), _)| *number))
     }
 
-    /// The first lines of a text that differ from the text that was hashed here (first and last, from 1), and the
-    /// operation in which they lie here. `None` when the bodies are the same.
+    /// The first run of lines of a text that differs from the hashed text (first and last line, from 1), and the
+    /// operation of the hashed text at this place. `None` when the bodies are the same.
     pub fn first_difference(&self, text: &str) -> Option<(usize, usize, Option<&str>)> {
         let (starts, body) = body(text);
         if sha256(body.as_bytes()) == self.body_sha256 {
@@ -225,11 +229,11 @@ impl NcText {
         let found = runs(body);
         let lines = body.lines().count().max(1);
         let Some(run) = (0..self.runs.len().max(found.len())).find(|k| self.runs.get(*k) != found.get(*k)) else {
-            // One of both is forged: the hash of the body decides, and says no place.
+            // Short hashes or hash of the body are forged. The hash of the body decides, and gives no place.
             return Some((starts, starts + lines - 1, None));
         };
         let (first, last) = ((run * RUN).min(lines - 1), ((run + 1) * RUN).min(lines));
-        // The number comes from a file.
+        // The number comes from a file: the addition must not overflow.
         let here = self.body_starts.saturating_add(run * RUN);
         let operation = self.operations.iter().find(|o| here <= o.last).map(|o| o.name.as_str());
         Some((starts + first, starts + last - 1, operation))
@@ -240,7 +244,7 @@ impl CertificateFile {
     /// The file for a certificate.
     ///
     /// # Errors
-    /// A certificate that JSON cannot say; none is known.
+    /// A certificate that cannot be written as JSON; no case is known.
     pub fn new(certificate: &Certificate, inputs: Inputs, nc: NcText) -> Result<Self, String> {
         Ok(Self {
             format: FORMAT.to_owned(),
@@ -255,7 +259,7 @@ impl CertificateFile {
     /// The text of the file.
     ///
     /// # Errors
-    /// A value that JSON cannot say; none is known.
+    /// A value that cannot be written as JSON; no case is known.
     pub fn json(&self) -> Result<String, String> {
         let mut text = serde_json::to_string_pretty(self).map_err(|e| e.to_string())?;
         text.push('\n');
@@ -265,7 +269,7 @@ impl CertificateFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// Text that is not of this form, with the reason.
+    /// Text that is not of this format, with the reason.
     pub fn read(text: &str) -> Result<Self, String> {
         let Strict(value) = serde_json::from_str(text).map_err(|e| format!("it is not JSON: {e}"))?;
         if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
@@ -287,10 +291,10 @@ impl CertificateFile {
     }
 }
 
-/// A contract as a certificate says it: name with its scope, bound, found value, whether it holds.
+/// A judged contract: name with its scope, bound, found value, whether the contract holds.
 pub type Judged = (String, f64, f64, bool);
 
-/// Contracts of what was measured; `None` when one of them has no figures.
+/// Contracts of the measured figures; `None` when a contract has no figures.
 pub fn contracts(measured: &Value) -> Option<Vec<Judged>> {
     let figures = |c: &Value| {
         let scope = c.get("scope").and_then(Value::as_str).unwrap_or_default();
@@ -304,8 +308,8 @@ pub fn contracts(measured: &Value) -> Option<Vec<Judged>> {
     measured.get("contracts")?.as_array()?.iter().map(figures).collect()
 }
 
-/// Deepest cut, most left and their bounds of all surfaces of what was measured, mm, by name. What is no figure is left out,
-/// so that it differs from what is measured.
+/// Deepest gouge, largest excess and their bounds of all surfaces of the measured figures, mm, by name. A value that is
+/// no number is left out, and so differs from every measured value.
 pub fn figures(measured: &Value) -> BTreeMap<String, f64> {
     let mut all = BTreeMap::new();
     let fields = ["/gouge/depth", "/gouge_bound", "/excess/value", "/excess_bound"];
@@ -322,7 +326,8 @@ pub fn figures(measured: &Value) -> BTreeMap<String, f64> {
     all
 }
 
-/// JSON in which no key stands twice and every number is finite: of two values of one key readers take one or the other.
+/// JSON in which no key occurs twice and every number is finite. With two values under one key, some readers take the
+/// first, others the last.
 struct Strict(Value);
 
 impl<'de> Deserialize<'de> for Strict {
@@ -384,16 +389,16 @@ impl<'de> Visitor<'de> for StrictVisitor {
     }
 }
 
-/// Word in the head of an NC text before the hash of its inputs, of its body, and of its certificate.
+/// Word in the head of an NC text before each hash: of its inputs, of its body, and of its certificate.
 pub const HEAD: [&str; 3] = ["inputs sha256 ", "body sha256 ", "certificate sha256 "];
 
-/// Digits of a hash.
+/// Number of digits of a hash.
 const HASH: usize = 64;
 
-/// What stands for a hash that is not known yet.
+/// Placeholder of a hash that is not known yet.
 pub const BLANK: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
-/// A hash that the head of a text names, by its word in [`HEAD`].
+/// A hash in the head of a text, by its word in [`HEAD`].
 pub fn named<'a>(text: &'a str, word: &str) -> Option<&'a str> {
     let (starts, _) = body(text);
     text.lines().take(starts.saturating_sub(1)).find_map(|line| {
@@ -403,7 +408,7 @@ pub fn named<'a>(text: &'a str, word: &str) -> Option<&'a str> {
     })
 }
 
-/// Puts a hash in the place of its blank in a line of the head, if it is that line. Says whether it was.
+/// Replaces the placeholder of a hash in a line of the head, where the line has it. Returns whether the line had it.
 pub fn fill(line: &mut String, word: &str, hash: &str) -> bool {
     let due = after(line, word).is_some_and(|after| after.starts_with(BLANK));
     if due {
@@ -448,11 +453,11 @@ mod tests {
         assert_eq!(nc.first_difference(&changed), Some((102, 201, Some("one"))));
         let changed = text.replacen("X220\n", "X221\n", 1);
         assert_eq!(nc.first_difference(&changed), Some((202, 251, Some("two"))));
-        // Cut behind the second run; and one line more.
+        // The text cut after the second run; then with one more line.
         let cut = format!("; head\n{}", lines[..200].concat());
         assert_eq!(nc.first_difference(&cut), Some((201, 201, Some("two"))));
         assert_eq!(nc.first_difference(&format!("{text}M2\n")), Some((202, 252, Some("two"))));
-        // The head: any line but that of the certificate, one more, one less.
+        // Heads that differ: another line than that of the certificate changed, one line more, one line less.
         let head = |lines: &[&str]| format!("{}G17\n", lines.concat());
         let [a, c, b] = ["; a\n", "; certificate sha256 12\n", "; b\n"];
         let known = NcText::new("any", &head(&[a, c, b]), Vec::new());
@@ -462,7 +467,7 @@ mod tests {
         assert_eq!(known.head_difference(&head(&[c, b])), Some(2));
         assert_eq!(known.head_difference(&head(&[a, c])), Some(2));
         assert_eq!(known.head_difference(&head(&[])), Some(1));
-        // Hashes of the runs that were forged to fit an edited text, or a hash of the body that fits none.
+        // Forged: short hashes that match an edited text, or a hash of the body that matches none.
         let forged = NcText { runs: NcText::new("any", &changed, Vec::new()).runs, ..nc.clone() };
         assert_eq!(forged.first_difference(&changed), Some((2, 251, None)));
         let forged = NcText { body_sha256: "0".repeat(64), ..nc };
@@ -480,7 +485,7 @@ mod tests {
         for bad in ["1e999", "NaN", "[Infinity]", "{} {}"] {
             assert!(read(bad).is_err(), "{bad}");
         }
-        // Nesting without an end is no end of the program.
+        // Deep nesting must not abort the program.
         assert!(read(&"[".repeat(100_000)).is_err());
     }
 

@@ -13,13 +13,13 @@ const NO_PIXELS: f64 = 1e-9;
 /// Size of the picture in pixels.
 pub const SIZE: [usize; 2] = [1400, 1000];
 
-/// Each pixel is the mean of this many squared.
+/// Each pixel is the mean over a square of this many samples on each side.
 const SUPERSAMPLING: usize = 2;
 
 /// Steps of the surface patches along and across.
 const PATCHES: [usize; 2] = [60, 12];
 
-/// Distance by which lines are drawn nearer to the eye than they are, mm: paths of finishing lie on their surfaces.
+/// Distance by which lines are moved towards the eye, mm: paths of finishing lie on their surfaces.
 const LINE_LIFT: f64 = 1.2;
 
 const BACKGROUND: [f64; 3] = [1.0, 1.0, 1.0];
@@ -70,7 +70,7 @@ impl Canvas {
         }
     }
 
-    /// Column, row and nearness of a point.
+    /// Column, row and nearness to the eye of a point.
     fn project(&self, p: &Point3<f64>) -> [f64; 3] {
         let d = p - self.middle;
         [
@@ -123,7 +123,7 @@ impl Canvas {
         }
     }
 
-    /// A grid of points as two triangles a cell.
+    /// A grid of points as two triangles per cell.
     fn patch(&mut self, steps: [usize; 2], colour: [f64; 3], point: impl Fn(f64, f64) -> Point3<f64>) {
         for i in 0..steps[0] {
             for j in 0..steps[1] {
@@ -191,7 +191,7 @@ pub fn picture(program: &Program, motion: &Motion) -> Vec<u8> {
         let mut before: Option<Point3<f64>> = None;
         for m in &operation.moves {
             let tip = program.machine.forward(&m.joints).tip;
-            // Tips outside of the part would hide it.
+            // Tip positions outside of the part would hide it.
             let inside = libm::hypot(tip.x, tip.y) <= outlet.x + 1.0;
             if let (Some(from), MoveKind::Cut, true) = (before, m.kind, inside) {
                 canvas.line(&from, &tip, colour);

@@ -1,8 +1,8 @@
-//! HTML made of texts that may hold anything.
+//! HTML from arbitrary texts.
 
 use std::fmt::Write as _;
 
-/// A text with all signs that mean something in HTML written out.
+/// A text with all characters that have a meaning in HTML replaced.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -18,13 +18,13 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// JSON that may stand in a script element: no end tag and no comment can begin in it.
+/// JSON for a script element: no end tag and no comment can begin in it.
 pub(super) fn json(value: &impl serde::Serialize) -> String {
     // Values of the report have text keys only and finite or null numbers: nothing that serde_json refuses.
     serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned()).replace('<', "\\u003c")
 }
 
-/// A cell: its text, and the place that a click leads to.
+/// A cell: its text, and the place to which a click leads.
 pub(super) struct TableCell {
     text: String,
     class: &'static str,
@@ -53,7 +53,7 @@ impl TableCell {
     }
 }
 
-/// A table with a heading a column; `n` before a heading aligns it right.
+/// A table with one heading per column; `n` before a heading aligns the column right.
 pub(super) fn table(caption: &str, headings: &[&str], rows: &[Vec<TableCell>]) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -91,7 +91,7 @@ fn write_table(out: &mut String, caption: &str, headings: &[&str], rows: &[Vec<T
     Ok(())
 }
 
-/// A template with the text of each part in place of its mark `<!--@name-->`. Marks that no part has vanish.
+/// A template in which the text of each part replaces its mark `<!--@name-->`. Marks without a part are removed.
 pub(super) fn filled(template: &str, parts: &[(&str, &str)]) -> String {
     let mut out = String::with_capacity(template.len() + parts.iter().map(|p| p.1.len()).sum::<usize>());
     let mut rest = template;

@@ -1,7 +1,7 @@
-//! The report: one HTML file that shows what was proved, without network access.
+//! The report: one HTML file with the results of the proof. It needs no network access.
 //!
-//! Rust writes the tables and packs the geometry; the page draws it by WebGL2 and canvas. Its size is bounded: what is
-//! thinned, and within which tolerance, stands at its end.
+//! Rust writes the tables and packs the geometry; the page draws the geometry with WebGL2 and canvas. The size of the
+//! file is bounded: its end states what is thinned, and within which tolerance.
 
 mod markup;
 mod pack;
@@ -32,30 +32,30 @@ const ROUNDING: f64 = 1e-9;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// Order: data, drawing, plots, then what the reader does with them.
+/// In order: data, drawing, plots, then the response to the actions of the reader.
 const SCRIPTS: [&str; 4] =
     [include_str!("data.js"), include_str!("scene.js"), include_str!("plots.js"), include_str!("page.js")];
 
-/// Share of the reached samples that the scale of colours spans where no contract gives its end.
+/// Share of the reached samples that the colour scale covers where no contract gives its end.
 const SCALE_SHARE: f64 = 0.99;
 
-/// Deviations beyond this are no matter of accuracy, mm: finishing was not there, or a fault.
+/// Deviations beyond this value are no matter of accuracy, mm: the surface was not finished, or there is a fault.
 const SCALE_REACH: f64 = 0.1;
 
-/// What the report shows.
+/// Content of the report.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
     /// The lowered job.
     pub program: &'a Program,
     /// All moves.
     pub motion: &'a Motion,
-    /// What was proved.
+    /// Results of the proof.
     pub certificate: &'a Certificate,
-    /// Places of sector 0 in rows, as [`deviations`] orders them.
+    /// Points of sector 0 in rows, in the order of [`deviations`].
     pub samples: &'a [Sample],
-    /// Deviation of each sample in each sector, sector by sector, mm; NaN where milling does not make the surface.
+    /// Deviation of each sample in each sector, sector by sector, mm; NaN on surfaces that are not milled.
     pub deviations: &'a [f64],
-    /// What there is to say to the reader.
+    /// Diagnostics for the reader.
     pub findings: &'a [Diag],
     /// Hash of the inputs.
     pub hash: &'a str,
@@ -65,16 +65,16 @@ pub struct Input<'a> {
     pub nc_lines: Option<usize>,
     /// Operation, move and line (from 1) of the NC text, in order.
     pub lines: &'a [(u32, u32, u32)],
-    /// Operation and decision of its planning.
+    /// Operation, and a decision of its planning.
     pub notes: &'a [(String, String)],
     /// Stock after each operation; empty when it was not simulated.
     pub stock: &'a [StockStage],
 }
 
-/// Places of sector 0 in rows along x of their surface, and the deviation of each in all sectors, sector by sector, mm:
-/// what the certificate found at the corners of its cells, at most [`surface::CORNER_SLACK`] over the true value; NaN on
-/// the turned surfaces. The places are those of the cells and not evenly spaced samples, so that nothing is computed a
-/// second time for the picture: that took longer than the proof.
+/// Points of sector 0 in rows along x of their surface, and the deviation of each in all sectors, sector by sector, mm.
+/// The deviations are those of the certificate at the corners of its cells, at most [`surface::CORNER_SLACK`] over the
+/// true value; NaN on the turned surfaces. The points are corners of cells and not evenly spaced samples, so that
+/// nothing is computed again for the picture: a second computation took longer than the proof.
 pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>, Vec<f64>) {
     let part = &program.part;
     let found: BTreeMap<SurfaceId, &[PatchCorners]> =
@@ -100,7 +100,7 @@ pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>,
         let start = deviations.len();
         for chart in &charts {
             let own = of(chart.kind, sector);
-            // The cells lie alike in all sectors: what is off the part in one is so in all.
+            // The cells are the same in all sectors: a corner off the part in one sector is off the part in all.
             deviations.extend(rows(own).map(|(c, i, j)| value(c, i, j)).filter(|g| !g.is_nan()));
         }
         deviations.resize(start + samples.len(), f64::NAN);
@@ -108,13 +108,13 @@ pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>,
     (samples, deviations)
 }
 
-/// g at a corner, mm.
+/// Deviation at a corner, mm.
 fn value(corners: &PatchCorners, i: usize, j: usize) -> f64 {
     corners.values.get(i * (corners.patch.rows + 1) + j).map_or(f64::NAN, |g| f64::from(*g))
 }
 
-/// Corners of all patches of a surface as rows along x, each from y = 0 to 1: the patch, and the corner in it. What two
-/// patches share is there once.
+/// Corners of all patches of a surface as rows along x, each from y = 0 to 1: the patch, and the corner in it. A corner
+/// that two patches share occurs once.
 fn rows(patches: &[PatchCorners]) -> impl Iterator<Item = (&PatchCorners, usize, usize)> {
     let strips = patches.chunk_by(|a, b| a.patch.x == b.patch.x);
     let last = patches.last().map(|p| p.patch.x);
@@ -136,13 +136,13 @@ struct ToolData {
     holder: Vec<[f64; 2]>,
 }
 
-/// Places along the flutes where the half section is drawn.
+/// Number of steps along the flutes in which the half section is drawn.
 const SECTION_STEPS: u32 = 48;
 
 impl ToolData {
     fn new(tool: &Tool) -> Self {
         let solid = &tool.solid;
-        // Dense near the tip, where the section is round.
+        // Steps are short near the tip, where the section is round.
         let share = |k: u32| (f64::from(k) / f64::from(SECTION_STEPS)).powi(2) * solid.flute_length;
         let mut cutter: Vec<[f64; 2]> = vec![[0.0, 0.0]];
         cutter.extend((0..=SECTION_STEPS).map(|k| [solid.cutter.radius_at(share(k)), share(k)]));
@@ -161,14 +161,14 @@ impl ToolData {
 struct MachineData<'a> {
     /// Names of the axes.
     names: [&'a str; 5],
-    /// Direction and a point of the rotary axes, next to the tool first; true where it carries the part.
+    /// Direction and a point of the rotary axes, the first next to the tool; true where the axis carries the part.
     rotary: [([f64; 3], [f64; 3], bool); 2],
     part_origin: [f64; 3],
     /// Largest speeds of X Y Z (mm/s) and the rotary axes (rad/s).
     speeds: [f64; 5],
 }
 
-/// Everything that is no typed array.
+/// All data that is no typed array.
 #[derive(Serialize)]
 struct Data<'a> {
     name: &'a str,
@@ -180,7 +180,7 @@ struct Data<'a> {
     tools: Vec<ToolData>,
     places: &'a [places::PlaceData],
     blank: Vec<[f64; 2]>,
-    /// Cells of the simulation of the stock, mm.
+    /// Edge of the cells of the stock simulation, mm.
     cell: Option<f64>,
     stock: &'a [stock::StockData],
 }
@@ -252,7 +252,7 @@ pub fn report(input: &Input<'_>) -> String {
     )
 }
 
-/// Ends of the scale: the contracts, or what most samples stay within, mm.
+/// Ends of the scale, mm: the bounds of the contracts, or else the deviation that [`SCALE_SHARE`] of the samples keep.
 fn scale(input: &Input<'_>) -> [f64; 2] {
     let bound = |kind: &str| places::bound(input, kind);
     let within = |sign: f64| {
@@ -261,26 +261,26 @@ fn scale(input: &Input<'_>) -> [f64; 2] {
         sizes.sort_by(f64::total_cmp);
         sizes.get(((sizes.len().saturating_sub(1)) as f64 * SCALE_SHARE) as usize).copied().unwrap_or(0.0)
     };
-    // A scale of less than a micrometre would show rounding.
+    // A scale below a micrometre would show rounding.
     let end =
         |kind: &str, sign: f64| bound(kind).filter(|b| *b > 0.0).unwrap_or_else(|| round_up(within(sign).max(1e-3)));
     [end("gouge", -1.0), end("excess", 1.0)]
 }
 
-/// The next of 1, 2, 5, 10, ... times a power of ten.
+/// The next larger number of the series 1, 2, 5, 10, ... times a power of ten.
 fn round_up(x: f64) -> f64 {
     let power = libm::pow(10f64, libm::log10(x).floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - ROUNDING)).unwrap_or(x)
 }
 
-/// Lines (r, z) that the lathe made and milling leaves: bore and front, outlet and back.
+/// Lines (r, z) of surfaces that the lathe made and that are not milled: bore and front, outlet and back.
 fn turned(program: &Program) -> Vec<Vec<[f64; 2]>> {
     let (inlet, outlet) = (program.part.hub.meridian(0.0).point, program.part.hub.meridian(1.0).point);
     let (bore, back) = (program.stock.bore_radius.get(), program.stock.back.get());
     vec![vec![[outlet.x, outlet.y], [outlet.x, back], [bore, back], [bore, inlet.y], [inlet.x, inlet.y]]]
 }
 
-/// What was rounded, thinned or left out.
+/// List of what was rounded, thinned or left out.
 fn accuracy(input: &Input<'_>, part: &part::PartData, paths: &paths::PathData, stock: &[stock::StockData]) -> String {
     let cells: usize = input.certificate.surfaces.iter().map(|s| s.samples).sum();
     let mut lines = vec![

@@ -1,4 +1,4 @@
-//! Numbers as the page takes them: little-endian typed arrays in base64, and the laws by which they are rounded.
+//! Numbers in the form of the page: little-endian typed arrays in base64, and the functions that round them.
 
 use nalgebra::Vector3;
 
@@ -11,13 +11,13 @@ const DEVIATION_KNEE: f64 = 1e-3;
 /// Codes for each unit of the inverse hyperbolic sine: 0.33 nm near zero, 0.03 % of large deviations.
 const DEVIATION_STEPS: f64 = 3000.0;
 
-/// Code of a place that no cutter reaches.
+/// Code of a point that no cutter reaches.
 pub(super) const NOT_REACHED: i16 = i16::MAX;
 
-/// Code of a place that milling does not make.
+/// Code of a point on a surface that is not milled.
 pub(super) const NOT_MILLED: i16 = i16::MIN;
 
-/// Law of the deviation codes for the page: knee in mm, and codes for each unit.
+/// Parameters of the deviation codes for the page: knee in mm, and codes for each unit.
 pub(super) fn deviation_law() -> [f64; 2] {
     [DEVIATION_KNEE, DEVIATION_STEPS]
 }
@@ -28,7 +28,7 @@ pub(super) fn deviation(g: f64) -> i16 {
     code.clamp(f64::from(NOT_MILLED + 1), f64::from(NOT_REACHED - 1)) as i16
 }
 
-/// A unit vector on the octahedron, unfolded to a square: two signed shares.
+/// A unit vector as a point on an octahedron that is unfolded to a square: two signed shares.
 pub(super) fn direction(n: &Vector3<f64>) -> [i16; 2] {
     let sum = (n.x.abs() + n.y.abs() + n.z.abs()).max(f64::MIN_POSITIVE);
     let (x, y) = (n.x / sum, n.y / sum);
@@ -61,7 +61,7 @@ impl Frame {
         Self { low, size: [0, 1, 2].map(|k| (high[k] - low[k]).max(LEAST_SIZE)) }
     }
 
-    /// Shares of 65535 of a point.
+    /// Coordinates of a point as shares of the box, in 1/65535.
     pub(super) fn place(&self, p: [f64; 3]) -> [u16; 3] {
         [0, 1, 2].map(|k| ((p[k] - self.low[k]) / self.size[k] * f64::from(u16::MAX)).round() as u16)
     }

@@ -1,14 +1,14 @@
-//! The finished part for the page: the samples of sector 0 in rows, and the deviation of each of them in all sectors.
+//! The finished part for the page: the samples of sector 0 in rows, and their deviations in all sectors.
 
 use super::pack::{self, Bytes, Frame};
 use crate::part::{Part, Sample, SurfaceKind};
 use crate::verify::surface::FAR;
 use serde::Serialize;
 
-/// Most vertices of all sectors; beyond it neighbouring samples share one.
+/// Most vertices of all sectors; with more samples, neighbouring samples share a vertex.
 const MOST_VERTICES: usize = 1_200_000;
 
-/// A row of samples of a surface, evenly spaced: how many, and the parameter of the first and the last.
+/// A row of evenly spaced samples of a surface: their number, and the parameters of the first and the last.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct MeshRow(usize, f64, f64);
 
@@ -17,13 +17,13 @@ struct MeshRow(usize, f64, f64);
 struct SurfaceMesh {
     /// Name without its sector, as `pressure face`.
     name: String,
-    /// Whether milling makes it.
+    /// Whether the surface is milled.
     milled: bool,
     /// Rows in order.
     rows: Vec<MeshRow>,
 }
 
-/// The part as the page takes it.
+/// The part in the form of the page.
 #[derive(Serialize)]
 pub(super) struct PartData {
     sectors: u32,
@@ -31,11 +31,11 @@ pub(super) struct PartData {
     surfaces: Vec<SurfaceMesh>,
     /// Triangles with a longer edge are gaps, mm.
     gap: f64,
-    /// Samples of which a vertex shows the worst, along and across a row.
+    /// Number of samples, along and across a row, of which a vertex shows the worst.
     pub(super) stride: usize,
     /// Knee and steps of the deviation codes.
     law: [f64; 2],
-    /// Turned outside that milling leaves alone: lines of (r, z) from the shroud's end over the back to the inlet, mm.
+    /// Turned outside that is not milled: lines of (r, z) from the end of the shroud over the back to the inlet, mm.
     turned: Vec<Vec<[f64; 2]>>,
     #[serde(skip)]
     pub(super) positions: Bytes,
@@ -90,7 +90,7 @@ fn rows(sector0: &[Sample]) -> Vec<MeshRows> {
     found
 }
 
-/// Every `stride`-th index of a range, its last always, so that the ends of a surface stay.
+/// Every `stride`-th index of a range, and always the last, so that the ends of a surface stay.
 fn thinned(range: &std::ops::Range<usize>, stride: usize) -> Vec<usize> {
     let mut kept: Vec<usize> = range.clone().step_by(stride).collect();
     if let (Some(last), Some(kept_last)) = (range.clone().last(), kept.last().copied())
@@ -101,12 +101,14 @@ fn thinned(range: &std::ops::Range<usize>, stride: usize) -> Vec<usize> {
     kept
 }
 
-/// How bad a deviation is against the bounds of gouge and excess, mm: a vertex for several samples shows the worst.
+/// Deviation in relation to the bounds of gouge and excess (`bounds`, mm): a vertex for several samples shows the
+/// worst.
 fn badness(g: f64, bounds: [f64; 2]) -> f64 {
     if g < 0.0 { -g / bounds[0] } else { g / bounds[1] }
 }
 
-/// The part from the places of sector 0 in rows and their deviations in all sectors, mm, NaN where there is none. `bounds` are those of gouge and excess, mm; `spacing` is that of the samples.
+/// The part from the points of sector 0 in rows and their deviations in all sectors, mm, NaN where there is none.
+/// `bounds` are those of gouge and excess, mm; `spacing` is the spacing of the samples.
 pub(super) fn part(
     part: &Part,
     samples: &[Sample],
@@ -130,7 +132,7 @@ pub(super) fn part(
         normals: Bytes::default(),
         deviations: Bytes::default(),
     };
-    // Vertex that shows each sample of sector 0.
+    // Index of the vertex that shows each sample of sector 0.
     let mut shown = vec![0_usize; count];
     let mut vertices = 0;
     for surface in rows(sector0) {
@@ -155,7 +157,7 @@ pub(super) fn part(
             let (first, n) = starts[nearest(r, starts.len())];
             let length = row.len().max(1);
             for (i, sample) in row.clone().enumerate() {
-                // Rows differ in length: the place in the kept row by share.
+                // Rows differ in length: the vertex in the kept row follows from the share of the length.
                 let share = i as f64 / (length - 1).max(1) as f64;
                 shown[sample] = first + (share * (n.saturating_sub(1)) as f64).round() as usize;
             }

@@ -8,19 +8,19 @@ use serde::Serialize;
 /// Most moves that the page holds.
 const MOST_MOVES: usize = 150_000;
 
-/// First tolerance of thinning, mm; it doubles until the moves are few enough.
+/// First tolerance of thinning, mm; it is doubled until the moves are few enough.
 const FIRST_TOLERANCE: f64 = 1e-3;
 
-/// Tolerance beyond which the border between passes no longer holds, mm.
+/// Tolerance from which on thinning may cross the border between passes, mm.
 const LAST_TOLERANCE: f64 = 1.0;
 
-/// Distance from the tip at which a turn of the axis counts as a shift, mm: an engaged length.
+/// Distance from the tip at which a turn of the axis is counted as a displacement, mm: a length of engagement.
 const ARM: f64 = 20.0;
 
-/// Longest run that is looked at as a whole, which bounds the time of thinning.
+/// Longest run that is thinned as a whole; it bounds the computing time.
 const LONGEST_RUN: usize = 4096;
 
-/// Most bytes of pass names; without them only operations are named.
+/// Most bytes of pass names; with more, only the operations are named.
 const MOST_NAMES: usize = 600_000;
 
 /// Moves of an operation.
@@ -28,13 +28,13 @@ const MOST_NAMES: usize = 600_000;
 struct OperationData {
     name: String,
     tool: String,
-    /// First of its moves on the page, and how many.
+    /// Index of its first move on the page, and number of moves.
     first: usize,
     count: usize,
-    /// Passes in order: the first move of each on the page, and its index in `labels`.
+    /// Passes in order: the index of the first move on the page, and the index in `labels`.
     passes: Vec<[usize; 2]>,
     labels: Vec<String>,
-    /// Lines of the NC text: for each run the first move and its line; lines follow one another.
+    /// Lines of the NC text: for each run the first move and its line. Within a run the lines are consecutive.
     lines: Vec<[u32; 2]>,
     speed: f64,
     feed: f64,
@@ -44,40 +44,40 @@ struct OperationData {
 #[derive(Serialize)]
 pub(super) struct PathData {
     operations: Vec<OperationData>,
-    /// Moves of the program, and of the page.
+    /// Number of moves of the program, and of the page.
     pub(super) moves: usize,
     pub(super) kept: usize,
     /// Tolerance of thinning, mm; zero when nothing was thinned.
     pub(super) tolerance: f64,
     /// Whether pass names were left out.
     pub(super) nameless: bool,
-    /// Whether `removal` and `arcs` hold something.
+    /// Whether `removal` and `arcs` hold values.
     simulated: bool,
-    /// X Y Z (mm), rotary axes (rad), time of the move (s): 6 floats a move.
+    /// X Y Z (mm), rotary axes (rad), time of the move (s): 6 floats per move.
     #[serde(skip)]
     pub(super) joints: Bytes,
     /// Index of the move in its operation; empty when nothing was thinned.
     #[serde(skip)]
     pub(super) indices: Bytes,
-    /// 0 cut, 1 link, 2 rapid.
+    /// 0 is a cut, 1 a link, 2 a rapid.
     #[serde(skip)]
     pub(super) kinds: Bytes,
-    /// Mean removal rate of the moves that a kept one stands for, mm3/min.
+    /// Mean removal rate over the moves that a kept move represents, mm3/min.
     #[serde(skip)]
     pub(super) removal: Bytes,
-    /// Largest arc of engagement in them, degrees.
+    /// Largest arc of engagement over these moves, degrees.
     #[serde(skip)]
     pub(super) arcs: Bytes,
 }
 
-/// Tip and axis as one point: a straight line in these six is a straight move.
+/// Tip and axis as one point: a straight line in these six coordinates is a straight move.
 type PathRow = [f64; 6];
 
 fn distance2(a: &PathRow, b: &PathRow) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
-/// Squared distance of a station to the line between two others.
+/// Squared distance of a station from the chord between two others.
 fn off_chord2(p: &PathRow, a: &PathRow, b: &PathRow) -> f64 {
     let (mut along, mut length) = (0.0, 0.0);
     for k in 0..6 {
@@ -92,8 +92,8 @@ fn off_chord2(p: &PathRow, a: &PathRow, b: &PathRow) -> f64 {
     distance2(p, &foot)
 }
 
-/// Marks the stations of a run that must stay so that all others lie within the tolerance of the chords (Douglas and
-/// Peucker); both ends stay.
+/// Marks the stations of a run that must stay so that all others are within the tolerance of the chords (Douglas and
+/// Peucker). Both ends stay.
 fn mark(stations: &[PathRow], tolerance: f64, keep: &mut [bool]) {
     let Some(last) = stations.len().checked_sub(1) else { return };
     (keep[0], keep[last]) = (true, true);
@@ -111,7 +111,7 @@ fn mark(stations: &[PathRow], tolerance: f64, keep: &mut [bool]) {
     }
 }
 
-/// Which moves of an operation stay at a tolerance.
+/// The moves of an operation that stay at a tolerance.
 fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> {
     let mut keep = vec![tolerance <= 0.0; moves.len()];
     let mut start = 0;
@@ -122,7 +122,7 @@ fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
         });
         if border {
             mark(&stations[start..=i], tolerance, &mut keep[start..=i]);
-            // A run begins where the one before ends.
+            // A run begins at the end of the run before.
             start = i;
         }
     }
@@ -139,7 +139,7 @@ fn stations(program: &Program, motion: &Motion) -> Vec<Vec<PathRow>> {
     motion.operations.iter().map(|o| o.moves.iter().map(station).collect()).collect()
 }
 
-/// Which moves stay on the page, by operation, and the tolerance at which they are few enough.
+/// The moves that stay on the page, by operation, and the smallest tolerance at which they are few enough.
 fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
     let stations = stations(program, motion);
     let mut tolerance = 0.0;
@@ -147,7 +147,7 @@ fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
         let keep: Vec<Vec<bool>> =
             motion.operations.iter().zip(&stations).map(|(o, s)| thin(s, &o.moves, tolerance)).collect();
         let kept = keep.iter().flatten().filter(|k| **k).count();
-        // No part is a kilometre long: then every path is its ends.
+        // No part is a kilometre long: at this tolerance every path is reduced to its ends.
         if kept <= MOST_MOVES || tolerance > 1e6 {
             return (keep, tolerance);
         }
@@ -155,7 +155,8 @@ fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
     }
 }
 
-/// The moves of a motion. `stock` tells the engagement when it was simulated, `lines` the NC line (from 1) of operation and move.
+/// The moves of a motion. `stock` gives the engagement when it was simulated; `lines` gives the NC line (from 1) of
+/// each operation and move.
 pub(super) fn paths(
     program: &Program,
     motion: &Motion,
@@ -198,12 +199,13 @@ pub(super) fn paths(
 }
 
 impl PathData {
-    /// Adds the moves of an operation that stay. Gives its passes: the first move of each on the page, and its number.
+    /// Adds the moves of an operation that stay. Returns its passes: the index of the first move of each on the page,
+    /// and the index of its label.
     fn add_moves(&mut self, moves: &[JointMove], keep: &[bool], engagement: &[Engagement]) -> Vec<[usize; 2]> {
         let mut passes: Vec<[usize; 2]> = Vec::new();
         let (mut time, mut volume, mut arc) = (0.0, 0.0, 0.0_f64);
         for (i, m) in moves.iter().enumerate() {
-            // What lies between two kept moves took its time too.
+            // Moves between two kept moves count for the time too.
             time += m.time;
             let e = engagement.get(i).copied().unwrap_or_default();
             volume += e.rate * 60.0 * m.time;
@@ -235,7 +237,7 @@ impl PathData {
     }
 }
 
-/// Runs of moves of an operation whose lines follow one another.
+/// Runs of moves of an operation with consecutive lines.
 fn line_runs(operation: usize, lines: &[(u32, u32, u32)]) -> Vec<[u32; 2]> {
     let mut runs: Vec<[u32; 2]> = Vec::new();
     for (_, index, line) in lines.iter().filter(|l| l.0 as usize == operation) {
@@ -252,7 +254,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Brute force: every station lies near the chord of the kept ones around it.
+        /// Brute force: every station is near the chord of the kept stations around it.
         #[test]
         fn thinned_stations_stay_within_the_tolerance(
             heights in prop::collection::vec(-1.0..1.0_f64, 2..60),

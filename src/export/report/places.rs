@@ -1,4 +1,5 @@
-//! Places that the reader may jump to: the worst of every surface, tool and contract, and what the diagnostics name.
+//! Places to which the reader can jump: the worst place of every surface, tool and contract, and the places of the
+//! diagnostics.
 
 use super::Input;
 use crate::diag::Severity;
@@ -16,34 +17,35 @@ use serde::Serialize;
 /// A place on the part.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct PlaceData {
-    /// Heading of its list.
+    /// Heading of the list that holds the place.
     group: &'static str,
-    /// What it is.
+    /// Name of the place.
     name: String,
-    /// What it is in the list, where it stands for surfaces that show the same; empty when another stands for it.
+    /// Name in the list, where the entry stands for all surfaces with the same figure; empty when another entry stands
+    /// for this place.
     listed: String,
     /// Its figure with the unit.
     value: String,
-    /// Where in the program.
+    /// Position in the program.
     program: String,
     point: [f64; 3],
-    /// Out of the material, to look against.
+    /// Normal out of the material; the page looks against it.
     normal: [f64; 3],
-    /// Operation and move, where they are known.
+    /// Operation and move, where these are known.
     at: Option<[u32; 2]>,
     /// Whether it breaks a contract or is an error.
     fails: bool,
-    /// The greater, the sooner the reader should look at it.
+    /// The list is in descending order of the rank.
     rank: f64,
 }
 
-/// Apart in rank, so that no figure of one quantity stands among those of another.
+/// Distance of two quantities in rank, so that their figures do not mix in the list.
 const QUANTITY: f64 = 1e12;
 
 /// Group of the places that decide contracts; the page lists it first.
 const ASKED: &str = "contracts";
 
-/// All places, and which of them belong to the rows of the tables.
+/// All places, and for each row of the tables the index of its place.
 #[derive(Default)]
 pub(super) struct Places {
     pub(super) list: Vec<PlaceData>,
@@ -51,7 +53,7 @@ pub(super) struct Places {
     pub(super) surfaces: Vec<[Option<usize>; 2]>,
     /// Shank and holder of each operation.
     pub(super) operations: Vec<[Option<usize>; 2]>,
-    /// Depth, width, arc and rate of each operation in the stock.
+    /// Axial depth, radial depth, arc and removal rate of each operation in the stock.
     pub(super) stock: Vec<[Option<usize>; 4]>,
     /// Each report of the rest.
     pub(super) rest: Vec<usize>,
@@ -63,7 +65,7 @@ pub(super) struct Places {
     pub(super) findings: Vec<Option<usize>>,
 }
 
-/// A length in the signs of the page.
+/// A length with the symbols of the page.
 pub(super) fn amount(mm: f64) -> String {
     if mm >= FAR { "not reached".to_owned() } else { figure(&length(mm)) }
 }
@@ -72,7 +74,7 @@ fn rounded(p: [f64; 3]) -> [f64; 3] {
     p.map(|x| (x * 1e4).round() / 1e4)
 }
 
-/// Normal of the part where it is nearest to a point; to see the point the eye must stand on that side.
+/// Normal of the part at its point nearest to `point`; the view must be from that side.
 fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
     let part = &input.program.part;
     let near = (0..part.vane_count).filter_map(|sector| {
@@ -86,12 +88,12 @@ fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
     rounded([n.x, n.y, n.z])
 }
 
-/// A figure of the certificate in the signs of the page.
+/// A figure of the certificate with the symbols of the page.
 pub(super) fn figure(text: &str) -> String {
     text.replace("um", "\u{b5}m").replace("mm3", "mm\u{b3}")
 }
 
-/// What is said to be found for a contract: of gouge and excess it is the bound that holds everywhere.
+/// Text of the found value of a contract. For gouge and excess the value is the proved bound.
 pub(super) fn proved(kind: &str, found: &str) -> String {
     if matches!(kind, "gouge" | "excess") { format!("\u{2264} {found}") } else { found.to_owned() }
 }
@@ -117,7 +119,8 @@ pub(super) fn places(input: &Input<'_>) -> Places {
     places
 }
 
-/// Lists surfaces of a kind that show the same figure once, by their worst place and with all their vanes.
+/// Shows surfaces of a kind with the same figure as one entry, at their worst place and with the names of all their
+/// vanes.
 fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<usize>; 2]]) {
     let picks: [fn(&SurfaceReport) -> f64; 2] = [|s| s.gouge.depth, |s| s.excess.value];
     for (k, pick) in picks.into_iter().enumerate() {
@@ -135,11 +138,11 @@ fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<
     }
 }
 
-/// Where a place is: the point on the part, and the move of the program where one makes it.
+/// A place: the point on the part, and the move of the program where a move makes it.
 type Where = ([f64; 3], Option<At>);
 
 impl Places {
-    /// Adds a place, with its rank and its figure. Gives its number in the list.
+    /// Adds a place, with its rank and its figure. Returns its index in the list.
     fn add(
         &mut self,
         input: &Input<'_>,
@@ -164,7 +167,7 @@ impl Places {
         self.list.len() - 1
     }
 
-    /// Deepest cut into each surface, and most material left on it.
+    /// Deepest gouge and largest excess of each surface.
     fn add_surfaces(&mut self, input: &Input<'_>) {
         let over = |value: f64, kind: &str| bound(input, kind).is_some_and(|b| value > b);
         for s in &input.certificate.surfaces {
@@ -180,7 +183,7 @@ impl Places {
         }
     }
 
-    /// Where shank and holder of each operation come nearest to the part.
+    /// Places where shank and holder of each operation are nearest to the part.
     fn add_operations(&mut self, input: &Input<'_>) {
         for o in &input.certificate.operations {
             let mut near = |what: &str, c: &Option<Clearance>| {
@@ -196,7 +199,7 @@ impl Places {
         }
     }
 
-    /// Where most stock is left after each roughing operation.
+    /// Places where most stock is left after each roughing operation.
     fn add_rest(&mut self, input: &Input<'_>) {
         for r in &input.certificate.rest {
             let operation = input.certificate.operations.get(r.operation as usize);
@@ -209,7 +212,7 @@ impl Places {
         }
     }
 
-    /// Where the tool comes nearest to the turned stock at rapid.
+    /// Place where the tool at rapid is nearest to the turned stock.
     fn add_rapid(&mut self, input: &Input<'_>) {
         let Some(c) = &input.certificate.rapid else { return };
         let value = (-c.distance, figure(&length(c.distance)));
@@ -225,7 +228,7 @@ impl Places {
                 let name = format!("{} in {}", c.part, o.name);
                 self.add(input, "stock that the tool must not meet", name, value, (c.point, Some(c.at)), true);
             }
-            // Quantities one after another, each with its largest first.
+            // One quantity after another, each with its largest value first.
             let mut peak = |what: &str, p: &Option<Peak>, (scale, before): (f64, f64), unit: &str| {
                 p.as_ref().map(|p| {
                     let value = (p.value * scale - before, format!("{:.1} {unit}", p.value * scale));
@@ -243,7 +246,7 @@ impl Places {
         }
     }
 
-    /// What the diagnostics name.
+    /// Places of the diagnostics.
     fn add_findings(&mut self, input: &Input<'_>) {
         for d in input.findings {
             let place = d.place.as_ref().map(|place| {
@@ -257,7 +260,7 @@ impl Places {
         }
     }
 
-    /// What decides each contract.
+    /// The deciding place of each contract.
     fn add_contracts(&mut self, input: &Input<'_>) {
         for c in &input.certificate.contracts {
             let place = c.point.map(|p| {
@@ -268,7 +271,7 @@ impl Places {
         }
     }
 
-    /// What the job allows.
+    /// Places that the job allows.
     fn add_allowed(&mut self, input: &Input<'_>) {
         for a in &input.certificate.allowed {
             let name = format!("allowed: {} {}", a.kind, a.scope);
@@ -277,7 +280,7 @@ impl Places {
         }
     }
 
-    /// Adds the place that decides a contract, with the move that the check found there.
+    /// Adds the place that decides a contract, with the move at which the check found it.
     fn asked(
         &mut self,
         input: &Input<'_>,

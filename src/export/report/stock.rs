@@ -11,7 +11,7 @@ const NO_AREA: f64 = 1e-12;
 /// Stock that stands after an operation.
 #[derive(Clone, Debug, Default)]
 pub struct StockStage {
-    /// After what, in words for the reader.
+    /// Name of the stage, such as the operation that it follows.
     pub name: String,
     /// Vertices, part frame, mm.
     pub positions: Vec<Point3<f64>>,
@@ -19,26 +19,26 @@ pub struct StockStage {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Most triangles of one mesh, and of all of them.
+/// Most triangles of one mesh, and of all meshes.
 const MOST_TRIANGLES: [usize; 2] = [60_000, 360_000];
 
-/// Vertices that an index of 16 bit reaches.
+/// Number of vertices that an index of 16 bit can address.
 const MOST_VERTICES: usize = 65_535;
 
 /// Growth of the cells while a mesh is still too large.
 const GROWTH: f64 = 1.25;
 
-/// Enough growth from the first cell to one that holds any part whole.
+/// Enough rounds to grow from the first cell to a cell that holds the whole part.
 const MOST_ROUNDS: usize = 60;
 
-/// One mesh as the page takes it.
+/// One mesh in the form of the page.
 #[derive(Serialize)]
 pub(super) struct StockData {
     name: String,
     frame: Frame,
     vertices: usize,
     pub(super) triangles: usize,
-    /// Size of the cells in which vertices were joined, mm; zero when none were.
+    /// Edge of the cells in which vertices were joined, mm; zero when no vertices were joined.
     pub(super) cell: f64,
     #[serde(skip)]
     pub(super) positions: Bytes,
@@ -46,7 +46,7 @@ pub(super) struct StockData {
     pub(super) indices: Bytes,
 }
 
-/// What meets in a cell: vertices, and the planes of their triangles weighted by area.
+/// Content of a cell: vertices, and the planes of their triangles weighted by area.
 #[derive(Clone)]
 struct Joined {
     sum: Vector3<f64>,
@@ -55,15 +55,16 @@ struct Joined {
     at: Vector3<f64>,
 }
 
-/// Weight of the mean of the vertices against the planes: it decides only where these leave the place open.
+/// Weight of the mean of the vertices against the planes. It decides the place only where the planes leave it
+/// undetermined.
 const MEAN_WEIGHT: f64 = 0.02;
 
 impl Joined {
     const NOTHING: Self =
         Self { sum: Vector3::new(0.0, 0.0, 0.0), count: 0.0, planes: ZERO, at: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The place that all planes come nearest to in the sense of least squares (Lindstrom 2000), so that edges and
-    /// corners stay where they are; a mean would round them off. No farther from the mean than `reach`.
+    /// The point nearest to all planes in the sense of least squares (Lindstrom 2000), so that edges and corners stay
+    /// in place; a mean would round them off. At most `reach` from the mean.
     fn place(&self, reach: f64) -> Point3<f64> {
         let mean = self.sum / self.count.max(1.0);
         let weight = (self.planes.trace() * MEAN_WEIGHT).max(f64::MIN_POSITIVE);
@@ -99,7 +100,7 @@ fn clustered(stage: &StockStage, cell: f64) -> (Vec<Point3<f64>>, Vec<[usize; 3]
     let mut triangles = Vec::new();
     for t in &stage.triangles {
         let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) else { continue };
-        // As long as twice the area.
+        // Its length is twice the area.
         let normal = (b.1 - a.1).cross(&(c.1 - a.1));
         if let Some(unit) = normal.try_normalize(NO_AREA) {
             let plane = unit * normal.transpose();
@@ -115,7 +116,7 @@ fn clustered(stage: &StockStage, cell: f64) -> (Vec<Point3<f64>>, Vec<[usize; 3]
     (joined.iter().map(|j| j.place(0.5 * cell)).collect(), triangles)
 }
 
-/// A mesh small enough for the page beside `stages` meshes in all.
+/// A mesh that is small enough for the page when the page has `stages` meshes in all.
 pub(super) fn stock(stage: &StockStage, stages: usize) -> StockData {
     let most = MOST_TRIANGLES[0].min(MOST_TRIANGLES[1] / stages.max(1));
     let frame = Frame::around(stage.positions.iter().map(|p| [p.x, p.y, p.z]));
@@ -184,12 +185,12 @@ mod tests {
         assert!(coarse.cell > 0.0 && coarse.triangles <= MOST_TRIANGLES[0] && coarse.triangles > 5000);
         let (positions, _) = clustered(&large, coarse.cell);
         for p in positions {
-            // A mean over a cell leaves a surface of this curvature by no more than the cell.
+            // The mean over a cell differs from a surface of this curvature by at most the cell.
             assert!(((p.x * 0.1).sin() * (p.y * 0.1).cos() - p.z).abs() < coarse.cell);
         }
     }
 
-    /// A roof: its ridge runs between the cells and stays where it is.
+    /// The ridge of a gable runs between the cells and stays in place.
     #[test]
     fn edges_stay_where_they_are() {
         let mut roof = field(400);

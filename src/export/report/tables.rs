@@ -1,4 +1,4 @@
-//! The tables of the report, which need no script to be read.
+//! The tables of the report; they can be read without a script.
 
 use super::Input;
 use super::markup::{TableCell, escaped, table};
@@ -14,7 +14,7 @@ pub(super) fn total_time(input: &Input<'_>) -> f64 {
     input.certificate.operations.iter().flat_map(|o| o.time).sum()
 }
 
-/// Part, machine, dialect, inputs: one line a fact.
+/// Part, machine, dialect, inputs: one line per fact.
 pub(super) fn header(input: &Input<'_>) -> String {
     let certificate = input.certificate;
     let vanes = input.program.part.vane_count;
@@ -35,7 +35,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
     facts.iter().map(item).collect()
 }
 
-/// All contracts hold, or how many do not: class and words.
+/// The verdict: all contracts hold, or the number that does not. Returns its class and its text.
 pub(super) fn verdict(input: &Input<'_>) -> (&'static str, String) {
     let errors = input.findings.iter().filter(|d| d.severity == Severity::Error).count();
     let contracts = &input.certificate.contracts;
@@ -91,7 +91,7 @@ pub(super) fn contracts(input: &Input<'_>, places: &Places) -> String {
     out
 }
 
-/// Operations with their times, ways and clearances.
+/// Operations with their times, paths and clearances.
 pub(super) fn operations(input: &Input<'_>, places: &Places) -> String {
     let program = input.program;
     let search = crate::verify::search(program);
@@ -173,7 +173,7 @@ pub(super) fn details(input: &Input<'_>, places: &Places) -> String {
     out
 }
 
-/// What each operation takes away and how its tool stands in the stock.
+/// Volume that each operation removes, and the engagement of its tool.
 fn stock(input: &Input<'_>, places: &Places) -> String {
     let Some(stock) = &input.certificate.stock else { return String::new() };
     let rows: Vec<Vec<TableCell>> = stock
@@ -219,7 +219,7 @@ fn stock(input: &Input<'_>, places: &Places) -> String {
     table(&caption, &headings, &rows)
 }
 
-/// What the diagnostics say, worst first.
+/// The diagnostics, worst first.
 pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
     let mut order: Vec<usize> = (0..input.findings.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(input.findings[*i].severity));
