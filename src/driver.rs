@@ -1,4 +1,4 @@
-//! The pipeline on one page: from a job file to verified NC, stage by stage, and the only place that reads files.
+//! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
 mod library;
 mod nc_check;
@@ -29,59 +29,59 @@ pub use nc_check::{NcCheck, verify};
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
 
-/// What a compilation and a check of NC text are asked alike.
+/// Options that a compilation and a check of NC text share.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
-    /// Folder with `machines` and `tools`, before any other.
+    /// Folder with `machines` and `tools`, searched before any other.
     pub library: Option<PathBuf>,
-    /// Folder with curve files, beside the job's.
+    /// Folder with curve files, in addition to the folder of the job.
     pub curves: Option<PathBuf>,
     /// Dialect instead of the job's.
     pub post: Option<String>,
     /// Name of the machine file instead of the job's.
     pub machine: Option<String>,
-    /// Where to write the report, also when a contract fails.
+    /// File to write the report to, also when a contract fails.
     pub report: Option<PathBuf>,
-    /// Edge of the cells of the stock simulation, mm, instead of the usual.
+    /// Edge of the cells of the stock simulation, mm, instead of the default.
     pub stock_cell: Option<f64>,
     /// Folder for a mesh of the stock after each operation.
     pub stock: Option<PathBuf>,
-    /// Memory that planning may take, bytes, instead of the usual.
+    /// Memory that planning may use, bytes, instead of the default.
     pub memory: Option<f64>,
 }
 
-/// What a compilation is asked to do.
+/// Options of a compilation.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Job file.
     pub job: PathBuf,
-    /// Where to write the NC text.
+    /// File to write the NC text to.
     pub output: Option<PathBuf>,
-    /// Where to write a picture of part and paths.
+    /// File to write a picture of part and paths to.
     pub picture: Option<PathBuf>,
-    /// Where to write the certificate.
+    /// File to write the certificate to.
     pub certificate: Option<PathBuf>,
-    /// Print this stage value and stop there.
+    /// Stage value to print; the compilation stops after this stage.
     pub emit: Option<Emit>,
-    /// The rest.
+    /// Shared options.
     pub run: RunOptions,
 }
 
-/// What a run made.
+/// Result of a run.
 #[derive(Debug, Default)]
 pub struct Outcome {
-    /// All texts that took part.
+    /// All texts of the run.
     pub sources: SourceMap,
-    /// Everything that there is to say.
+    /// All diagnostics.
     pub sink: Sink,
-    /// Stage value that was asked for, as text.
+    /// The stage value to print, as text.
     pub emitted: Option<String>,
-    /// Contracts that were judged, failed ones too.
+    /// Contracts that were judged, including those that failed.
     pub contracts: Vec<ContractReport>,
 }
 
 impl Outcome {
-    /// The contracts as cases of a test report. Their names are those of the job, so that they stay from run to run.
+    /// The contracts as cases of a test report. Their names come from the job, so they are the same in every run.
     pub fn judged(&self) -> Vec<Judged> {
         let judged = |c: &ContractReport| Judged {
             name: format!("{} {} {}", c.name(), c.relation, c.figures[0]),
@@ -93,7 +93,7 @@ impl Outcome {
     }
 }
 
-/// Compiles a job. Faults are in the sink of the outcome.
+/// Compiles a job. Faults go to the sink of the outcome.
 pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
     let mut outcome = Outcome::default();
     // The reason is in the sink.
@@ -163,7 +163,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     Ok(())
 }
 
-/// Tells the fault that stops a run.
+/// Reports the fault that stops a run.
 fn told<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> {
     made.map_err(|fault| {
         sink.push(fault);
@@ -171,8 +171,8 @@ fn told<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> {
     })
 }
 
-/// Everything that can be refused before the minute that planning takes. What remains is the dialect, and the outputs,
-/// which nothing hinders.
+/// Refuses before planning, which takes about a minute, whatever can be refused then. Only the dialect and the writing
+/// of the outputs are left.
 fn check_before_planning(
     options: &Options,
     program: &Program,
@@ -186,12 +186,13 @@ fn check_before_planning(
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
     let outputs = told(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
-    // Tools that cannot do their work are told here, where the reason is known; planning would only find no room.
+    // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
+    // finds no collision-free path.
     stages.run("facts", || analysis::check(program, sink));
     if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
 }
 
-/// The value of planning that is to be printed.
+/// The stage value of planning that is to be printed.
 fn print_plan(emit: Option<Emit>, program: &Program, plan: &Plan) -> Option<String> {
     match emit? {
         Emit::Cc => Some(print::cc(program, &plan.cc, Detail::Full)),
@@ -201,7 +202,7 @@ fn print_plan(emit: Option<Emit>, program: &Program, plan: &Plan) -> Option<Stri
     }
 }
 
-/// Writes what there is of a program that was refused: what failed is what the reader wants to see. Says what it wrote.
+/// Writes the report and the meshes of a program that was refused: they show why. Returns a text about what it wrote.
 fn save_refused(
     run: &RunOptions,
     shown: &report::Shown<'_>,
@@ -221,18 +222,18 @@ fn save_refused(
     })
 }
 
-/// A path in what is printed.
+/// A path as it is printed.
 fn shown_path(path: &Path) -> String {
     printable(&path.display().to_string()).into_owned()
 }
 
-/// Says that the stock after each operation was written, where that was asked for.
+/// Text that the stock after each operation was written, where the options require it.
 fn meshes_written(run: &RunOptions, motion: &Motion) -> String {
     let line = |folder: &PathBuf| format!("wrote {}: {} meshes\n", shown_path(folder), motion.operations.len());
     run.stock.as_ref().map(line).unwrap_or_default()
 }
 
-/// Writes files in one step, with those that wait already.
+/// Writes files together with those that are staged already, all or none.
 fn save<'a>(mut outputs: Outputs, files: impl Iterator<Item = (&'a str, &'a Path, &'a [u8])>) -> Result<(), Diag> {
     for (flag, path, bytes) in files {
         outputs.stage(flag, path, bytes)?;
@@ -240,8 +241,8 @@ fn save<'a>(mut outputs: Outputs, files: impl Iterator<Item = (&'a str, &'a Path
     outputs.commit()
 }
 
-/// What can be refused before planning: outputs that cannot be written or that meet a file of the run, and cells of the
-/// stock that are too coarse. `outputs` knows inputs that are no sources; `own` are the outputs of the command beside the
+/// Refuses before planning outputs that cannot be written or that are also a file of the run, and cells of the stock
+/// that are too coarse. `outputs` knows inputs that are no sources. `own` are the outputs of the command other than the
 /// report and the meshes.
 fn before_work(
     mut outputs: Outputs,
@@ -273,7 +274,7 @@ fn before_work(
     Ok(outputs)
 }
 
-/// The stages from the text to the program; `None` when the stage value that is to be printed lies before it.
+/// The stages from the text to the program; `None` when the stage value to print comes before the program.
 ///
 /// # Errors
 /// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
@@ -310,7 +311,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     Ok(Some(program))
 }
 
-/// The job with the machine of the command line instead of its own.
+/// Replaces the machine of the job by the machine of the command line.
 fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
     if let Err(missing) = library.machine(name) {
         let (code, fault) = match missing.fault {
@@ -336,7 +337,7 @@ fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut 
     Ok(())
 }
 
-/// The dialect of the job or of the command line.
+/// The dialect of the command line, or else of the job.
 fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
     let name = &program.post.name;
     post::find(name).ok_or_else(|| {
@@ -351,8 +352,8 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
     })
 }
 
-/// Hashes of all texts that take part. Of the job's path only the name of the file itself is kept, so that the same job
-/// elsewhere, or called by another path, gives the same bytes.
+/// Hashes of all texts of the run. Of the path of the job only the file name is kept, so that the same job gives the
+/// same bytes from another folder or by another path.
 fn inputs(sources: &SourceMap) -> Inputs {
     let own_name = |file: &SourceFile| {
         let path = file.disk.as_deref().unwrap_or(Path::new(&file.name));
@@ -362,7 +363,7 @@ fn inputs(sources: &SourceMap) -> Inputs {
     Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.text.as_str())))
 }
 
-/// What is written of a program that was accepted.
+/// Outputs of a program that was accepted.
 struct Written {
     nc: NcProgram,
     /// The NC text.
@@ -381,7 +382,7 @@ impl Written {
         inputs: Inputs,
     ) -> Result<Self, Diag> {
         let mut nc = post.emit(program, motion, &header(program, certificate, &inputs));
-        // The body is known first, then the head but for the line of the certificate, then the certificate.
+        // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;
         let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
             nc.lines.iter_mut().any(|line| certificate_file::fill(&mut line.text, word, hash))
@@ -398,7 +399,7 @@ impl Written {
         Ok(Self { text: nc.text(), nc, certificate })
     }
 
-    /// Writes every file that was asked for. Says which.
+    /// Writes every file that the options require. Returns a text that names the files.
     fn save(
         &self,
         options: &Options,
@@ -433,7 +434,7 @@ impl Written {
     }
 }
 
-/// Where the operations stand in the text: their moves with the transformation on.
+/// Lines of the operations in the text: those of their moves with the transformation on.
 fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Lines> {
     let mut found: Vec<Lines> = Vec::new();
     for (i, line) in nc.lines.iter().enumerate() {
@@ -453,10 +454,10 @@ fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Li
     found
 }
 
-/// Letters of a name in a line of the head; controls show some 100 of a line.
+/// Characters of a name in a line of the head; controls show about 100 characters of a line.
 const NAME_IN_LINE: usize = 80;
 
-/// The lines of the head for a file that took part.
+/// The lines of the head for an input file.
 fn file_lines(file: &InputFile) -> Vec<String> {
     let InputFile { name, origin, sha256, .. } = file;
     let name: Vec<char> = name.chars().collect();
@@ -464,7 +465,7 @@ fn file_lines(file: &InputFile) -> Vec<String> {
     std::iter::once(format!("file sha256 {sha256}, {origin}:")).chain(names).collect()
 }
 
-/// Lines of the comment block at the head of the NC text; the hashes of body and certificate are left blank.
+/// Lines of the comment block at the head of the NC text; placeholders stand for the hashes of body and certificate.
 fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<String> {
     let mut head = certificate.head();
     let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
@@ -494,7 +495,7 @@ fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<
     lines
 }
 
-/// Largest job file, bytes; far less is refused with its reason when it is parsed.
+/// Largest job file, bytes. The parser refuses far smaller files, with a reason.
 const MAX_JOB: u64 = 64 << 20;
 
 /// Text of the job file.

@@ -1,11 +1,11 @@
-//! Output files of a run. They are announced before the work: none of them may be a file that the run reads, or another
-//! output. They are written all together or not at all: each to a temporary file beside its place first, then all of them
-//! take their places; when one cannot, those before it are put back.
+//! Output files of a run. They are announced before the work: no output may be a file that the run reads, or another
+//! output. They are written all together or not at all. Each is first written to a temporary file beside its place;
+//! then all temporary files take their places. If one of them cannot, the files replaced before are restored.
 //!
-//! A symbolic link goes on pointing to its file, which gets the new text. The new file has the rights of the old one, and
-//! its owner where the system allows that; a new name has the usual rights. Other hard links of the old file keep the old
-//! text: nobody asked for a change of theirs. Extended attributes are not carried over. Character devices and FIFOs are
-//! written to, last of all before the files take their places.
+//! A symbolic link continues to point to its file, which gets the new text. The new file has the permissions of the old
+//! one, and its owner where the system allows that; a file with a new name has the usual permissions. Other hard links
+//! of the old file keep the old text, since no option names them. Extended attributes are lost. Character devices and
+//! FIFOs are written to directly, last before the files take their places.
 
 pub mod interrupt;
 mod target;
@@ -16,7 +16,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use target::{Identity, Kind, OutputTarget};
 
-/// What is true of the files of a run that fails before its end.
+/// State of the files after a run that fails before its end.
 const NOTHING: &str = "nothing was written; every file is as it was";
 
 /// Beginning of the names of temporary files.
@@ -31,14 +31,14 @@ pub struct Outputs {
     folders: Folders,
 }
 
-/// An output that waits for its place.
+/// An output that waits until all outputs are written.
 #[derive(Debug)]
 enum Staged {
     File { shown: PathBuf, file: PathBuf, temporary: Temporary },
     Stream { shown: PathBuf, bytes: Vec<u8> },
 }
 
-/// A temporary file beside an output. It is gone when it is dropped, or when a signal ends the program.
+/// A temporary file beside an output. It is removed when this value is dropped, or when a signal ends the program.
 #[derive(Debug)]
 struct Temporary(PathBuf);
 
@@ -48,7 +48,7 @@ impl Drop for Temporary {
     }
 }
 
-/// Folders that were made for outputs. Those that are empty are gone when this is dropped.
+/// Folders that were made for outputs. Empty ones are removed when this value is dropped.
 #[derive(Debug, Default)]
 struct Folders(Vec<PathBuf>);
 
@@ -62,21 +62,21 @@ impl Drop for Folders {
 }
 
 impl Outputs {
-    /// A file that the run reads, with its name in messages ("the job").
+    /// Adds a file that the run reads, with its name in messages ("the job").
     pub fn protect(&mut self, name: impl Into<String>, path: &Path) {
         if let Some(identity) = target::identity(path) {
             self.inputs.push((name.into(), identity));
         }
     }
 
-    /// An output that the run will write, by its flag; looked at without touching what is there.
+    /// Adds an output that the run will write, by its flag. Checks the path without changing the existing file.
     ///
     /// # Errors
     /// A path that cannot be written, or that is an input or another output.
     pub fn announce(&mut self, flag: &str, path: &Path) -> Result<(), Diag> {
         let mut target = OutputTarget::of(path).map_err(|reason| failed(path, &reason).note(NOTHING))?;
         if matches!(target.kind, Kind::New | Kind::Regular) {
-            // Whether the folder takes a new file, and whether its names differ by case.
+            // Tests whether the folder accepts a new file, and whether its names differ by case.
             let probe = temporary(&target).map_err(|e| failed(path, &target::reason(&e)).note(NOTHING))?.1;
             target.identity = target.identity.with_case(target::case_matters(&probe.0));
         }
@@ -86,7 +86,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// A folder that outputs go to; it is made where it is missing.
+    /// Adds a folder for outputs; a missing folder is made.
     ///
     /// # Errors
     /// A folder that cannot be made.
@@ -99,7 +99,7 @@ impl Outputs {
             path.ancestors().take_while(|p| !p.as_os_str().is_empty() && std::fs::metadata(p).is_err()).collect();
         for folder in missing.into_iter().rev() {
             let mut unfinished = interrupt::hold();
-            // `a/..` exists as soon as `a` does.
+            // `a/..` exists only when `a` exists.
             if !folder.is_dir() {
                 std::fs::create_dir(folder).map_err(|e| cannot(&target::reason(&e)))?;
                 let made = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
@@ -110,7 +110,8 @@ impl Outputs {
         if path.is_dir() { Ok(()) } else { Err(cannot("a file is in its place")) }
     }
 
-    /// Refuses a target that is an input, an output announced before, or where this program prints.
+    /// Refuses a target that is an input, an output announced before, or the file that standard output or standard
+    /// error goes to.
     fn meets(&self, named: &str, target: &OutputTarget) -> Result<(), Diag> {
         let meets = |message: String| {
             Diag::error(files::MEETS, message).note(NOTHING).help("give each output a file of its own")
@@ -128,7 +129,7 @@ impl Outputs {
         other.map_or(Ok(()), |(name, _)| Err(meets(format!("{name} and {named} are the same file"))))
     }
 
-    /// Writes an output to a temporary file beside its place. What was not announced is looked at here.
+    /// Writes an output to a temporary file beside its place. An output that was not announced is checked here.
     ///
     /// # Errors
     /// A path that cannot be written, or that became an input or another output since it was announced.
@@ -156,10 +157,11 @@ impl Outputs {
         Ok(())
     }
 
-    /// Puts all outputs in their places.
+    /// Moves all outputs to their places.
     ///
     /// # Errors
-    /// A path that cannot be written: then no file is changed, and the message says what devices already got.
+    /// A path that cannot be written. Then no file is changed, and the message names the devices that already got their
+    /// text.
     pub fn commit(mut self) -> Result<(), Diag> {
         let mut got = Vec::new();
         for staged in &self.staged {
@@ -172,7 +174,7 @@ impl Outputs {
             interrupt::hold().streamed();
             got.push(shown.display().to_string());
         }
-        // From here on signals wait, and come when all is done.
+        // From here on signals are held until all is done.
         let mut unfinished = interrupt::hold();
         let mut placed: Vec<(&Path, Option<PathBuf>)> = Vec::new();
         let mut fault = None;
@@ -196,7 +198,8 @@ impl Outputs {
             if let Some(old) = old {
                 let _ = std::fs::remove_file(old);
             }
-            // The new name is on the disk when the folder is; a system that cannot do that loses nothing else.
+            // The new name is on the disk only after the folder is synchronised; a system that cannot do that loses
+            // nothing else.
             let _ = File::open(target::folder(file)).and_then(|folder| folder.sync_all());
         }
         for staged in &self.staged {
@@ -213,15 +216,15 @@ impl Outputs {
     }
 }
 
-/// An empty file beside an output; with the usual rights where the output is new, else private until it has those of the
-/// old file.
+/// An empty file beside an output. With a new name it has the usual permissions; otherwise it is private until it gets
+/// those of the old file.
 fn temporary(target: &OutputTarget) -> std::io::Result<(File, Temporary)> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX);
     #[cfg(unix)]
     if target.kind == Kind::New {
         use std::os::unix::fs::PermissionsExt as _;
-        // The system takes the mask of the user away.
+        // The system applies the mask of the user (umask).
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut unfinished = interrupt::hold();
@@ -230,7 +233,7 @@ fn temporary(target: &OutputTarget) -> std::io::Result<(File, Temporary)> {
     Ok((file, Temporary(path)))
 }
 
-/// Gives a temporary file the owner and the rights of the file that it will replace.
+/// Gives a temporary file the owner and the permissions of the file that it will replace.
 #[cfg(unix)]
 fn alike(target: &OutputTarget, file: &File) -> std::io::Result<()> {
     use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, fchown};
@@ -240,13 +243,13 @@ fn alike(target: &OutputTarget, file: &File) -> std::io::Result<()> {
     let old = std::fs::metadata(&target.file)?;
     let new = file.metadata()?;
     let mut mode = old.mode() & 0o7777;
-    // Only the administrator gives files away; a group of one's own may be given.
+    // Only an administrator can change the owner of a file; a user can change the group to one of their groups.
     let given = (old.uid() == new.uid() && old.gid() == new.gid())
         || fchown(file, Some(old.uid()), Some(old.gid())).is_ok()
         || (old.uid() == new.uid() && fchown(file, None, Some(old.gid())).is_ok());
     if !given {
         let group = fchown(file, None, Some(old.gid())).is_ok() || old.gid() == new.gid();
-        // Rights of the old group are not those of another one, and nobody runs the text as somebody else.
+        // Permissions of the old group must not pass to another group, and the file must not run as another user.
         mode &= if group { 0o777 } else { 0o707 };
     }
     file.set_permissions(std::fs::Permissions::from_mode(mode))
@@ -257,7 +260,7 @@ fn alike(_target: &OutputTarget, _file: &File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Writes to a device or FIFO; never makes a file, nor empties one that took its place.
+/// Writes to a device or FIFO; never makes a file, and never empties a file that took the place of the device.
 fn stream(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
     if file.metadata()?.is_file() {
@@ -266,9 +269,9 @@ fn stream(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes).and_then(|()| file.flush())
 }
 
-/// Puts a temporary file in its place. The old file, where there is one, gets another name beside it, which is returned.
+/// Moves a temporary file to its place. An old file gets another name beside the place, which is returned.
 fn place(file: &Path, temporary: &Path) -> Result<Option<PathBuf>, String> {
-    // What came there since must not be moved away: a folder, a device.
+    // A folder or a device that appeared here since the announcement must not be moved away.
     let old = match OutputTarget::of(file)?.kind {
         Kind::New => None,
         Kind::Regular => Some(aside(file).map_err(|e| target::reason(&e))?),
@@ -278,7 +281,8 @@ fn place(file: &Path, temporary: &Path) -> Result<Option<PathBuf>, String> {
         Ok(()) => Ok(old),
         Err(error) => {
             if let Some(old) = old {
-                // A hard link is the same file still; what was moved goes back.
+                // After a hard link the old file is still in place, and only the second name is removed; after a move
+                // the old file goes back.
                 let _ = if std::fs::symlink_metadata(file).is_ok() {
                     std::fs::remove_file(old)
                 } else {
@@ -290,7 +294,7 @@ fn place(file: &Path, temporary: &Path) -> Result<Option<PathBuf>, String> {
     }
 }
 
-/// A second name of a file; where the system has no hard links, its only one for a moment.
+/// Gives a file a second name. Where the system has no hard links, this is its only name for a moment.
 fn aside(file: &Path) -> std::io::Result<PathBuf> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX);
@@ -304,7 +308,7 @@ fn aside(file: &Path) -> std::io::Result<PathBuf> {
     Ok(path)
 }
 
-/// Undoes [`place`]; where that fails, says where the old text is.
+/// Undoes [`place`]; on failure the message says where the old text is.
 fn put_back(file: &Path, old: Option<&Path>) -> Result<(), String> {
     let done = match old {
         Some(old) => std::fs::rename(old, file),
@@ -321,7 +325,8 @@ fn failed(path: &Path, reason: &str) -> Diag {
         .help("give a file in a folder that exists and that you may write to")
 }
 
-/// Says what was written all the same: by devices that got their text, and files that could not be put back.
+/// Adds notes about what was written in spite of the failure: devices that got their text, and files that could not be
+/// restored.
 fn told(diag: Diag, got: &[String], stays: &[String]) -> Diag {
     let diag = if stays.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
     let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} got its whole text")));
@@ -368,7 +373,7 @@ mod tests {
         assert_eq!(texts(folder.path()), [("part.nc".to_owned(), "second\n".to_owned())]);
     }
 
-    /// The last of three cannot take its place, since a folder is there by then: the others are put back.
+    /// The last of three outputs cannot take its place, since a folder is there by then: the others are restored.
     #[test]
     fn all_outputs_or_none() {
         let folder = folder(&[("a", "old a")]);

@@ -1,4 +1,4 @@
-//! Machine, tool and curve files on the disk, with the shipped library behind them.
+//! Machine, tool and curve files on the disk, and the library that ships with the compiler.
 
 use super::reading;
 use crate::diag::codes::files;
@@ -15,21 +15,21 @@ const MAX_LIBRARY: u64 = 4 << 20;
 /// Largest curve file that is read.
 const MAX_CURVES: u64 = 64 << 20;
 
-/// Files of a job: the library given on the command line, then the `_lib` folders from the job's folder upward, then what
-/// ships with the compiler. The folder is that of the job file itself, with symbolic links resolved, so that neither the
-/// spelling of the job's path nor the working folder changes what is found.
+/// Files of a job. The order of search is the library of the command line, the `_lib` folders from the folder of the
+/// job upwards, and the library that ships with the compiler. The folder of the job is that of the job file itself,
+/// with symbolic links resolved, so the result depends neither on the spelling of the path nor on the working folder.
 #[derive(Debug)]
 pub struct DiskFiles {
-    /// The job's folder as the user wrote it, for messages.
+    /// The folder of the job as the user wrote it, for messages.
     shown: PathBuf,
-    /// The job's folder itself.
+    /// The folder of the job, with symbolic links resolved.
     folder: PathBuf,
     /// Another folder with curve files.
     curves: Option<PathBuf>,
     libraries: Vec<(PathBuf, Origin)>,
 }
 
-/// The folder itself, with symbolic links resolved.
+/// The path of a folder with symbolic links resolved.
 fn folder(flag: &str, path: &Path) -> Result<PathBuf, Diag> {
     let fault = |reason: &str| {
         Diag::error(files::CANNOT_READ, format!("`{flag} {}` cannot be read: {reason}", path.display()))
@@ -47,7 +47,7 @@ impl DiskFiles {
     /// Files for a job at a path, with the folders of `--library` and `--curves`.
     ///
     /// # Errors
-    /// A folder of the command line that does not exist, or is none.
+    /// A folder of the command line that does not exist, or a path that is no folder.
     pub fn new(job: &Path, library: Option<&Path>, curves: Option<&Path>) -> Result<Self, Diag> {
         let beside = |job: &Path| job.parent().map(Path::to_path_buf).unwrap_or_default();
         let itself = job.canonicalize().unwrap_or_else(|_| job.to_path_buf());
@@ -61,14 +61,15 @@ impl DiskFiles {
     }
 
     fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<SourceFile, Missing> {
-        // A name is no path: it never leads out of the library.
+        // A name is not a path, so it never leads out of the library.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'));
         if plain {
             let shown = format!("{kind}/{name}.toml");
             for (library, origin) in &self.libraries {
                 let path = library.join(kind).join(format!("{name}.toml"));
                 match std::fs::symlink_metadata(&path) {
-                    // What is there and cannot be read is told: another file of the same name would be another machine.
+                    // A file that exists and cannot be read is reported: a file of the same name in another folder
+                    // would be another machine.
                     Ok(_) => return read(&path, &shown, MAX_LIBRARY, *origin),
                     Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
                     Err(e) => return Err(unreadable(reading::reason(&e))),
@@ -92,7 +93,7 @@ impl DiskFiles {
         Err(Missing { reason, known, ..Missing::default() })
     }
 
-    /// The file that a path of the job means, with symbolic links resolved, and the folder that it lies in.
+    /// The file of a path in the job, with symbolic links resolved, and the origin of its folder.
     fn curve_file(&self, path: &str) -> Result<(PathBuf, Origin), Missing> {
         let mut fault = Missing { reason: "there is no such file".to_owned(), ..Missing::default() };
         for start in [Some(&self.folder), self.curves.as_ref()].into_iter().flatten() {
@@ -117,7 +118,7 @@ fn unreadable(reason: String) -> Missing {
     Missing { fault: Fault::Unreadable, reason, ..Missing::default() }
 }
 
-/// A regular file; anything else, as a device, could have no end.
+/// Reads a regular file only; anything else, such as a device, could be endless.
 fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
     let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
     if !(regular.is_file() || regular.is_dir()) {

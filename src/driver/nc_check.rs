@@ -1,4 +1,4 @@
-//! `impellerc verify`: NC text against its job.
+//! `impellerc verify`: checks NC text against its job.
 
 use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, reading, report, rest_stock,
@@ -17,16 +17,16 @@ use crate::verify::{self, Certificate};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What a check of NC text is asked to do.
+/// Options of a check of NC text.
 #[derive(Clone, Debug, Default)]
 pub struct NcCheck {
     /// NC text.
     pub nc: PathBuf,
-    /// Job that it must fulfil.
+    /// Job that the text must fulfil.
     pub job: Option<PathBuf>,
     /// Certificate that the text must belong to.
     pub certificate: Option<PathBuf>,
-    /// The rest; its dialect is that of the text.
+    /// Shared options; the dialect is that of the text.
     pub run: RunOptions,
 }
 
@@ -36,7 +36,7 @@ const MAX_BYTES: u64 = 256 << 20;
 /// Largest certificate, bytes.
 const MAX_CERTIFICATE: u64 = 64 << 20;
 
-/// Checks NC text. Faults are in the sink of the outcome; its text is the certificate as measured.
+/// Checks NC text. Faults go to the sink of the outcome; the text of the outcome is the measured certificate.
 pub fn verify(check: &NcCheck, stages: &mut Stages) -> Outcome {
     let mut outcome = Outcome::default();
     // The reason is in the sink.
@@ -82,7 +82,7 @@ fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outco
     Ok(program)
 }
 
-/// Measures the text against the job; the certificate as measured becomes the text of the outcome.
+/// Measures the text against the job; the measured certificate becomes the text of the outcome.
 fn measure(
     check: &NcCheck,
     program: &Program,
@@ -98,7 +98,8 @@ fn measure(
     let mut outputs = told(before_work(outputs, &check.run, &[], sources, program), sink)?;
     let shown = check.nc.display().to_string();
     let text = sources.get(source).map_or("", |f| f.text.as_str());
-    // The dialect is the one on the command line, or the job's, unless the text clearly has the words of another.
+    // The dialect is that of the command line, or else of the job, unless the text clearly has the words of another
+    // dialect.
     let post = find_post(program, sink)?;
     let post = if check.run.post.is_some() { post } else { post::clearly_other(text, post).unwrap_or(post) };
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
@@ -166,7 +167,8 @@ struct Belonging<'a> {
 }
 
 impl Belonging<'_> {
-    /// Whether body, head, compiler and inputs are those of the certificate. Says so, or puts what differs into the sink.
+    /// Whether body, head, compiler and inputs are those of the certificate. Returns a text that says so, or reports
+    /// the differences to the sink.
     fn check(&self, inputs: Option<&Inputs>, sink: &mut Sink) -> String {
         let Self { shown, file, .. } = *self;
         let Some(text) = self.sources.get(self.nc) else { return String::new() };
@@ -202,7 +204,7 @@ impl Belonging<'_> {
         self.sources.line_span(self.nc, line).unwrap_or(Span::new(self.nc, 0..0))
     }
 
-    /// The first lines of the body, whose hash is `of_text`, that differ from the body of the certificate.
+    /// The first lines of the body that differ from the body of the certificate; `of_text` is the hash of the body.
     fn other_body(&self, text: &str, of_text: &str) -> Option<Diag> {
         let Self { shown, file, .. } = *self;
         let (first, last, operation) = file.nc.first_difference(text)?;
@@ -239,7 +241,7 @@ impl Belonging<'_> {
         )
     }
 
-    /// The hashes that the head does not name.
+    /// The hashes that are missing in the head.
     fn nameless_head(&self, text: &str) -> Option<Diag> {
         let missing = HEAD.into_iter().filter(|word| certificate_file::named(text, word).is_none());
         let missing: Vec<&str> = missing.map(str::trim).collect();
@@ -253,7 +255,7 @@ impl Belonging<'_> {
         })
     }
 
-    /// The hashes that the head names, but that are not those of body, certificate and inputs.
+    /// The hashes in the head that differ from those of body, certificate and inputs.
     fn other_hashes(&self, text: &str, of_text: &str) -> Vec<Diag> {
         let Self { shown, bytes, file, .. } = *self;
         let [of_inputs, of_body, of_certificate] = HEAD;
@@ -280,7 +282,7 @@ impl Belonging<'_> {
         [body, certificate, inputs].into_iter().flatten().collect()
     }
 
-    /// The inputs that are given and were others when the certificate was made.
+    /// The inputs that differ from those with which the certificate was made.
     fn other_inputs(&self, now: Option<&Inputs>) -> Option<Diag> {
         let Self { shown, file, .. } = *self;
         let changed = file.inputs.differences(now?);
@@ -293,10 +295,10 @@ impl Belonging<'_> {
 /// Difference of a figure that the digits of the words explain: absolute, and as a share of the figure.
 const DIGITS: (f64, f64) = (1e-3, 1e-3);
 
-/// Share of a contract's bound that the absolute difference may be at most.
+/// Largest absolute difference as a share of the bound of the contract.
 const OF_BOUND: f64 = 0.1;
 
-/// Contracts and figures of surfaces of a certificate against those measured on the text.
+/// Compares contracts and figures of surfaces of a certificate with those measured on the text.
 fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
     let says = certificate_file::contracts(&file.measured).unwrap_or_default();
     let measured = serde_json::to_value(measured).unwrap_or_default();
@@ -337,7 +339,7 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
     }
 }
 
-/// Figures of surfaces, of which those of a certificate that was not edited differ by rounding only.
+/// Compares the figures of surfaces. Those of a certificate that was not edited differ only by rounding.
 fn compare_surfaces(shown: &str, says: &Value, measured: &Value, sink: &mut Sink) {
     let (says, found) = (certificate_file::figures(says), certificate_file::figures(measured));
     let same = |(what, value): &(String, f64)| {
@@ -383,7 +385,7 @@ fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, Cer
     Err(Aborted)
 }
 
-/// The motion that a text says.
+/// The motion that a text commands.
 fn read_motion(
     post: &dyn Post,
     program: &Program,
@@ -409,7 +411,7 @@ fn read_motion(
             }
             None => format!("give NC text: no line has a word of {} alone, as which it was read", post.name()),
         };
-        // Of a text that may be anything the first fault says it.
+        // When no dialect is recognised, the text can be anything, and the first fault is enough.
         let told = if meant.is_some() { faults.len() } else { 1 };
         for fault in faults.into_iter().take(told) {
             sink.push(
@@ -423,7 +425,7 @@ fn read_motion(
     motion_of(program, &sections, &span, sink).ok_or(Aborted)
 }
 
-/// A finding with the NC block that makes it in front, and the job line of its operation behind.
+/// Puts a label at the NC block of a finding first, and adds a label at the operation in the job.
 fn with_line(
     mut diag: Diag,
     program: &Program,

@@ -1,4 +1,4 @@
-//! Files of any kind and size, read with bounded memory, and the words for those that cannot be read.
+//! Reads files of any kind and size with bounded memory, and gives the reason when a file cannot be read.
 
 use crate::diag::Diag;
 use crate::diag::codes::files;
@@ -6,7 +6,8 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::Path;
 
-/// The bytes of a file; `None` when it has more than `most`. What has no size, as a device, is read no farther either.
+/// The bytes of a file; `None` when the file has more than `most`. A file without a size, such as a device, is not read
+/// further either.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -21,7 +22,7 @@ pub(super) fn read(path: &Path, most: u64) -> Result<Option<Vec<u8>>, Error> {
     Ok(fits.then_some(bytes))
 }
 
-/// Why a file cannot be read, in words.
+/// The reason why a file cannot be read, in words.
 pub(super) fn reason(error: &Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
@@ -31,7 +32,7 @@ pub(super) fn reason(error: &Error) -> String {
     }
 }
 
-/// The diagnostic for a file that cannot be read; `due` says what should be given.
+/// The diagnostic for a file that cannot be read; `due` says what the user should give.
 pub(super) fn unreadable(path: &Path, error: &Error, due: &str) -> Diag {
     Diag::error(files::CANNOT_READ, format!("{} cannot be read: {}", path.display(), reason(error)))
         .help(format!("check the path: {due}"))

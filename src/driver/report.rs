@@ -1,4 +1,4 @@
-//! Writing the report: gathers what the stages made.
+//! Writes the report from the values of the stages.
 
 use super::stages::Stages;
 use crate::diag::Sink;
@@ -8,16 +8,16 @@ use crate::post::NcProgram;
 use crate::post::motion_of::NcMotion;
 use crate::verify::Certificate;
 
-/// What a run has to show, whether its NC was accepted or not.
+/// Content of the report of a run, whether its NC was accepted or not.
 pub(super) struct Shown<'a> {
     pub(super) program: &'a Program,
     pub(super) motion: &'a Motion,
     pub(super) certificate: &'a Certificate,
-    /// Operation and decision of its planning.
+    /// Operation, and a decision of its planning.
     pub(super) notes: &'a [(String, String)],
     /// Stock after each operation.
     pub(super) stock: &'a [StockStage],
-    /// Lines of the NC text, and where its moves stand; `None` when a fault stopped it.
+    /// Lines of the NC text and the lines of its moves; `None` when a fault prevented the text.
     pub(super) nc: Option<NcLines>,
     pub(super) post: &'a str,
     pub(super) hash: &'a str,
@@ -44,23 +44,23 @@ pub(super) fn html(shown: &Shown<'_>, stages: &mut Stages, sink: &Sink) -> Strin
     })
 }
 
-/// Where the moves stand in NC text.
+/// Lines of the moves in NC text.
 pub(super) struct NcLines {
-    /// Lines of the text.
+    /// Number of lines of the text.
     pub(super) count: usize,
     /// Operation, move and line (from 1), in order.
     pub(super) moves: Vec<(u32, u32, u32)>,
 }
 
 impl NcLines {
-    /// Those of a program that was written.
+    /// Lines of a program that was written.
     pub(super) fn written(nc: &NcProgram) -> Self {
         let numbered = nc.lines.iter().zip(1..);
         let moves = numbered.filter_map(|(l, number)| l.source.map(|(operation, index)| (operation, index, number)));
         Self { count: nc.lines.len(), moves: moves.collect() }
     }
 
-    /// Those of a text that was read.
+    /// Lines of a text that was read.
     pub(super) fn read(nc: &NcMotion, count: usize) -> Self {
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let of = |o: usize, lines: &[usize]| -> Vec<(u32, u32, u32)> {

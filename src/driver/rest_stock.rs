@@ -1,4 +1,4 @@
-//! Verification with the stock after each operation written as a mesh.
+//! Verification that also writes the stock after each operation as a mesh.
 
 use super::RunOptions;
 use crate::diag::codes::verification;
@@ -11,20 +11,20 @@ use crate::stock::{Field, Mesh};
 use crate::verify::{self, Certificate, Verified, stock::Settings};
 use std::path::{Path, PathBuf};
 
-/// What is asked of the stock simulation.
+/// Options of the stock simulation.
 pub(super) struct Asked<'a> {
-    /// Edge of the cells, mm, instead of the usual.
+    /// Edge of the cells, mm, instead of the default.
     pub(super) cell: Option<f64>,
-    /// Where to write the meshes.
+    /// Folder for the meshes.
     pub(super) folder: Option<&'a Path>,
-    /// Takes the meshes as files, which wait there for the other outputs.
+    /// Stages the meshes as files until all outputs are written.
     pub(super) outputs: &'a mut Outputs,
-    /// Gets the meshes for the report.
+    /// Receives the meshes for the report.
     pub(super) stages: Option<&'a mut Vec<StockStage>>,
 }
 
-/// Verifies with the settings of the command line. The meshes are written also when a contract fails then: they show
-/// why. `stages` gets them for the report.
+/// Verifies with the settings of the command line. The meshes are written also when a contract fails, since they show
+/// why. `stages` receives them for the report.
 pub(super) fn examine(
     options: &RunOptions,
     program: &Program,
@@ -44,7 +44,7 @@ pub(super) fn names(program: &Program, motion: &Motion) -> Vec<String> {
     motion.operations.iter().map(|o| program.operations[o.operation].name.clone()).collect()
 }
 
-/// Runs a verification as it is asked for; `names` are those of the operations.
+/// Runs a verification with the options; `names` are those of the operations.
 pub(super) fn simulated<T>(
     asked: Asked<'_>,
     names: &[String],
@@ -78,20 +78,20 @@ pub(super) fn simulated<T>(
     }
 }
 
-/// Stock after an operation as the report takes it.
+/// Stock after an operation in the form of the report.
 fn stage(name: &str, mesh: Mesh) -> StockStage {
     StockStage { name: format!("after {name}"), positions: mesh.vertices, triangles: mesh.triangles }
 }
 
-/// Mesh file of an operation: numbered, so that a listing shows them in the order of machining.
+/// Mesh file of an operation. Its name begins with a number, so that a listing is in machining order.
 pub(super) fn path(folder: &Path, operation: usize, name: &str) -> PathBuf {
     folder.join(format!("{:02}-{name}.stl", operation + 1))
 }
 
-/// Refuses cells larger than the usual ones: a collision would be lost between them. Cells that are too fine for memory
-/// are refused when the stock is made.
+/// Refuses cells larger than the default, between which a collision could be missed. Cells that are too fine for the
+/// memory are refused when the stock is made.
 pub(super) fn check_cell(cell: f64, profile: &[[f64; 2]]) -> Result<(), Diag> {
-    // Rounded down, so that the figure that is told is allowed.
+    // Rounded down, so that the figure in the message is an allowed one.
     let most = (verify::stock::usual_cell(profile) * 1e3).floor() / 1e3;
     if cell > 0.0 && cell <= most {
         return Ok(());

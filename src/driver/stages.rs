@@ -1,4 +1,4 @@
-//! The stages of a run: their times, what a terminal shows of them, and what can be printed.
+//! The stages of a run: their times, their display on a terminal, and the values that can be printed.
 
 use crate::progress::{Progress, State};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -30,24 +30,24 @@ pub enum Emit {
 #[derive(Debug, Default)]
 pub struct Stages {
     times: Vec<(&'static str, Duration)>,
-    /// Show long stages on standard error. For a terminal: in a pipe nothing is to be said of them.
+    /// Show long stages on standard error. Only for a terminal: a pipe should receive no such text.
     pub progress: bool,
 }
 
-/// Time after which a stage is shown, so that short ones do not flicker.
+/// Time after which a stage is shown; shorter stages would flicker.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Time between two pictures of the spinner.
+/// Time between two images of the spinner.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Line of a stage.
+/// Template of the line of a stage.
 const LINE: &str = "{spinner} {prefix:>2} {elapsed_precise} {msg}";
 
-/// Columns of the bar; with the rest of its line it fits into 80.
+/// Columns of the bar; the whole line fits into 80 columns.
 const BAR: usize = 24;
 
-/// A stage with the share of the work that it does, where that is known. One text: a bar that is set piece by piece
-/// would for a moment show the name of one work with the share of another.
+/// Name of a stage, with the share of its current work where this is known. Both are set as one text: if they were set
+/// one after the other, the name of one work could be shown with the share of another for a moment.
 fn line(stage: &str, work: Option<&State>) -> String {
     let Some(work) = work else { return stage.to_owned() };
     let (share, name) = (work.share(), format!("{stage}: {}", work.name));
@@ -55,7 +55,7 @@ fn line(stage: &str, work: Option<&State>) -> String {
     format!("{name:<30.30} [{}{}] {:>3.0} %", "#".repeat(full), ".".repeat(BAR - full), (100.0 * share).floor())
 }
 
-/// A stage that is shown while it lasts, from [`PATIENCE`] on.
+/// The line of a stage, shown from [`PATIENCE`] on until the stage ends.
 struct StageLine {
     /// Dropped when the stage ends.
     running: Sender<()>,
@@ -63,7 +63,7 @@ struct StageLine {
 }
 
 impl StageLine {
-    /// `number` counts the stages from 1. `None` when there is no thread to be had: then nothing is shown.
+    /// `number` counts the stages from 1. `None` when no thread can be started; then nothing is shown.
     fn start(name: &'static str, number: usize, progress: Option<Arc<Progress>>) -> Option<Self> {
         let (running, ended) = channel();
         let start = Instant::now();
@@ -89,18 +89,18 @@ impl StageLine {
     /// Clears the line.
     fn end(self) {
         drop(self.running);
-        // A thread that failed to draw is no reason to stop the work.
+        // A thread that failed to draw does not stop the work.
         let _ = self.thread.join();
     }
 }
 
 impl Stages {
-    /// Runs a stage and takes its time.
+    /// Runs a stage and measures its time.
     pub fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         self.timed(name, None, work)
     }
 
-    /// Runs a stage that tells how far it is.
+    /// Runs a stage that reports its progress.
     pub fn watched<T>(&mut self, name: &'static str, work: impl FnOnce(&Progress) -> T) -> T {
         let progress = Arc::new(Progress::default());
         self.timed(name, Some(Arc::clone(&progress)), || work(&progress))
@@ -117,7 +117,7 @@ impl Stages {
         value
     }
 
-    /// One line a stage with its time in seconds, and their sum.
+    /// One line per stage with its time in seconds, and the sum.
     pub fn report(&self) -> String {
         let mut out = String::new();
         let mut sum = Duration::ZERO;

@@ -1,9 +1,9 @@
-//! Signals: what a run left on the disk before its end is taken away, whatever ends it.
+//! Signals: unfinished files of a run are removed, also when a signal ends the run.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What lies on the disk and belongs to no finished run. There is one list for the process, as signals are sent to it.
+/// Unfinished files and folders on the disk. There is one list for the process, since signals are sent to the process.
 static UNFINISHED: Mutex<Unfinished> =
     Mutex::new(Unfinished { files: Vec::new(), folders: Vec::new(), done: Vec::new(), streaming: None });
 
@@ -11,36 +11,36 @@ static UNFINISHED: Mutex<Unfinished> =
 pub(super) struct Unfinished {
     files: Vec<PathBuf>,
     folders: Vec<PathBuf>,
-    /// What was written for good, as the user names it.
+    /// Outputs that are written completely, by the names that the user gave.
     done: Vec<String>,
-    /// The device or FIFO that is being written to.
+    /// The device or FIFO that is being written.
     streaming: Option<String>,
 }
 
-/// While it is held, no signal ends the run.
+/// While the guard is held, no signal ends the run.
 pub(super) fn hold() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Unfinished {
-    /// A file that is to go when the run ends early.
+    /// Adds a file that is removed when the run ends early.
     pub(super) fn file(&mut self, path: &Path) {
         self.files.push(path.to_path_buf());
     }
 
-    /// The same of a folder; it goes when it is empty.
+    /// Adds a folder that is removed, if it is empty, when the run ends early.
     pub(super) fn folder(&mut self, path: &Path) {
         self.folders.push(path.to_path_buf());
     }
 
-    /// Removes a file that is not needed any more.
+    /// Removes a file that is no longer needed.
     pub(super) fn remove(&mut self, path: &Path) {
-        // It may have taken its place.
+        // The file may have been moved to its place.
         let _ = std::fs::remove_file(path);
         self.forget(path);
     }
 
-    /// A file or folder that is here to stay.
+    /// Removes a file or folder from the list, so that it stays.
     pub(super) fn forget(&mut self, path: &Path) {
         self.files.retain(|p| p != path);
         self.folders.retain(|p| p != path);
@@ -52,22 +52,22 @@ impl Unfinished {
         self.forget(path);
     }
 
-    /// A device or FIFO that a text goes to from now on.
+    /// Marks a device or FIFO as being written.
     pub(super) fn stream(&mut self, shown: String) {
         self.streaming = Some(shown);
     }
 
-    /// The text went there as a whole.
+    /// The whole text was written to the device.
     pub(super) fn streamed(&mut self) {
         self.done.extend(self.streaming.take());
     }
 
-    /// A file that was written for good.
+    /// Marks a file as written completely.
     pub(super) fn done(&mut self, shown: String) {
         self.done.push(shown);
     }
 
-    /// Removes everything.
+    /// Removes all files and folders of the list.
     #[cfg(unix)]
     fn clear(&mut self) {
         for file in self.files.drain(..) {
@@ -79,15 +79,16 @@ impl Unfinished {
     }
 }
 
-/// Waits for signals that end the program, in a thread of its own: they remove temporary files, say (`tell`) what was
-/// written, and end the program as they always do. Signals that are ignored stay so, as SIGHUP under `nohup`. A file that
-/// grows beyond the limit of the shell becomes an error of writing instead of a signal.
+/// Waits in its own thread for signals that end the program. On a signal the thread removes temporary files, reports
+/// what was written (`tell`), and ends the program with the default action of the signal. Signals that are ignored stay
+/// ignored, such as SIGHUP under `nohup`. When a file exceeds the limit of the shell, the result is a write error and
+/// no signal.
 #[cfg(unix)]
 pub fn watch(tell: bool) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
-    // Without it a full quota of this kind would kill the program with its temporary files in place.
+    // Otherwise the limit of the file size would kill the program and leave its temporary files.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let wait = move || {
         let ignored = ignored();
@@ -97,18 +98,18 @@ pub fn watch(tell: bool) {
             end(signal, tell);
         }
     };
-    // Without a thread signals end the program as if nobody had asked for them.
+    // Without the thread, signals end the program by their default action.
     let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(wait);
 }
 
-/// Signals without a thread of their own end the program on their own.
+/// On systems without this thread, signals end the program by their default action.
 #[cfg(not(unix))]
 pub fn watch(_tell: bool) {}
 
 /// Ends the program by a signal.
 #[cfg(unix)]
 fn end(signal: i32, tell: bool) {
-    // Held until the end, so that nothing new is begun.
+    // Held until the end, so that no new file is begun.
     let mut unfinished = hold();
     unfinished.clear();
     if tell {
@@ -127,7 +128,7 @@ fn end(signal: i32, tell: bool) {
     let _ = signal_hook::low_level::emulate_default_handler(signal);
 }
 
-/// Signals that are ignored from the start, a bit for each; none where the system does not say.
+/// Bit mask of the signals that are ignored at the start; zero where the system does not tell.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a path means: the file behind symbolic links, and whether two paths are one file.
+//! Meaning of a path: the file after its symbolic links, and whether two paths are the same file.
 
 use std::ffi::OsString;
 use std::fs::Metadata;
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 /// Most symbolic links in a row, as on Linux.
 const MOST_LINKS: usize = 40;
 
-/// A file or folder that exists, however it is spelt.
+/// An existing file or folder, independent of the spelling of its path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum FileNode {
-    /// Device and number on it.
+    /// Number of the device, and of the file on it.
     #[cfg(unix)]
     Number(u64, u64),
     /// Path with symbolic links resolved.
@@ -42,12 +42,12 @@ pub(super) struct Identity {
     existing: Option<FileNode>,
     folder: Option<FileNode>,
     name: OsString,
-    /// Names in its folder differ by more than case.
+    /// Whether names in its folder are distinguished by case.
     case_matters: bool,
 }
 
 impl Identity {
-    /// Whether both are one file, or would be.
+    /// Whether both are the same file, or would be.
     pub(super) fn is(&self, other: &Self) -> bool {
         if self.existing.is_some() && self.existing == other.existing {
             return true;
@@ -59,23 +59,23 @@ impl Identity {
     }
 }
 
-/// What stands at the place of an output.
+/// Kind of an output path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Nothing yet.
     New,
     /// A file, which is replaced.
     Regular,
-    /// A character device: written to, by several outputs if need be.
+    /// A character device: the text is written to it; several outputs may share it.
     Device,
-    /// A FIFO: written to.
+    /// A FIFO: the text is written to it.
     Fifo,
 }
 
 /// The place of an output.
 #[derive(Clone, Debug)]
 pub(super) struct OutputTarget {
-    /// Path with the symbolic link at its end resolved: where the text goes.
+    /// Path with the symbolic link at its end resolved: the file that gets the text.
     pub(super) file: PathBuf,
     pub(super) kind: Kind,
     pub(super) identity: Identity,
@@ -89,13 +89,13 @@ pub(super) fn folder(path: &Path) -> &Path {
     }
 }
 
-/// A path whose last component is no symbolic link.
+/// The path after all symbolic links at its end.
 fn followed(path: &Path) -> Result<PathBuf, String> {
     let mut at = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         let Ok(to) = std::fs::read_link(&at) else { return Ok(at) };
-        // Such a link is an open file of a process, `/dev/stdout` and `/dev/fd/3` among them. Its owner goes on with the
-        // file that is open, not with one that takes its place.
+        // Such a link is an open file of a process, for example `/dev/stdout` and `/dev/fd/3`. The process continues
+        // with the open file, not with a file that takes its place.
         if folder(&at).canonicalize().is_ok_and(|f| f.starts_with("/proc")) {
             return Err("it is a file that is open already".to_owned());
         }
@@ -104,7 +104,7 @@ fn followed(path: &Path) -> Result<PathBuf, String> {
     Err("its symbolic links lead in a circle".to_owned())
 }
 
-/// Whether names in a folder differ by case alone: whether a file with small letters there answers to large ones.
+/// Whether names in a folder are distinguished by case: tests whether the name in capitals leads to the same file.
 pub(super) fn case_matters(file: &Path) -> bool {
     let Some(name) = file.file_name().and_then(|n| n.to_str()) else { return true };
     let other = file.with_file_name(name.to_uppercase());
@@ -112,10 +112,10 @@ pub(super) fn case_matters(file: &Path) -> bool {
 }
 
 impl OutputTarget {
-    /// Looks at a path without touching what is there.
+    /// Examines a path without changing the existing file.
     ///
     /// # Errors
-    /// The reason why nothing can be written there.
+    /// The reason why the path cannot be written.
     pub(super) fn of(path: &Path) -> Result<Self, String> {
         if path.as_os_str().is_empty() {
             return Err("the path is empty".to_owned());
@@ -144,27 +144,27 @@ impl OutputTarget {
     }
 }
 
-/// A file that is read, or a folder; `None` when it does not exist.
+/// Identity of an existing file or folder; `None` when it does not exist.
 pub(super) fn identity(path: &Path) -> Option<Identity> {
     let path = path.canonicalize().ok()?;
     let name = path.file_name().map(OsString::from).unwrap_or_default();
     Some(Identity { existing: FileNode::of(&path), folder: FileNode::of(folder(&path)), name, case_matters: true })
 }
 
-/// Whether a file may be replaced: its rights speak, also to those who may do everything.
+/// Whether a file may be replaced. Its permissions decide, also for an administrator.
 fn writable(file: &Path) -> Result<(), String> {
     let metadata = std::fs::metadata(file).map_err(|e| reason(&e))?;
     if metadata.permissions().readonly() {
         return Err("it is read-only".to_owned());
     }
-    // Opened without being emptied, a file stays as it is.
+    // Opened without truncation, the file is not changed.
     std::fs::OpenOptions::new().write(true).open(file).map(drop).map_err(|e| match e.kind() {
         ErrorKind::PermissionDenied => "you may not write to it".to_owned(),
         _ => reason(&e),
     })
 }
 
-/// Why a path cannot be written, in words.
+/// The reason why a path cannot be written, in words.
 pub(super) fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "there is no such folder".to_owned(),
@@ -197,8 +197,8 @@ fn special(_metadata: &Metadata) -> Result<Kind, String> {
     Err("it is no regular file".to_owned())
 }
 
-/// The files that standard output and standard error go to, with their names. Devices other than a terminal are left out:
-/// what two write to `/dev/null` does not mix.
+/// The files of standard output and standard error, with their names. Devices other than a terminal are left out: two
+/// outputs to `/dev/null` do not mix.
 #[cfg(unix)]
 pub(super) fn standard() -> Vec<(&'static str, Identity)> {
     use std::io::IsTerminal as _;
@@ -225,7 +225,7 @@ pub(super) fn standard() -> Vec<(&'static str, Identity)> {
 }
 
 impl Identity {
-    /// With what was found about names in its folder.
+    /// Sets whether names in the folder are distinguished by case.
     pub(super) fn with_case(self, case_matters: bool) -> Self {
         Self { case_matters, ..self }
     }
