@@ -5,11 +5,11 @@ use std::fmt;
 /// The manual entry of a diagnostic.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// `IMP` and four digits; the first two tell the stage.
+    /// `IMP` and four digits; the first two are the number of the stage.
     pub id: &'static str,
-    /// Few words that name the fault.
+    /// Short name of the fault.
     pub title: &'static str,
-    /// What it means, why it matters at the machine, an example, the way out.
+    /// Meaning, effect at the machine, an example, the remedy.
     pub page: &'static str,
 }
 
@@ -18,12 +18,12 @@ pub struct Entry {
 pub struct Code(pub &'static Entry);
 
 impl Code {
-    /// The code's text, such as `IMP0203`.
+    /// The text of the code, such as `IMP0203`.
     pub fn id(self) -> &'static str {
         self.0.id
     }
 
-    /// The code with this text.
+    /// The code with a text such as `IMP0203`.
     pub fn find(id: &str) -> Option<Self> {
         Self::all().find(|c| c.id().eq_ignore_ascii_case(id))
     }

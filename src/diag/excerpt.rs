@@ -1,31 +1,31 @@
 //! The lines around the marks of a diagnostic, made safe for the renderer and the terminal.
 //!
-//! The renderer takes columns up to 65 535 and walks over all of the text that it gets, once for each mark. So it gets
-//! the lines near the marks only, long ones cut around a mark, tabs as blanks, and characters that would steer the
-//! terminal as escapes. Line and column that it names are those of the whole text.
+//! The renderer accepts columns up to 65 535 and reads the whole text that it receives, once for each mark. It
+//! therefore receives only the lines near the marks. Long lines are cut around a mark, tabs are replaced by blanks, and
+//! characters that would control the terminal by escapes. The reported line and column are those of the whole text.
 
 use super::Label;
 use super::shown::{escape, steers};
 use crate::source::{SourceId, SourceMap, Span};
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
-/// Lines before and behind a mark that are kept; the renderer shows one.
+/// Number of lines kept before and after a mark; the renderer shows one.
 const AROUND: usize = 2;
 
-/// Most lines between two marks that are shown with both.
+/// Most lines between two marks with which both are shown in one block.
 const GAP: usize = 40;
 
 /// Longest line that is shown whole, bytes.
 const WHOLE: usize = 400;
 
-/// Characters before and behind a mark that are shown of a longer line.
+/// Number of characters shown before and after a mark in a longer line.
 const BEFORE: usize = 60;
 const BEHIND: usize = 140;
 
 /// Columns of a tab.
 const TAB: usize = 4;
 
-/// Lines that follow each other, as they are shown.
+/// Consecutive lines, as they are shown.
 #[derive(Debug)]
 struct ExcerptBlock {
     /// First byte in the excerpt.
@@ -35,20 +35,20 @@ struct ExcerptBlock {
     text: String,
 }
 
-/// What is shown of a file.
+/// The shown part of a file.
 #[derive(Debug)]
 pub(super) struct Excerpt {
     name: String,
     blocks: Vec<ExcerptBlock>,
-    /// Place in the excerpt, and column in the file from 0, of each mark.
+    /// Position in the excerpt, and column in the file from 0, of each mark.
     columns: Vec<(usize, usize)>,
     /// Marks in the excerpt, the primary one first.
     pub(super) labels: Vec<LabeledSpan>,
-    /// Marks that the cut lines do not show.
+    /// Marks that the cut lines do not contain.
     pub(super) unseen: Vec<Label>,
 }
 
-/// A mark that is to be shown: bytes in the file, and line.
+/// A mark to show: bytes in the file, and line.
 struct Mark<'a> {
     label: &'a Label,
     start: usize,
@@ -58,7 +58,7 @@ struct Mark<'a> {
 }
 
 impl Excerpt {
-    /// The excerpt for the marks that lie in a file, and these marks in it; `None` for a file of another map.
+    /// The excerpt for the marks `labels` of a file; `None` for a file of another map.
     pub(super) fn new(file: SourceId, labels: &[&Label], sources: &SourceMap) -> Option<Self> {
         let source = sources.get(file)?;
         let text = source.text.as_str();
@@ -67,7 +67,7 @@ impl Excerpt {
             .map(|label| {
                 let start = boundary(text, label.span.start as usize);
                 let (line, column) = sources.line_column(Span::new(file, start..start));
-                // A block or a list of points is marked by its first line.
+                // Of a block or a list of points the first line is marked.
                 let line_end = sources
                     .line_range(file, line)
                     .map_or(start, |r| text[r.clone()].trim_end_matches('\n').len() + r.start);
@@ -122,7 +122,7 @@ fn boundary(text: &str, at: usize) -> usize {
     at
 }
 
-/// Indices of the lines that are shown, in runs; `count` is that of all lines.
+/// Indices of the shown lines, in runs; `count` is the number of all lines.
 fn blocks(marks: &[Mark<'_>], count: usize) -> Vec<std::ops::Range<usize>> {
     let mut lines: Vec<usize> = marks.iter().map(|m| m.line).collect();
     lines.sort_unstable();
@@ -139,11 +139,12 @@ fn blocks(marks: &[Mark<'_>], count: usize) -> Vec<std::ops::Range<usize>> {
 
 /// A line as it is shown.
 struct ExcerptRow {
-    /// With its line end, where there is one.
+    /// Text with its line end, where there is one.
     text: String,
-    /// Bytes of it without the line end.
+    /// Number of bytes of the text without the line end.
     shown: usize,
-    /// Bytes of the line and of the shown text where characters begin, and where the last one ends.
+    /// Pairs of a byte of the line and a byte of the shown text: the start of each character, and the end of the last
+    /// one.
     places: Vec<(usize, usize)>,
 }
 
@@ -188,13 +189,13 @@ impl ExcerptRow {
         Self { text, shown, places }
     }
 
-    /// Where a byte of the line stands in the shown text; `None` when it was cut away.
+    /// Position in the shown text of a byte of the line; `None` when this part was cut away.
     fn place(&self, at: usize) -> Option<usize> {
         let (first, last) = (self.places.first()?, self.places.last()?);
         if at < first.0 || at > last.0 && self.shown > last.1 {
             return None;
         }
-        // What lies behind the text of the line is its end.
+        // A byte after the text of the line counts as the end of the text.
         let i = self.places.partition_point(|(from, _)| *from <= at);
         self.places.get(i.checked_sub(1)?).map(|p| p.1)
     }
@@ -210,7 +211,7 @@ impl SourceCode for Excerpt {
         let end = span.offset() + span.len();
         let block = self.blocks.iter().rfind(|b| b.offset <= span.offset()).ok_or(MietteError::OutOfBounds)?;
         if end > block.offset + block.text.len() {
-            // Marks of two runs are shown apart.
+            // Marks in different blocks are shown separately.
             return Err(MietteError::OutOfBounds);
         }
         let inner = SourceSpan::new((span.offset() - block.offset).into(), span.len());

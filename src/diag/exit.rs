@@ -1,17 +1,18 @@
-//! Exit codes of the program, by the codes of what it found.
+//! Exit codes of the program, from the codes of its diagnostics.
 
 use super::code::Code;
 use super::codes::{files, post, verification};
 use super::{Severity, Sink};
 
-/// How a run ended. Of several the last in this order wins: what could not be read or written comes before what it says,
-/// and what it says before what was measured on it.
+/// Result of a run. Of several results the last in this order is reported: a file that cannot be read or written comes
+/// before a fault in a text, and a fault in a text comes before a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Exit {
-    /// 0: all holds.
+    /// 0: no error.
     #[default]
     Holds,
-    /// 1: a contract that fails, or a finding: NC text that does what it must not, a certificate that does not belong to it.
+    /// 1: a contract that fails, or a finding: NC text that does something forbidden, or a certificate that does not
+    /// belong to the text.
     Finding,
     /// 2: job, library, NC text, certificate or command line cannot be understood, or no program can be made of the job.
     Text,
@@ -19,7 +20,7 @@ pub enum Exit {
     File,
 }
 
-/// Codes of the stages of verification and posts that are no findings.
+/// Codes of the stages of verification and posts that are not findings.
 const NO_FINDINGS: &[Code] = &[
     verification::MALFORMED_MOTION,
     verification::STOCK_CELL,
@@ -37,7 +38,7 @@ const NO_FINDINGS: &[Code] = &[
     post::USAGE,
 ];
 
-/// Codes of the stage of files where the text is what has to be changed.
+/// Codes of the stage of files where the remedy is a change of a text.
 const NO_FILES: &[Code] = &[files::NOT_IN_LIBRARY, files::MEETS, files::INTERNAL];
 
 impl Exit {
@@ -50,7 +51,7 @@ impl Exit {
         }
     }
 
-    /// The class of a run: that of its gravest error.
+    /// The class of a run: the class of its gravest error.
     pub fn of_run(sink: &Sink) -> Self {
         let errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
         errors.map(|d| Self::of(d.code)).max().unwrap_or_default()

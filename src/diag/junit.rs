@@ -6,19 +6,19 @@ use crate::source::{SourceMap, Span};
 /// A contract that was judged, as a case of the report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Judged {
-    /// Name that stays the same from run to run, as servers compare by it: `gouge on hub <= 0.0050 mm`.
+    /// Name that is the same in every run, since servers compare by it: `gouge on hub <= 0.0050 mm`.
     pub name: String,
-    /// What was found, for people.
+    /// Found value, for people.
     pub found: String,
     /// Its text in the job.
     pub span: Span,
-    /// Whether it holds.
+    /// Whether the contract holds.
     pub holds: bool,
 }
 
-/// One report: a case for each contract that was judged, passed or failed, a failed case for each further error, and the
-/// warnings and remarks as the output of the suite. Without any error a case `no errors` passes, so that an empty run is
-/// not taken for a lost one.
+/// One report with a case for each contract that was judged, passed or failed, and a failed case for each further
+/// error. Warnings and remarks are the output of the suite. Without any error a case `no errors` passes, so that an
+/// empty run is not mistaken for a lost one.
 pub fn junit(sink: &Sink, sources: &SourceMap, contracts: &[Judged]) -> String {
     let shown = shown::all(sink);
     let mut errors: Vec<&Diag> = shown.iter().filter(|d| d.severity == Severity::Error).collect();
@@ -63,7 +63,7 @@ pub fn junit(sink: &Sink, sources: &SourceMap, contracts: &[Judged]) -> String {
     )
 }
 
-/// What failed, with its place, its facts and the way out.
+/// The failure, with its place, its facts and the help line.
 fn failure(diag: &Diag, sources: &SourceMap) -> String {
     let mut body = place(diag, sources).0;
     for note in &diag.notes {
@@ -76,7 +76,7 @@ fn failure(diag: &Diag, sources: &SourceMap) -> String {
     format!("      <failure type=\"{code}\" message=\"{message}\">{body}</failure>\n")
 }
 
-/// Lines that say where a diagnostic lies, and the attributes of its first place.
+/// Lines with the positions of a diagnostic, and the attributes of its first position.
 fn place(diag: &Diag, sources: &SourceMap) -> (String, String) {
     let (places, attributes) = located(diag.labels.iter().map(|l| l.span), sources);
     let marked = places.iter().zip(&diag.labels).filter_map(|(p, l)| Some(format!("{}: {}\n", p.as_ref()?, l.text)));
@@ -106,8 +106,8 @@ fn located(spans: impl Iterator<Item = Span>, sources: &SourceMap) -> (Vec<Optio
     (places, attributes)
 }
 
-/// Text of an element or an attribute. Characters that XML 1.0 does not have become question marks, others that would
-/// steer a terminal become references.
+/// Text of an element or an attribute. Characters that XML 1.0 does not allow become question marks; others that would
+/// control a terminal become references.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,7 +1,7 @@
-//! Diagnostics: one structure for every message that a user sees.
+//! Diagnostics: one structure for all messages to the user.
 //!
-//! A diagnostic has a stable [`Code`] with a manual page, a message in the words of the machinist, labels on the
-//! text, a help line with the way out and, for a geometric fault, a [`Place`] on the part.
+//! A diagnostic has a stable [`Code`] with a manual page, a message in the words of the machinist, labels on the text,
+//! a help line with a remedy and, for a geometric fault, a [`Place`] on the part.
 
 pub mod code;
 pub mod codes;
@@ -20,12 +20,12 @@ use nalgebra::Point3;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// How grave a diagnostic is. An error stops the compilation; nothing is written.
+/// Severity of a diagnostic. After an error the compilation stops and writes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// A fact that the reader should know.
     Remark,
-    /// Likely not what was meant; the compilation goes on.
+    /// Probably not intended; the compilation continues.
     Warning,
     /// Stops the compilation.
     Error,
@@ -34,16 +34,16 @@ pub enum Severity {
 /// A mark on the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// Where.
+    /// Range of the text.
     pub span: Span,
-    /// What is to be seen there.
+    /// What the reader should see there.
     pub text: String,
 }
 
 /// A place on the part or on the path, in the part frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What lies there: the operation, pass and block, or the face and its parameters.
+    /// Name of the place: the operation, pass and block, or the face and its parameters.
     pub what: String,
     /// Position in mm.
     pub point: Point3<f64>,
@@ -51,7 +51,7 @@ pub struct Place {
     pub block: Option<(u32, u32)>,
 }
 
-/// A change of the text that mends the fault.
+/// A change of the text that removes the fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fix {
     /// Range to replace; empty for an insertion.
@@ -71,9 +71,9 @@ pub struct Diag {
     pub message: String,
     /// Marks on the text, the primary one first.
     pub labels: Vec<Label>,
-    /// The way out.
+    /// A remedy.
     pub help: Option<String>,
-    /// Further facts, one a line.
+    /// Further facts, one per line.
     pub notes: Vec<String>,
     /// A machine-applicable change.
     pub fix: Option<Fix>,
@@ -81,7 +81,8 @@ pub struct Diag {
     pub place: Option<Place>,
 }
 
-/// A text of several lines for a terminal: what would steer it, as names and contents of files may, is escaped.
+/// A text of several lines for a terminal. Names and contents of files may hold characters that control the terminal;
+/// these are escaped.
 pub fn printable(text: &str) -> Cow<'_, str> {
     shown::visible(text)
 }
@@ -115,7 +116,7 @@ impl Diag {
         Self::new(Severity::Remark, code, message)
     }
 
-    /// Adds a mark on the text; the first one is the primary one.
+    /// Adds a mark on the text; the first mark is the primary one.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
@@ -150,8 +151,8 @@ impl Diag {
         self
     }
 
-    /// Adds to the place the operation of the motion and the index of its move, so that the block of an NC text that
-    /// was read can be named. Without a place this does nothing.
+    /// Adds the operation of the motion and the index of its move to the place, so that a message can name the block of
+    /// the NC text. Has no effect without a place.
     #[must_use]
     pub fn block(mut self, operation: u32, index: u32) -> Self {
         if let Some(place) = &mut self.place {
@@ -161,16 +162,16 @@ impl Diag {
     }
 }
 
-/// Most diagnostics of a severity that a run keeps; further ones are counted only.
+/// Most diagnostics of a severity that a run keeps; further ones are only counted.
 const KEPT: usize = 1000;
 
 /// Collects diagnostics of a run; equal ones are kept once.
 #[derive(Clone, Debug, Default)]
 pub struct Sink {
     diags: Vec<Diag>,
-    /// Where those stand that may be equal: of one code, with one message and one primary mark.
+    /// Indices of diagnostics that may be equal: with the same code, message and primary mark.
     known: BTreeMap<Likeness, Vec<usize>>,
-    /// Kept and further ones by severity.
+    /// Numbers of kept and of further diagnostics, by severity.
     counts: [Count; 3],
 }
 
@@ -183,7 +184,8 @@ struct Count {
 }
 
 impl Sink {
-    /// Adds a diagnostic unless an equal one is there. Of each severity the first 1000 are kept, further ones are counted.
+    /// Adds a diagnostic unless an equal one exists. Of each severity the first 1000 are kept; further ones are only
+    /// counted.
     pub fn push(&mut self, diag: Diag) {
         let key = (diag.code.id(), diag.message.clone(), diag.labels.first().map(|l| l.span));
         let alike = self.known.get(&key).map_or(&[][..], Vec::as_slice);
@@ -200,7 +202,7 @@ impl Sink {
         self.diags.push(diag);
     }
 
-    /// Changes every diagnostic, in the order of their discovery.
+    /// Changes every diagnostic, in the order in which they were added.
     pub fn change_all(&mut self, change: impl FnMut(Diag) -> Diag) {
         let before = std::mem::take(self);
         before.diags.into_iter().map(change).for_each(|d| self.push(d));
@@ -209,28 +211,28 @@ impl Sink {
         }
     }
 
-    /// True when at least one error is there.
+    /// True when there is at least one error.
     pub fn has_errors(&self) -> bool {
         self.counts[Severity::Error as usize].kept > 0
     }
 
-    /// The diagnostics that were kept, in the order of their discovery.
+    /// The kept diagnostics, in the order in which they were added.
     pub fn diags(&self) -> &[Diag] {
         &self.diags
     }
 
-    /// How many diagnostics came, those that are only counted included.
+    /// Number of diagnostics, including those that are only counted.
     pub fn count(&self) -> usize {
         self.counts.iter().map(|c| c.kept + c.further).sum()
     }
 
-    /// How many diagnostics of a severity were counted only.
+    /// Number of diagnostics of a severity that are only counted.
     pub fn further(&self, severity: Severity) -> usize {
         self.counts[severity as usize].further
     }
 }
 
-/// A stage gave up; the errors that say why are in the [`Sink`].
+/// A stage stopped; the errors in the [`Sink`] give the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Aborted;
 

@@ -60,8 +60,8 @@ impl miette::Diagnostic for Report<'_> {
     }
 }
 
-/// All diagnostics of a run as text: remarks and warnings first, then errors, then a line that counts them, so that
-/// what stops the compilation stands last on the screen.
+/// All diagnostics of a run as text: remarks and warnings, then errors, then a line with their numbers. The errors,
+/// which stop the compilation, are therefore last on the screen.
 pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
     let theme = if colour { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).with_width(WIDTH).with_links(false).with_cause_chain();
@@ -95,7 +95,7 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
     out
 }
 
-/// One diagnostic with the labels that lie in the file of the first one.
+/// One diagnostic with the labels that lie in the file of its first label.
 fn report<'a>(diag: &'a Diag, sources: &SourceMap) -> Report<'a> {
     let primary = diag.labels.first().map(|l| l.span.source);
     let labels: Vec<&Label> = diag.labels.iter().filter(|l| Some(l.span.source) == primary).collect();
@@ -103,7 +103,7 @@ fn report<'a>(diag: &'a Diag, sources: &SourceMap) -> Report<'a> {
     Report { diag, message: visible(&diag.message), help: diag.help.as_deref().map(visible), excerpt }
 }
 
-/// Lines below the report: the place on the part, labels in other files and those that the marked text does not show,
+/// Lines below the report: the place on the part, labels in other files, labels that the marked text does not show,
 /// notes.
 fn facts(diag: &Diag, unseen: &[Label], sources: &SourceMap) -> String {
     let mut out = String::new();
@@ -124,7 +124,7 @@ fn facts(diag: &Diag, unseen: &[Label], sources: &SourceMap) -> String {
     out
 }
 
-/// All diagnostics of a run as JSON, one object a line: `code`, `severity`, `message`, `labels` (file, byte range,
+/// All diagnostics of a run as JSON, one object per line: `code`, `severity`, `message`, `labels` (file, byte range,
 /// line and column from 1, text), `help`, `notes`, `fix` (file, byte range, replacement), `place`.
 pub fn json(sink: &Sink, sources: &SourceMap) -> String {
     let mut out = String::new();

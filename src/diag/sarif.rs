@@ -1,4 +1,4 @@
-//! Diagnostics as SARIF 2.1.0 (OASIS, 2020), the form that code hosts show as comments of a review.
+//! Diagnostics as SARIF 2.1.0 (OASIS, 2020), the format that code hosts show as comments of a review.
 
 use super::{Code, Diag, Severity, Sink, shown};
 use crate::source::{SourceMap, Span};
@@ -79,7 +79,7 @@ fn result(diag: &Diag, rules: &[Code], sources: &SourceMap) -> Value {
         value["relatedLocations"] = Value::Array(places);
     }
     if let Some(place) = &diag.place {
-        // A place on the part in mm: the form has none of its own.
+        // A place on the part in mm: SARIF has no element for it.
         let p = place.point;
         value["properties"] = json!({ "place": { "what": place.what, "point": [p.x, p.y, p.z] } });
     }
@@ -106,7 +106,7 @@ fn physical(span: Span, sources: &SourceMap) -> Option<Value> {
     }}))
 }
 
-/// A path as a reference of RFC 3986: as the user wrote it, relative ones stay relative.
+/// A path as a reference of RFC 3986, as the user wrote the path; a relative path stays relative.
 fn uri(path: &str) -> String {
     let mut out = String::new();
     let path = path.replace('\\', "/");

@@ -1,4 +1,4 @@
-//! Bounds of what a report shows, whatever a file made of a message, and characters that must not reach a terminal.
+//! Limits of a report, whatever a file adds to a message, and characters that must not reach a terminal.
 
 use super::codes::files;
 use super::{Diag, Label, Place, Severity, Sink};
@@ -10,11 +10,11 @@ const MOST_LABELS: usize = 20;
 /// Most notes of one diagnostic.
 const MOST_NOTES: usize = 40;
 
-/// Longest text of a message, mark, help or note, characters: some screens.
+/// Longest text of a message, mark, help or note, in characters: a few screens.
 const LONGEST_TEXT: usize = 4000;
 
-/// The diagnostics of a run as a report for tools shows them. Where there are more than a run keeps, remarks at the end say
-/// how many.
+/// The diagnostics of a run as a report for tools shows them. When a run has more than it keeps, remarks at the end
+/// give the number.
 pub(super) fn all(sink: &Sink) -> Vec<Diag> {
     let mut shown: Vec<Diag> = sink.diags().iter().map(bounded).collect();
     for (severity, word) in
@@ -28,7 +28,7 @@ pub(super) fn all(sink: &Sink) -> Vec<Diag> {
     shown
 }
 
-/// The diagnostic with no more marks, notes and characters than a report shows; what was left out is said.
+/// The diagnostic within the limits for marks, notes and characters; it says what was left out.
 pub(super) fn bounded(diag: &Diag) -> Diag {
     let label = |l: &Label| Label { span: l.span, text: cut(&l.text).into_owned() };
     let place = |p: &Place| Place { what: cut(&p.what).into_owned(), ..p.clone() };
@@ -46,7 +46,7 @@ pub(super) fn bounded(diag: &Diag) -> Diag {
         labels: diag.labels.iter().take(MOST_LABELS).map(label).collect(),
         help: diag.help.as_deref().map(|h| cut(h).into_owned()),
         notes,
-        // A change of the text is whole or not at all.
+        // A change of the text is kept only as a whole.
         fix: diag.fix.clone().filter(|f| f.replacement.len() <= LONGEST_TEXT),
         place: diag.place.as_ref().map(place),
     }
@@ -59,8 +59,8 @@ fn cut(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Characters that steer a terminal or turn the direction of a text: controls, line separators, bidirectional marks,
-/// tags.
+/// Whether a character controls a terminal or changes the direction of text: controls, line separators, bidirectional
+/// marks, tags.
 pub(super) fn steers(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -68,7 +68,7 @@ pub(super) fn steers(c: char) -> bool {
             | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// How such a character is shown.
+/// The shown form of such a character.
 pub(super) fn escape(c: char) -> String {
     format!("<U+{:04X}>", u32::from(c))
 }
@@ -85,7 +85,7 @@ pub(super) fn visible(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// JSON with such characters as escapes of JSON: its strings are the same.
+/// JSON in which these characters are escaped; its strings have the same value.
 pub(super) fn json(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,5 +1,6 @@
-//! The codes of each stage with their manual pages. The number tells the stage: `01` text, `02` job, `03` geometry,
-//! `04` planning, `05` orientation, `06` kinematics, `07` verification, `08` post, `09` files and our own faults.
+//! The codes of each stage with their manual pages. The number gives the stage: `01` text, `02` job, `03` geometry,
+//! `04` planning, `05` orientation, `06` kinematics, `07` verification, `08` post, `09` files and faults of the
+//! compiler.
 
 use super::Code;
 
