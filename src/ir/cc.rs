@@ -5,7 +5,7 @@ use crate::ir::program::OperationId;
 use crate::part::{FaceId, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 
-/// Passes of all operations, in sector 0: what is planned there is copied to the other sectors as cutter locations.
+/// Passes of all operations, in sector 0; their cutter locations are copied to the other sectors.
 #[derive(Clone, Debug, Default)]
 pub struct CcPlan {
     /// Operations in machining order.
@@ -15,25 +15,25 @@ pub struct CcPlan {
 /// Passes of one operation.
 #[derive(Clone, Debug)]
 pub struct CcOperation {
-    /// Which one.
+    /// Id of the operation.
     pub operation: OperationId,
     /// Passes in cutting order.
     pub passes: Vec<CcPass>,
-    /// Decisions worth reading: counts, steps, the laws behind them.
+    /// Decisions for the reader: counts, steps, and the rules behind them.
     pub notes: Vec<String>,
 }
 
-/// One pass: a curve on what drives the tool.
+/// One pass: a curve on the surface or in the channel that drives the tool.
 #[derive(Clone, Debug)]
 pub struct CcPass {
     /// Name within the operation and a sector, such as `layer 3 line 2`.
     pub label: String,
-    /// What drives it.
+    /// Surface or channel that drives the tool.
     pub drive: Drive,
     /// Stations in cutting order.
     pub points: Vec<CcPoint>,
-    /// Path of the tool axis, where the pass was found as such: the lower curve is that of the tip. The stations lie at
-    /// even parameters; the first and the last are the ends of the leads.
+    /// Path of the tool axis, where the pass was computed as a whole path: the lower curve is that of the tip. The
+    /// stations are at evenly spaced parameters; the first and the last are the ends of the leads.
     pub path: Option<DualCurve>,
 }
 
@@ -42,11 +42,11 @@ pub struct CcPass {
 pub enum Drive {
     /// The channel: the tip runs through its inside.
     Channel,
-    /// The band of a vane face with this number, from 0 at the root.
+    /// The strip of a vane face with this number, from 0 at the root.
     Face {
         /// Face of the vane.
         side: FaceId,
-        /// Band.
+        /// Strip.
         strip: u32,
     },
     /// The hub.
@@ -60,13 +60,13 @@ pub enum Drive {
 /// One station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CcPoint {
-    /// Along the channel from inlet (0) to outlet (1); outside of that on the lead.
+    /// Along the channel from inlet (0) to outlet (1); outside of this range on a lead.
     pub u: f64,
     /// From hub (0) to shroud (1).
     pub v: f64,
-    /// Across the channel from its first wall (0) to its second (1); for a band, the upper end of the band instead; round
-    /// a vane the place on the way: 0 on the first face, to 2 over the inlet edge, 2 on the other face, to 4 over the
-    /// outlet edge.
+    /// Across the channel from its first wall (0) to its second (1). In a strip: the upper end of the strip. Round a
+    /// vane: the position along the line; 0 on the first face, 0 to 2 over the inlet edge, 2 on the other face, 2 to 4
+    /// over the outlet edge.
     pub w: f64,
     /// Contact or drive point in the part frame.
     pub position: Point3<f64>,

@@ -10,14 +10,14 @@ pub struct ClPlan {
     pub operations: Vec<ClOperation>,
 }
 
-/// Cutter locations of one operation; `link-moves` makes one sequence of moves of them.
+/// Cutter locations of one operation; `link-moves` joins them to one sequence of moves.
 #[derive(Clone, Debug)]
 pub struct ClOperation {
-    /// Which one.
+    /// Id of the operation.
     pub operation: OperationId,
-    /// Passes in cutting order; kept as the reference of what was meant.
+    /// Passes in cutting order; kept as the reference of the intended result.
     pub passes: Vec<ClPass>,
-    /// Decisions worth reading.
+    /// Decisions for the reader.
     pub notes: Vec<String>,
 }
 
@@ -26,13 +26,13 @@ pub struct ClOperation {
 pub struct ClPass {
     /// Name within the operation; without the sector before `copy-sectors`.
     pub label: String,
-    /// Sector that it lies in; 0 before `copy-sectors`.
+    /// Sector of the pass; 0 before `copy-sectors`.
     pub sector: u32,
     /// Stations in cutting order.
     pub points: Vec<ClPoint>,
 }
 
-/// Tip and axis of the tool, and where it touches.
+/// Tip and axis of the tool, and its contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClPoint {
     /// Tool tip.

@@ -4,9 +4,9 @@
 //! one operation the tip, in the part frame, runs on a straight line and the rotary axes run linearly with it; the
 //! linear joints follow from both.
 //!
-//! The first and the last move of an operation lead to stations at the retract height of the machine. The tool goes down
-//! from the first station and up to the last one along Z. Between operations the tool stays at that height, where X, Y and
-//! the rotary axes move with tool centre point control off, from wherever they stand.
+//! The first and the last move of an operation lead to stations at the retract height of the machine. The tool goes
+//! down from the first station and up to the last station along Z. Between operations the tool stays at that height; X,
+//! Y and the rotary axes move there with tool centre point control off, from their present positions.
 
 use crate::ir::program::OperationId;
 use crate::kin::Joints;
@@ -21,7 +21,7 @@ pub struct Motion {
 /// Moves of one operation, with one tool.
 #[derive(Clone, Debug)]
 pub struct MotionOperation {
-    /// Which one.
+    /// Id of the operation.
     pub operation: OperationId,
     /// Labels of the passes that [`JointMove::pass`] indexes.
     pub labels: Vec<String>,
@@ -29,7 +29,7 @@ pub struct MotionOperation {
     pub moves: Vec<JointMove>,
 }
 
-/// How a move is made.
+/// Kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveKind {
     /// At rapid, in air.
@@ -43,16 +43,17 @@ pub enum MoveKind {
 /// A move to a joint position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointMove {
-    /// How.
+    /// Kind.
     pub kind: MoveKind,
-    /// Where to, in the ISO sense of the rotary axes.
+    /// Target, in the ISO sense of the rotary axes.
     pub joints: Joints,
-    /// Feed of the tip along the part in mm/min; `None` at rapid. Never above what the axes can follow.
+    /// Feed of the tip along the part in mm/min; `None` at rapid. The axes can follow it at every place of the move.
     pub feed: Option<f64>,
     /// Time of the move in seconds, from the feed and the axis speeds.
     pub time: f64,
     /// Index into the labels.
     pub pass: u32,
-    /// The control comes to rest at its end. Said for controls that are told where to stop (LinuxCNC), false for others.
+    /// The control comes to rest at the end of the move. Set for a control that needs commands to stop (LinuxCNC),
+    /// false for others.
     pub stop: bool,
 }

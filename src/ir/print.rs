@@ -6,7 +6,7 @@ use crate::part::{Blade, BladeId, Part, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
-/// How much of a plan is printed.
+/// Level of detail of a printed plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// Every point.
@@ -20,7 +20,7 @@ fn at(p: &Point3<f64>) -> String {
     format!("({}, {}, {})", f(p.x), f(p.y), f(p.z))
 }
 
-/// The program: one line an entity.
+/// The program: one line per entity.
 pub fn program(program: &Program) -> String {
     let mut t = String::new();
     let _ = writeln!(t, "program {}", program.name);
@@ -130,7 +130,7 @@ fn operations(t: &mut String, program: &Program) {
     }
 }
 
-/// What the job requires, and what it allows.
+/// Contracts of the job, and what the job allows.
 fn contracts(t: &mut String, program: &Program) {
     let name = |o: &OperationId| program.operations[*o].name.clone();
     for c in &program.contracts {
@@ -166,7 +166,7 @@ fn kind(kind: &OperationKind) -> String {
                     SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side.name(),
                     SurfaceKind::InletEdge(_) => "inlet",
                     SurfaceKind::OutletEdge(_) => "outlet",
-                    // No operation takes these as its surfaces.
+                    // No operation makes these surfaces.
                     _ => "",
                 })
                 .collect();
@@ -176,7 +176,7 @@ fn kind(kind: &OperationKind) -> String {
     }
 }
 
-/// Indices that are printed of a run of points.
+/// Indices of the printed points of a run.
 fn shown(count: usize, detail: Detail) -> Vec<usize> {
     match detail {
         Detail::Full => (0..count).collect(),

@@ -1,4 +1,4 @@
-//! What is to be made, with what, on which machine, and what must hold: the job as geometry.
+//! The job as geometry: part, tools, operations, machine and contracts.
 
 use crate::collide::ToolSolid;
 pub use crate::contract::ContractKind;
@@ -37,25 +37,25 @@ pub struct Program {
     pub tools: PrimaryMap<ToolId, Tool>,
     /// Operations in machining order.
     pub operations: PrimaryMap<OperationId, Operation>,
-    /// What must hold.
+    /// Contracts.
     pub contracts: Vec<Contract>,
-    /// What is taken out of them, with its reason.
+    /// Exceptions from the contracts, with their reasons.
     pub allowed: Vec<Allowed>,
     /// Machine with the part mounted on its table.
     pub machine: Machine,
     /// Dialect to write.
     pub post: PostChoice,
-    /// Tolerances of path making.
+    /// Tolerances of the planned paths.
     pub tolerances: Tolerances,
     /// Least distance of shank and holder to the part that planning keeps.
     pub clearance: Mm,
     /// Points that the guide curves of the faces go through, for the check of the data.
     pub data: Vec<DataCurve>,
-    /// Memory that planning may take, bytes.
+    /// Memory that planning may use, bytes.
     pub memory: f64,
 }
 
-/// Memory that planning may take where nothing else is said, bytes.
+/// Default of the memory that planning may use, bytes.
 pub const DEFAULT_MEMORY: f64 = 2e9;
 
 /// The points of one guide curve as the job gives them, from inlet to outlet.
@@ -63,7 +63,7 @@ pub const DEFAULT_MEMORY: f64 = 2e9;
 pub struct DataCurve {
     /// Face that the curve bounds.
     pub side: FaceId,
-    /// End of the rulings that it guides.
+    /// End of the rulings that the curve guides.
     pub end: RulingEnd,
     /// The points, each with its place in the text.
     pub points: Vec<DataPoint>,
@@ -74,16 +74,16 @@ pub struct DataCurve {
 pub struct DataPoint {
     /// Position in the part frame.
     pub point: Point3<f64>,
-    /// Its place in the text, where there is one.
+    /// Its place in the text, where it has one.
     pub span: Option<Span>,
 }
 
-/// Tolerances of path making.
+/// Tolerances of the planned paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
     /// Largest distance between the planned and the interpolated tool, anywhere on the engaged cutter, in finishing.
     pub chord: Mm,
-    /// The same in roughing.
+    /// The same tolerance in roughing.
     pub chord_rough: Mm,
 }
 
@@ -103,7 +103,7 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// Height of the gauge line over the tip, mm: what the tool table of the control holds as length of the tool.
+    /// Height of the gauge line over the tip, mm: the tool length in the tool table of the control.
     pub fn length(&self) -> f64 {
         self.solid.length()
     }
@@ -114,7 +114,7 @@ impl Tool {
 pub struct Operation {
     /// Name, unique in the job; the keyword, with a number where it occurs again.
     pub name: String,
-    /// What it does.
+    /// Kind of the operation with its parameters.
     pub kind: OperationKind,
     /// Its tool.
     pub tool: ToolId,
@@ -139,63 +139,64 @@ pub struct Operation {
 /// A condition that stops the compilation when it does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contract {
-    /// What is measured.
+    /// Quantity.
     pub kind: ContractKind,
     /// The bound.
     pub bound: Bound,
-    /// Where it holds.
+    /// Surfaces and operations for which the contract holds.
     pub scope: Scope<OperationId>,
-    /// True when the job says nothing: it holds wherever no other contract on the quantity does.
+    /// True when the job does not give the contract: it holds wherever no other contract on the quantity does.
     pub default: bool,
-    /// Its line in the job; nothing for a default.
+    /// Its line in the job; the empty span for a default.
     pub span: Span,
 }
 
 impl Contract {
-    /// A contract on the whole part and program; `bound` in mm, s, mm3, mm3/min or as a share, as the quantity has it.
+    /// A contract on the whole part and program; `bound` in mm, deg, s, mm3, mm3/min or as a share, depending on the
+    /// quantity.
     pub fn whole(kind: ContractKind, bound: f64) -> Self {
         Self { kind, bound: kind.bound(bound), scope: Scope::default(), default: false, span: Span::default() }
     }
 }
 
-/// What is knowingly left: taken out of all contracts of its quantity.
+/// A deviation that the job allows: it is excluded from all contracts of its quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Allowed {
-    /// What is measured.
+    /// Quantity.
     pub kind: ContractKind,
-    /// Where; everywhere only where it stands in place of a default contract.
+    /// Surfaces and operations. The scope is everything only where the exception replaces a default contract.
     pub scope: Scope<OperationId>,
-    /// Why, in the words of the job.
+    /// Reason, in the words of the job.
     pub reason: String,
     /// Its line in the job.
     pub span: Span,
 }
 
-/// The dialect that the job asks for.
+/// The dialect of the job or the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PostChoice {
     /// Name in the table of posts.
     pub name: String,
-    /// Where the job names it; `None` when the command line does.
+    /// Its place in the job; `None` when the command line names the dialect.
     pub span: Option<Span>,
 }
 
 impl Program {
-    /// Largest distance to the part that contracts ask of shank or holder, mm.
+    /// Largest clearance to the part that the contracts require for shank or holder, mm.
     pub fn clearance_asked(&self, body: Guarded) -> Option<f64> {
         let asks = |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
         self.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value()).reduce(f64::max)
     }
 
-    /// What comes highest under any angles of the rotary axes within their travel, `stock`, `table` or `fixture`, and its height in the machine frame,
-    /// mm.
+    /// The highest obstacle under any angles of the rotary axes within their travel (`stock`, `table` or `fixture`),
+    /// and its height in the machine frame, mm.
     pub fn highest(&self) -> (&'static str, f64) {
         let solids = self.machine.carried.iter().map(|solid| (solid.name, self.machine.highest(&solid.profile)));
         let stock = ("stock", self.machine.highest(&self.stock.profile));
         solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
     }
 
-    /// True when an operation finishes an edge of the vanes, which else the lathe does.
+    /// True when an operation finishes an edge of the vanes; otherwise the lathe makes these edges.
     pub fn finishes_edges(&self) -> bool {
         let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_));
         self.operations

@@ -1,5 +1,5 @@
-//! What must be true of each stage value. In debug builds, and so in tests, [`crate::passes::pipeline`] asks after every
-//! pass; a fault is one of the compiler, never of a job.
+//! Checks of each stage value. In debug builds, and so in tests, [`crate::passes::pipeline`] runs them after every
+//! pass; a failed check is a fault of the compiler, never of a job.
 
 use super::{CcPlan, ClPlan, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program};
 use crate::entity::EntityId;
@@ -7,10 +7,10 @@ use crate::operation::word;
 use crate::part::FaceId;
 use nalgebra::{Point3, Vector3};
 
-/// Largest distance of the length of a unit vector from one: some rounding of turns and blends.
+/// Largest difference of the length of a unit vector from one: rounding of a few rotations and blends.
 const UNIT: f64 = 1e-9;
 
-/// Why a stage value is malformed: the place and what is wrong there.
+/// Reason why a stage value is malformed: the place and the fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Malformed(pub String);
 
@@ -25,7 +25,7 @@ impl std::fmt::Display for Malformed {
 pub enum ClStage {
     /// Passes of sector 0 have axes.
     Oriented,
-    /// The passes are there in every sector of their operation.
+    /// The passes exist in every sector of their operation.
     InSectors,
 }
 
@@ -41,10 +41,10 @@ fn is_unit(v: &Vector3<f64>) -> bool {
     (v.norm() - 1.0).abs() < UNIT
 }
 
-/// The program: every reference leads somewhere, sizes and speeds can be.
+/// Checks the program: every reference names an existing entity; sizes and speeds are possible.
 ///
 /// # Errors
-/// What is malformed.
+/// The first fault.
 pub fn program(program: &Program) -> Result<(), Malformed> {
     let part = &program.part;
     check(!part.blades.is_empty() && part.vane_count >= 2, || "the part has no blades or no sectors".to_owned())?;
@@ -81,17 +81,17 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
     Ok(())
 }
 
-/// Operations of a plan are those of the program, in their order.
+/// Checks that the operations of a plan are those of the program, in their order.
 fn in_order(program: &Program, found: impl Iterator<Item = OperationId>, what: &str) -> Result<(), Malformed> {
     let found: Vec<OperationId> = found.collect();
     let meant: Vec<OperationId> = program.operations.ids().collect();
     check(found == meant, || format!("{what} has the operations {found:?} where the program has {meant:?}"))
 }
 
-/// The contact plan: every pass lies on a surface that its operation makes.
+/// Checks the contact plan: every pass lies on a surface that its operation makes.
 ///
 /// # Errors
-/// What is malformed.
+/// The first fault.
 pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
     in_order(program, plan.operations.iter().map(|o| o.operation), "the contact plan")?;
     for planned in &plan.operations {
@@ -112,7 +112,7 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
                 format!("{} has a path of its axis", at())
             })?;
             for (i, p) in pass.points.iter().enumerate() {
-                // The cutter touches nothing on the leads of a path that was found as a whole.
+                // On the leads of a pass that was computed as a whole path the cutter touches nothing.
                 let lead = pass.path.is_some() && !(0.0..=1.0).contains(&p.u) && p.normal == Vector3::zeros();
                 let sound = finite(&p.position) && (is_unit(&p.normal) || lead);
                 let sound = sound && [p.u, p.v, p.w].iter().all(|x| x.is_finite());
@@ -123,10 +123,10 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
     Ok(())
 }
 
-/// The location plan after some of its passes.
+/// Checks the location plan after some of its passes.
 ///
 /// # Errors
-/// What is malformed.
+/// The first fault.
 pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malformed> {
     in_order(program, plan.operations.iter().map(|o| o.operation), "the location plan")?;
     for planned in &plan.operations {
@@ -143,11 +143,11 @@ pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malfor
     Ok(())
 }
 
-/// The motion: one station at retract height before the first move and one behind the last, positions and times that can
-/// be, feeds where there must be feeds.
+/// Checks the motion: a station at retract height before the first move and after the last, possible positions and
+/// times, and a feed wherever a move needs one.
 ///
 /// # Errors
-/// What is malformed.
+/// The first fault.
 pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
     in_order(program, motion.operations.iter().map(|o| o.operation), "the motion")?;
     for made in &motion.operations {
@@ -161,7 +161,7 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
             check(m.feed.is_none() == (m.kind == MoveKind::Rapid), at)?;
             check(m.feed.is_none_or(|f| f.is_finite() && f > 0.0), at)?;
         }
-        // Links lead to the pass of the cut that follows.
+        // Links belong to the pass of the next cut.
         let cuts = made.moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.pass);
         check(cuts.is_sorted(), || format!("`{name}` does not cut its passes in their order"))?;
         for m in [made.moves.first(), made.moves.last()].into_iter().flatten() {
