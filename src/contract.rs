@@ -1,4 +1,4 @@
-//! What can be required of a program, and where: the words that job, stage values and verifier share.
+//! Contracts: quantities and scopes, in the words that job, stage values and verifier share.
 
 use crate::part::SurfaceClass;
 use crate::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, length, trim};
@@ -7,9 +7,9 @@ use std::fmt;
 /// Quantity of a contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ContractKind {
-    /// Depth of the deepest cut into a design surface.
+    /// Depth of the deepest gouge into a design surface.
     Gouge,
-    /// Most material left on a design surface.
+    /// Largest excess on a design surface.
     Excess,
     /// Least distance of a part of the tool.
     Clearance(Guarded),
@@ -19,19 +19,19 @@ pub enum ContractKind {
     Time,
     /// Largest axis speed as a share of the axis limit.
     AxisSpeed,
-    /// How far tip or flutes leave the verified motion between the ends of blocks.
+    /// Largest deviation of tip or flutes from the verified motion between the ends of blocks.
     ContourError,
-    /// How far the tool axis does, as an angle.
+    /// Largest angle of the tool axis against the verified motion between the ends of blocks.
     OrientationError,
     /// Largest removal rate.
     RemovalRate,
-    /// Most material that roughing leaves for the finishing operations, as a thickness.
+    /// Largest thickness of stock that roughing leaves for the finishing operations.
     Rest,
-    /// Stock that stands outside of the part, as a volume.
+    /// Volume of stock outside of the part.
     RestVolume,
 }
 
-/// What a clearance is measured from and to.
+/// Parts of the tool, and the obstacle to which the clearance is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Guarded {
     /// Shank and holder to the design part.
@@ -44,7 +44,7 @@ pub enum Guarded {
     Holder,
 }
 
-/// Which side of the bound is right.
+/// Side of the bound on which a value satisfies a contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relation {
     /// `<=`
@@ -62,7 +62,7 @@ impl Relation {
         }
     }
 
-    /// True when `found` keeps `bound`. What is not a number keeps none.
+    /// True when `found` satisfies `bound`. A value that is not a number satisfies no bound.
     pub fn holds(self, found: f64, bound: f64) -> bool {
         match self {
             Self::AtMost => found <= bound,
@@ -71,12 +71,12 @@ impl Relation {
     }
 }
 
-/// What the operations of a scope mean for a quantity.
+/// Meaning of the operations in the scope of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfOperations {
-    /// What these operations themselves do.
+    /// The value during these operations.
     Done,
-    /// What stands after the last of them.
+    /// The state after the last of these operations.
     After,
 }
 
@@ -119,12 +119,12 @@ impl ContractKind {
         }
     }
 
-    /// Right side of the bound.
+    /// Side of the bound on which a value satisfies the contract.
     pub fn relation(self) -> Relation {
         if matches!(self, Self::Clearance(_)) { Relation::AtLeast } else { Relation::AtMost }
     }
 
-    /// Surfaces that the quantity can be asked for on; empty where it has no surface.
+    /// Surfaces for which the quantity can be required; empty where the quantity belongs to no surface.
     pub fn surfaces(self) -> &'static [SurfaceClass] {
         match self {
             Self::Gouge | Self::Excess | Self::Rest => &SurfaceClass::ALL[..4],
@@ -133,13 +133,13 @@ impl ContractKind {
         }
     }
 
-    /// Surfaces that its regions are told apart by: all where it has none of its own.
+    /// Surfaces that distinguish its regions: all where the quantity belongs to no surface.
     pub fn speaks_of(self) -> &'static [SurfaceClass] {
         if self.surfaces().is_empty() { &SurfaceClass::ALL } else { self.surfaces() }
     }
 
-    /// Bound that holds where a job neither requires nor allows the quantity; `None` where only a job asks for it. No program
-    /// is verified without these.
+    /// Bound that holds where a job neither requires nor allows the quantity; `None` where the job alone decides. Every
+    /// program is verified with these bounds.
     pub fn default_bound(self) -> Option<Bound> {
         match self {
             Self::Gouge => Some(self.bound(0.02)),
@@ -148,13 +148,14 @@ impl ContractKind {
         }
     }
 
-    /// Whether a contract on this quantity says something about another one: that on shank and holder speaks of both.
+    /// Whether a contract on this quantity includes another quantity: a contract on shank and holder together includes
+    /// each of them.
     pub fn covers(self, other: Self) -> bool {
         let parts = [Guarded::Shank, Guarded::Holder].map(Self::Clearance);
         self == other || (self == Self::Clearance(Guarded::Body) && parts.contains(&other))
     }
 
-    /// What it means to ask for the quantity on operations.
+    /// Meaning of operations in the scope of the quantity.
     pub fn of_operations(self) -> OfOperations {
         match self {
             Self::Excess | Self::Rest | Self::RestVolume => OfOperations::After,
@@ -162,7 +163,7 @@ impl ContractKind {
         }
     }
 
-    /// The quantity in words with its unit: `bound` of a contract from a number in mm, deg, s, mm3, mm3/min or a share.
+    /// The bound as a quantity with its unit, from a number in mm, deg, s, mm3, mm3/min or a share.
     pub fn bound(self, value: f64) -> Bound {
         match self {
             Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest | Self::ContourError => {
@@ -177,7 +178,7 @@ impl ContractKind {
     }
 }
 
-/// A quantity that a contract compares with.
+/// Bound of a contract, with its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
     /// A length.
@@ -216,7 +217,7 @@ impl Bound {
         }
     }
 
-    /// The quantity in the decimals of a certificate; lengths as [`length`] tells them.
+    /// The quantity with the decimals of a certificate; lengths as in [`length`].
     pub fn figure(self) -> String {
         match self {
             Self::Length(Mm(x)) => length(x),
@@ -248,7 +249,8 @@ pub fn clock(seconds: f64) -> String {
     format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
 }
 
-/// Where a contract holds; `O` is an index of an operation. An empty list is no restriction.
+/// Surfaces and operations for which a contract holds; `O` is an index of an operation. An empty list is no
+/// restriction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scope<O> {
     /// Operations.
@@ -264,12 +266,12 @@ impl<O> Default for Scope<O> {
 }
 
 impl<O> Scope<O> {
-    /// True when nothing is left out.
+    /// True when both lists are empty.
     pub fn is_whole(&self) -> bool {
         self.operations.is_empty() && self.surfaces.is_empty()
     }
 
-    /// The scope as the job language writes it, with a blank before it; empty when nothing is left out.
+    /// The scope in the job language, with a blank before it; empty when the scope is whole.
     pub fn text(&self, operation: impl Fn(&O) -> String) -> String {
         let surfaces = self.surfaces.iter().map(|s| s.name().to_owned());
         let words: Vec<String> =
@@ -278,10 +280,10 @@ impl<O> Scope<O> {
     }
 }
 
-/// Pairs of surface and operation that a contract speaks about.
+/// Pairs of surface and operation for which a contract holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
-    /// For each of [`SurfaceClass::ALL`], which operations.
+    /// For each of [`SurfaceClass::ALL`], whether each operation belongs to the region.
     pub rows: [Vec<bool>; 5],
 }
 
@@ -297,13 +299,13 @@ impl Region {
         Self { rows }
     }
 
-    /// What is in this region and not in the other.
+    /// The pairs in this region that are not in the other.
     #[must_use]
     pub fn without(&self, other: &Self) -> Self {
         self.combined(other, |a, b| a && !b)
     }
 
-    /// What is in both.
+    /// The pairs in both regions.
     #[must_use]
     pub fn within(&self, other: &Self) -> Self {
         self.combined(other, |a, b| a && b)
@@ -319,12 +321,12 @@ impl Region {
         Self { rows }
     }
 
-    /// True when it holds no pair of the given surfaces.
+    /// True when the region holds no pair with the given surfaces.
     pub fn is_empty_on(&self, surfaces: &[SurfaceClass]) -> bool {
         SurfaceClass::ALL.iter().zip(&self.rows).all(|(s, row)| !surfaces.contains(s) || !row.contains(&true))
     }
 
-    /// Operations that it holds on any surface.
+    /// For each operation, whether the region holds it with any surface.
     pub fn operations(&self) -> Vec<bool> {
         let count = self.rows[0].len();
         (0..count).map(|o| self.rows.iter().any(|row| row.get(o) == Some(&true))).collect()

@@ -1,5 +1,5 @@
-//! Typed ids and the map that owns what they name. A value refers to another by id, never by reference, so that
-//! stage values stay plain data.
+//! Typed ids, and the map that owns the entities of the ids. A value refers to another by id, never by reference, so
+//! that stage values stay plain data.
 
 use std::marker::PhantomData;
 

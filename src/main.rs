@@ -33,7 +33,7 @@ struct Arguments {
     #[arg(required = true)]
     job: Option<PathBuf>,
 
-    /// File to write the NC text to; without it everything is checked and no NC written
+    /// File to write the NC text to; without this option everything is checked and no NC text is written
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -98,7 +98,7 @@ struct RunArguments {
 }
 
 impl RunArguments {
-    /// As the driver takes them.
+    /// The options in the form of the driver.
     fn options(self, post: Option<String>) -> RunOptions {
         let Self { library, curves, machine, report, stock_cell, stock, memory, .. } = self;
         RunOptions { library, curves, post, machine, report, stock_cell, stock, memory }
@@ -107,7 +107,7 @@ impl RunArguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Explains a code such as IMP0206: what it means, why it matters, an example, the way out
+    /// Explains a code such as IMP0206: what it means, why it matters, an example, the remedy
     Explain {
         /// The code, or its digits; without it all codes are listed
         code: Option<String>,
@@ -122,7 +122,7 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         job: Option<PathBuf>,
 
-        /// Dialect of the text, where it is not to be recognised by its words
+        /// Dialect of the text; by default that of the job, or the dialect that the words of the text clearly show
         #[arg(long, value_name = "NAME")]
         post: Option<String>,
 
@@ -197,7 +197,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Bytes of a size such as `4GB` or `500 MB`.
+/// Number of bytes of a size such as `4GB` or `500 MB`.
 fn memory(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let units = [("GB", 1e9), ("MB", 1e6)];
@@ -207,7 +207,7 @@ fn memory(text: &str) -> Result<f64, String> {
     within.ok_or_else(|| "a size from 100MB to 10000GB is due, such as 4GB".to_owned())
 }
 
-/// Runs the work and reports what it found.
+/// Runs the work and reports its diagnostics.
 fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> Outcome) -> ExitCode {
     let terminal = std::io::stderr().is_terminal();
     let human = format == ErrorFormat::Human;
@@ -250,18 +250,18 @@ fn explain(code: Option<&str>) -> ExitCode {
     ended(if print(&text) { Exit::Holds } else { Exit::File })
 }
 
-/// The code for the shell.
+/// The exit code for the shell.
 fn ended(exit: Exit) -> ExitCode {
     ExitCode::from(exit.number())
 }
 
-/// Writes to standard output; false when it was closed, as by `head`.
+/// Writes to standard output; false when the output was closed, as by `head`.
 fn print(text: &str) -> bool {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_ok()
 }
 
-/// Writes to standard error; there is nowhere to report a failure of that.
+/// Writes to standard error; a failure cannot be reported anywhere.
 fn say(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }

@@ -1,26 +1,27 @@
 //! Methods that a job chooses by name: the words that job and stage values share.
 
-/// How the control of a machine plans the speed along the blocks of a program.
+/// How the control of a machine plans the speed over the blocks of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Planning {
-    /// With look-ahead over blocks, within speed, acceleration and jerk of every joint, corners within its tolerance.
+    /// With look-ahead over blocks, within speed, acceleration and jerk of every joint; corners stay within the
+    /// tolerance of the control.
     #[default]
     Joints,
-    /// As LinuxCNC 2.9 does: blocks in the frame of the program, each from rest to rest, blended with the next one.
+    /// As LinuxCNC 2.9: blocks in the frame of the program, each from rest to rest, blended with the next one.
     LinuxCnc,
 }
 
-/// How lines over a floor are spaced.
+/// Spacing of the lines on a floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {
-    /// As far from each other as the scallop allows, everywhere; lines begin where the channel widens.
+    /// Everywhere the distance that the scallop height allows; new lines begin where the channel widens.
     ConstantScallop,
-    /// Equal shares of the arc between the walls (Wei 13): as many lines everywhere as the widest place needs.
+    /// Equal shares of the arc between the walls (Wei 13): the widest place decides the number of lines everywhere.
     EqualDivision,
 }
 
 impl Spacing {
-    /// All of them, the default first.
+    /// All methods, the default first.
     pub const ALL: [Self; 2] = [Self::ConstantScallop, Self::EqualDivision];
 
     /// Name in the job language.
@@ -32,22 +33,22 @@ impl Spacing {
     }
 }
 
-/// In which direction the lines over a floor are cut.
+/// Direction in which the lines on a floor are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lines {
-    /// Every other line backwards, so that the next one begins beside the end of the last.
+    /// Every other line backwards, so that the next line begins beside the end of the last.
     Zigzag,
-    /// All from inlet to outlet: the cutter cuts in one sense, up or down, everywhere.
+    /// All lines from inlet to outlet: the cutter mills in one sense everywhere, up or down.
     OneWay,
-    /// One line round a vane, without leaving it; of point milling alone.
+    /// One line around a vane, without leaving the vane; only for point milling.
     Spiral,
 }
 
 impl Lines {
-    /// All that surfaces between walls have, the default first.
+    /// All directions for surfaces between walls, the default first.
     pub const ALL: [Self; 2] = [Self::Zigzag, Self::OneWay];
 
-    /// All that the faces of a vane have, the default first.
+    /// All directions for the faces of a vane, the default first.
     pub const ROUND: [Self; 3] = [Self::Zigzag, Self::OneWay, Self::Spiral];
 
     /// Name in the job language.
@@ -63,13 +64,14 @@ impl Lines {
 /// How the tool axes of an operation are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisMethod {
-    /// The best way through the clear axes of all stations in the machine's axes, then a smooth run in that corridor.
+    /// The best path through the collision-free axes of all stations in the axes of the machine, then a smooth path
+    /// within this corridor.
     Corridor,
-    /// The rulings of both walls blended, with one lean a line.
+    /// The rulings of both walls blended, with one tilt angle per line.
     Blend,
     /// The greedy choice from the cone of each contact (Xu 2013).
     Xu,
-    /// Along the ruling, without smoothing: what Xu 2013 compares with.
+    /// Along the ruling, without smoothing: the comparison method of Xu 2013.
     Ruling,
 }
 
@@ -88,19 +90,19 @@ impl AxisMethod {
     }
 }
 
-/// How the side of a cutter finishes a face.
+/// Method by which the side of a cutter finishes a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlankMethod {
-    /// The axis path whose swept envelope comes nearest to the face, and of those in the bounds the smoothest.
+    /// The axis path whose swept envelope is nearest to the face; of the paths within the bounds the smoothest.
     Minimax,
-    /// Offsets of both ends of each ruling, joined (Wei 10 to 12).
+    /// Offsets of both ends of each ruling, connected (Wei 10 to 12).
     TwoPoint,
     /// The offset of the middle of each ruling, the axis along the ruling (Liu 1995).
     OnePoint,
 }
 
 impl FlankMethod {
-    /// All of them, the default first.
+    /// All methods, the default first.
     pub const ALL: [Self; 3] = [Self::Minimax, Self::TwoPoint, Self::OnePoint];
 
     /// Name in the job language.
@@ -113,17 +115,17 @@ impl FlankMethod {
     }
 }
 
-/// On which side of a face the deviation of `minimax` may lie.
+/// Side of a face on which the deviation of `minimax` may lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorSide {
-    /// On both.
+    /// On both sides.
     Both,
-    /// On that of excess: no gouge.
+    /// Only on the side of excess: no gouge.
     Excess,
 }
 
 impl ErrorSide {
-    /// All of them, the default first.
+    /// All sides, the default first.
     pub const ALL: [Self; 2] = [Self::Both, Self::Excess];
 
     /// Name in the job language.
@@ -135,19 +137,19 @@ impl ErrorSide {
     }
 }
 
-/// What gives way where a pass of `minimax` cannot keep the bounds of gouge and excess.
+/// The bound that `minimax` relaxes where a pass cannot keep the bounds of gouge and excess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conflict {
     /// Both bounds, evenly.
     Balance,
-    /// The bound of excess alone.
+    /// Only the bound of excess.
     GougeFree,
-    /// The bounds between both edges of a band; the tool touches the edges.
+    /// The bounds between both edges of a strip; the tool touches the edges.
     ContactBoth,
 }
 
 impl Conflict {
-    /// All of them, the default first.
+    /// All conflict rules, the default first.
     pub const ALL: [Self; 3] = [Self::Balance, Self::GougeFree, Self::ContactBoth];
 
     /// Name in the job language.
@@ -160,26 +162,26 @@ impl Conflict {
     }
 }
 
-/// How a flank operation works.
+/// Method of a flank operation, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Flank {
     /// Method.
     pub method: FlankMethod,
-    /// Bands along the ruling; `None` takes the fewest that keep the contracts.
+    /// Strips along the ruling; `None` takes the smallest number that keeps the contracts.
     pub strips: Option<u32>,
-    /// Side of the deviation, of `minimax` alone.
+    /// Side of the deviation; only for `minimax`.
     pub side: ErrorSide,
-    /// What gives way, of `minimax` alone.
+    /// Relaxed bound; only for `minimax`.
     pub conflict: Conflict,
 }
 
 impl Flank {
-    /// A method that places every ruling by itself, with so many bands.
+    /// A method that places every ruling independently, with a number of strips.
     pub fn by_ruling(method: FlankMethod, strips: u32) -> Self {
         Self { method, strips: Some(strips), side: ErrorSide::Both, conflict: Conflict::Balance }
     }
 
-    /// Number of bands in words.
+    /// Number of strips in words.
     pub fn strips_text(&self) -> String {
         self.strips.map_or_else(|| "auto".to_owned(), |n| n.to_string())
     }

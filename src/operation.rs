@@ -1,10 +1,10 @@
-//! What an operation does: one type from the job to the paths, and the words for it in the job language.
+//! What an operation does: one type from the job to the paths, and its words in the job language.
 
 use crate::method::{AxisMethod, Flank, Lines, Spacing};
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::units::Mm;
 
-/// Kind of an operation with what only this kind has.
+/// Kind of an operation with its own parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OperationKind {
     /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
@@ -24,34 +24,34 @@ pub enum OperationKind {
         allowance_vane: Mm,
         /// Material to leave on the hub.
         allowance_hub: Mm,
-        /// Height left between neighbouring lines (h of formula 9).
+        /// Height between neighbouring lines (h of formula 9).
         residual: Mm,
     },
-    /// Vane faces with the side of the cutter (Wei 3.2).
+    /// Vane faces, milled with the side of the cutter (Wei 3.2).
     Flank {
         /// Faces to finish.
         faces: Vec<FaceId>,
-        /// How.
+        /// Method.
         flank: Flank,
     },
-    /// Hub between the vanes by streamlines (Wei 3.3).
+    /// Hub between the vanes, milled along streamlines (Wei 3.3).
     Channel {
         /// Scallop height between neighbouring lines.
         scallop: Mm,
-        /// How the lines are spaced.
+        /// Spacing of the lines.
         spacing: Spacing,
-        /// In which direction they are cut.
+        /// Direction of the lines.
         lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
     },
-    /// Faces, fillets or edges of vanes by lines of constant scallop.
+    /// Faces, fillets or edges of vanes, milled in lines of constant scallop height.
     Point {
         /// Surfaces to finish.
         surfaces: Vec<SurfaceKind>,
         /// Scallop height between neighbouring lines.
         scallop: Mm,
-        /// In which direction the lines are cut.
+        /// Direction of the lines.
         lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
@@ -75,7 +75,7 @@ impl OperationKind {
         matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
     }
 
-    /// How tool axes are chosen, where an operation asks for it.
+    /// Method for the tool axes, where the operation has this choice.
     pub fn axis_method(&self) -> Option<AxisMethod> {
         match self {
             Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
@@ -84,7 +84,8 @@ impl OperationKind {
     }
 }
 
-/// The surfaces of a blade that lines of constant scallop finish, each with its operation and the word that names it there.
+/// The surfaces of a blade that are finished in lines of constant scallop height, each with its operation and its word
+/// in this operation.
 pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6] {
     let [one, other] = blade.faces();
     [
@@ -97,7 +98,8 @@ pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6
     ]
 }
 
-/// The operation that finishes a surface by lines of constant scallop, the word that names the surface there, and its blade.
+/// The operation that finishes a surface in lines of constant scallop height, the word of the surface in this
+/// operation, and its blade.
 pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str, BladeId)> {
     let blade = match surface {
         SurfaceKind::Face(face) | SurfaceKind::Fillet(face) => face.blade,

@@ -1,36 +1,36 @@
-//! Shares done of long work, for whoever wants to show them, and the wish to cancel it.
+//! Progress of long work, for display, and the request to cancel it.
 //!
-//! Work counts its steps here; it knows neither terminals nor clocks, and nothing that it makes depends on the counts.
-//! Each work counts by itself, so that a share is one of steps that were counted and not of guessed weights.
+//! The stages count their steps here. The counters use neither terminals nor clocks, and no result depends on the
+//! counts. Each work has its own counter, so that a share is the share of counted steps and not of estimated weights.
 //!
-//! Planning asks between its steps whether it was cancelled. A cancelled run ends with an error and makes no value.
+//! Planning checks between its steps whether it was cancelled. A cancelled run ends with an error and makes no value.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Works of a run in the order in which they began.
+/// All works of a run, in the order in which they began.
 #[derive(Debug, Default)]
 pub struct Progress {
     works: Mutex<Vec<Arc<Counter>>>,
     cancelled: AtomicBool,
 }
 
-/// How far a work is.
+/// State of a work.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
-    /// What is being done.
+    /// Name of the work.
     pub name: Cow<'static, str>,
-    /// Steps done so far; never less than before.
+    /// Steps done so far; never decreases.
     pub done: u64,
-    /// Steps in all.
+    /// Total number of steps.
     pub total: u64,
-    /// Whether it still goes on.
+    /// Whether the work continues.
     pub open: bool,
 }
 
 impl State {
-    /// Share done, 0 to 1. Work without any step is done.
+    /// Share done, 0 to 1. Work without any step counts as done.
     pub fn share(&self) -> f64 {
         if self.total == 0 { 1.0 } else { (self.done as f64 / self.total as f64).min(1.0) }
     }
@@ -48,7 +48,7 @@ impl Counter {
     fn state(&self) -> State {
         State {
             name: self.name.clone(),
-            // Counts say nothing about other memory: relaxed order will do.
+            // Counts order no other memory accesses: relaxed order is enough.
             done: self.done.load(Ordering::Relaxed),
             total: self.total,
             open: self.open.load(Ordering::Relaxed),
@@ -62,12 +62,12 @@ impl Progress {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// True once the run was cancelled.
+    /// True after the run was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Begins work of so many steps. It goes on until the value is dropped.
+    /// Begins work with `total` steps. The work lasts until the returned value is dropped.
     pub fn begin(&self, name: impl Into<Cow<'static, str>>, total: usize) -> Work {
         let counter = Arc::new(Counter {
             name: name.into(),
@@ -79,7 +79,7 @@ impl Progress {
         Work { counter }
     }
 
-    /// The work that began last of those that go on.
+    /// The work that began last among those that still last.
     pub fn current(&self) -> Option<State> {
         self.all().into_iter().rfind(|s| s.open)
     }
@@ -90,7 +90,7 @@ impl Progress {
     }
 }
 
-/// Work that goes on; any thread may count its steps.
+/// Work in progress; any thread may count its steps.
 #[derive(Debug)]
 pub struct Work {
     counter: Arc<Counter>,
@@ -102,15 +102,15 @@ impl Work {
         self.counter.done.fetch_add(u64::try_from(steps).unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
-    /// Counts a step of a chain of calls and hands its value on.
+    /// Counts a step within a chain of calls and returns the value.
     pub fn step<T>(&self, value: T) -> T {
         self.advance(1);
         value
     }
 
-    /// Hands a stream on in pieces of at most `size` items (at least one), and counts a piece when the work on it has ended:
-    /// what takes a stream as a whole cannot tell how far it is. `done` is the number of steps that are done before an
-    /// item; in the end all are.
+    /// Passes a stream to `work` in pieces of at most `size` items (at least one), and counts each piece when the work
+    /// on it has ended; work on a whole stream at once could not report its progress. `done` is the number of steps
+    /// that are done before an item. At the end all steps are done.
     pub fn in_pieces<T>(
         &self,
         items: impl IntoIterator<Item = T>,
@@ -128,7 +128,7 @@ impl Work {
         self.rest_is_needless();
     }
 
-    /// The steps that remain are not needed: the work ended early.
+    /// The remaining steps are not needed: the work ended early.
     pub fn rest_is_needless(&self) {
         self.counter.done.fetch_max(self.counter.total, Ordering::Relaxed);
     }
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(progress.current(), None);
         let pieces = progress.begin("pieces", 10);
         let mut seen = Vec::new();
-        // Twenty items, two for a step.
+        // Twenty items, two per step.
         pieces.in_pieces(0..20, 6, |i| i / 2, |piece| seen.push((piece, progress.current().unwrap().done)));
         assert_eq!(seen.iter().map(|(_, done)| *done).collect::<Vec<_>>(), [0, 2, 5, 8]);
         assert_eq!(seen.into_iter().flat_map(|(piece, _)| piece).collect::<Vec<_>>(), (0..20).collect::<Vec<_>>());

@@ -1,15 +1,15 @@
-//! Source texts and places in them.
+//! Source texts and positions in them.
 
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Where a file comes from.
+/// Origin of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Origin {
-    /// Named on the command line: the job, NC text.
+    /// Named on the command line: the job or NC text.
     #[default]
     Given,
-    /// Below the job's folder, or in a folder `_lib` there or above.
+    /// Below the folder of the job, or in a folder `_lib` in this folder or above it.
     BesideJob,
     /// In the folder of `--library`.
     Library,
@@ -20,7 +20,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// The word for it in certificates and NC text.
+    /// The word for the origin in certificates and NC text.
     pub fn word(self) -> &'static str {
         match self {
             Self::Given => "given",
@@ -39,21 +39,21 @@ pub struct SourceFile {
     pub name: String,
     /// Whole text.
     pub text: String,
-    /// Where it lies, seen from the working folder, when the name does not say that.
+    /// Path seen from the working folder, where the name is not this path.
     pub path: Option<String>,
-    /// Where it comes from.
+    /// Origin.
     pub origin: Origin,
-    /// The file itself, with symbolic links resolved; `None` for a text without a file.
+    /// Path of the file with symbolic links resolved; `None` for a text without a file.
     pub disk: Option<PathBuf>,
 }
 
 impl SourceFile {
-    /// A text that no file stands behind.
+    /// A text without a file.
     pub fn text(name: impl Into<String>, text: impl Into<String>) -> Self {
         Self { name: name.into(), text: text.into(), ..Self::default() }
     }
 
-    /// Where it lies, seen from the working folder.
+    /// Path seen from the working folder.
     pub fn path(&self) -> &str {
         self.path.as_deref().unwrap_or(&self.name)
     }
@@ -87,34 +87,34 @@ impl Span {
     }
 }
 
-/// A value with the place that it was read from.
+/// A value with its position in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spanned<T> {
     /// The value.
     pub value: T,
-    /// Its place.
+    /// Its position.
     pub span: Span,
 }
 
 impl<T> Spanned<T> {
-    /// Pairs a value with its place.
+    /// Pairs a value with its position.
     pub fn new(value: T, span: Span) -> Self {
         Self { value, span }
     }
 }
 
-/// All files of a compilation: the job first, then what it uses.
+/// All files of a compilation: the job first, then the files that it uses.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
-    /// One for each file.
+    /// One table for each file.
     tables: Vec<Table>,
 }
 
 /// Bytes between two entries of [`Table::characters`].
 const STRIDE: usize = 1024;
 
-/// What makes the place of a byte cheap to tell, however long the text and its lines are.
+/// Tables with which the position of a byte is found quickly, also in long texts with long lines.
 #[derive(Clone, Debug)]
 struct Table {
     /// First byte of each line.
@@ -141,7 +141,7 @@ impl Table {
         table
     }
 
-    /// Characters that begin before a byte of the text.
+    /// Number of characters that begin before a byte of the text.
     fn characters_before(&self, text: &[u8], at: usize) -> usize {
         let piece = at / STRIDE;
         let counted = self.characters.get(piece).copied().unwrap_or(0) as usize;
@@ -156,7 +156,7 @@ fn begins_character(byte: u8) -> bool {
 }
 
 impl SourceMap {
-    /// Adds a text that no file stands behind and returns its id.
+    /// Adds a text without a file and returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> SourceId {
         self.add_file(SourceFile::text(name, text))
     }
@@ -178,13 +178,13 @@ impl SourceMap {
         &self.files
     }
 
-    /// Number of lines of a file; what follows the last line end is a line, though it may be empty. 0 for an id of another
-    /// map.
+    /// Number of lines of a file; the text after the last line end counts as a line, even when it is empty. 0 for an id
+    /// of another map.
     pub fn line_count(&self, id: SourceId) -> usize {
         self.tables.get(id.0 as usize).map_or(0, |t| t.lines.len())
     }
 
-    /// Bytes of a line, from 1, with its end; `None` when there is no such line.
+    /// Bytes of a line with its end, by its number from 1; `None` when there is no such line.
     pub fn line_range(&self, id: SourceId, line: usize) -> Option<Range<usize>> {
         let lines = &self.tables.get(id.0 as usize)?.lines;
         let start = *lines.get(line.checked_sub(1)?)? as usize;
@@ -192,13 +192,14 @@ impl SourceMap {
         Some(start..end)
     }
 
-    /// The span of a line, from 1, without its end and the blanks around it; `None` when there is no such line.
+    /// The span of a line without its end and the blanks around it, by its number from 1; `None` when there is no such
+    /// line.
     pub fn line_span(&self, id: SourceId, line: usize) -> Option<Span> {
         let range = self.line_range(id, line)?;
         let found = self.get(id)?.text.get(range.clone())?;
         let start = range.start + (found.len() - found.trim_start().len());
         let trimmed = found.trim();
-        // The empty text behind the last line end is no line that could be pointed to.
+        // The empty text after the last line end is no line that a message can mark.
         let is_line = !found.is_empty();
         is_line
             .then(|| if trimmed.is_empty() { range.start..range.start } else { start..start + trimmed.len() })
@@ -221,7 +222,7 @@ impl SourceMap {
 mod tests {
     use super::*;
 
-    /// Line and column by looking at all of the text before the place.
+    /// Line and column by a search through the text before the position.
     fn by_search(text: &str, at: usize) -> (usize, usize) {
         let before = &text[..at];
         let line = before.matches('\n').count() + 1;

@@ -1,5 +1,5 @@
 //! Physical quantities as types. Inside the compiler a length is in millimetres, an angle in radians, a time in
-//! seconds, a feed in millimetres a minute; other units exist only in job text and NC text.
+//! seconds, a feed in millimetres per minute; other units exist only in job text and NC text.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -32,12 +32,12 @@ quantity!(
     "mm"
 );
 quantity!(
-    /// A feed in millimetres a minute.
+    /// A feed in millimetres per minute.
     MmPerMin,
     "mm/min"
 );
 quantity!(
-    /// A spindle speed in revolutions a minute.
+    /// A spindle speed in revolutions per minute.
     Rpm,
     "rpm"
 );
@@ -53,7 +53,7 @@ quantity!(
     "mm3"
 );
 quantity!(
-    /// A removal rate in cubic millimetres a minute.
+    /// A removal rate in cubic millimetres per minute.
     Mm3PerMin,
     "mm3/min"
 );
@@ -93,16 +93,16 @@ pub fn trim(value: f64, decimals: usize) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Lengths below this are told in micrometres, mm: from here on a machinist thinks in millimetres.
+/// Lengths below this value are written in micrometres, mm: larger ones a machinist reads in millimetres.
 const MICROMETRES_BELOW: f64 = 0.2;
 
-/// An amount of memory, as every text tells it.
+/// An amount of memory in the form of all texts.
 pub fn bytes(bytes: f64) -> String {
     if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
-/// A length in mm as every text tells it: micrometres with two decimals below 0.2 mm, else millimetres with three. What
-/// two decimals of a micrometre would hide has four.
+/// A length in mm in the form of all texts: micrometres with two decimals below 0.2 mm, else millimetres with three.
+/// Lengths below 0.01 um have four decimals.
 pub fn length(mm: f64) -> String {
     let size = mm.abs();
     if size >= MICROMETRES_BELOW || size.is_nan() {
