@@ -138,8 +138,8 @@ impl ContractKind {
         if self.surfaces().is_empty() { &SurfaceClass::ALL } else { self.surfaces() }
     }
 
-    /// Bound that holds where a job neither requires nor allows the quantity; `None` where the job alone decides. Every
-    /// program is verified with these bounds.
+    /// Bound that holds where a job neither requires nor allows the quantity; `None` where the job alone decides. No
+    /// program is verified without these contracts.
     pub fn default_bound(self) -> Option<Bound> {
         match self {
             Self::Gouge => Some(self.bound(0.02)),

@@ -36,7 +36,7 @@ pub enum Severity {
 pub struct Label {
     /// Range of the text.
     pub span: Span,
-    /// What the reader should see there.
+    /// Text of the mark.
     pub text: String,
 }
 

@@ -37,7 +37,7 @@ pub struct CcPass {
     pub path: Option<DualCurve>,
 }
 
-/// What drives the tool of a pass.
+/// Surface or channel that drives the tool of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
     /// The channel: the tip runs through its inside.

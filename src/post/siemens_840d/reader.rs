@@ -16,7 +16,7 @@ const LONGEST_BLOCK: usize = 512;
 /// Largest tolerance of CYCLE832, mm and degrees.
 const WIDEST: f64 = 10.0;
 
-/// Widest tolerance of the direction, degrees: that of the writer.
+/// Widest tolerance of the direction, degrees, as in the writer.
 const WIDEST_TURN: f64 = 0.1;
 
 /// The control.
@@ -190,7 +190,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
     })
 }
 
-/// What follows the name of a word.
+/// Value of a word.
 enum WordValue<'a> {
     /// Nothing.
     None,
