@@ -11,7 +11,7 @@
 //! | `jobs/wei2021`: 1368 lines, 134 k blocks | 689 MB | 698 MB |
 //! | `jobs/small`, channel alone, scallop 20 um, one sector: 37 lines | 61 MB | 94 MB |
 //! | the same, 1 um: 160 lines | 224 MB | 270 MB |
-//! | the same, four sectors: 656 lines | 864 MB | 864 MB |
+//! | the same, four sectors: 656 lines | 832 MB | 864 MB before sectors were copied |
 //! | one sector, 0.1 um: 500 lines | 661 MB | |
 //! | eight sectors, 1 um: 1280 lines | 1.64 GB | |
 //! | `jobs/small`, expand alone, depth 0.5 mm, residual 20 um, four sectors: 2400 lines | 1.80 GB | 1.84 GB |

@@ -4,6 +4,10 @@ use super::CloudPoint;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::TAU;
 
+/// Fewest samples of a ring. With fewer of them on a small ring, a point of the next edge could lie farther from all
+/// samples than half a diagonal of the spacing.
+const LEAST_AROUND: f64 = 8.0;
+
 /// Samples of a turned solid about an axis along Z through a point (x, y), for queries of distance.
 ///
 /// `profile` has the points (radius, z) of its outside, mm. Samples lie at most `spacing` apart, mm, in both directions; on a
@@ -18,7 +22,7 @@ pub fn revolved(profile: &[[f64; 2]], [x, y]: [f64; 2], spacing: f64, most: f64)
         for i in 0..=rings {
             let t = i as f64 / rings as f64;
             let (r, z) = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t);
-            let around = (TAU * r / spacing).ceil().max(1.0) as usize;
+            let around = (TAU * r / spacing).ceil().max(LEAST_AROUND) as usize;
             points.extend((0..around).map(|k| {
                 let angle = TAU * k as f64 / around as f64;
                 let position = Point3::new(x + r * libm::cos(angle), y + r * libm::sin(angle), z);

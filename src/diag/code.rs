@@ -22,16 +22,6 @@ impl Code {
     pub fn id(self) -> &'static str {
         self.0.id
     }
-
-    /// The code with a text such as `IMP0203`.
-    pub fn find(id: &str) -> Option<Self> {
-        Self::all().find(|c| c.id().eq_ignore_ascii_case(id))
-    }
-
-    /// All codes, by stage.
-    pub fn all() -> impl Iterator<Item = Self> {
-        super::codes::STAGES.iter().flat_map(|stage| stage.iter().copied())
-    }
 }
 
 impl fmt::Display for Code {

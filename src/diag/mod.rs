@@ -232,7 +232,7 @@ impl Sink {
     }
 }
 
-/// A stage stopped; the errors in the [`Sink`] give the reason.
+/// A stage stopped: the errors in the [`Sink`] give the reason, or the run was cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Aborted;
 

@@ -46,6 +46,22 @@ mod tests {
     }
 
     #[test]
+    fn arcs_of_any_angle_keep_length_and_angle() {
+        let p = Vector3::new(0.3, -0.4, 1.2).normalize();
+        let across = p.cross(&Vector3::x()).normalize();
+        let narrow = [1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.4, 0.46];
+        for angle in narrow.into_iter().chain([1.0, 2.0, 2.7, 3.0, 3.1415]) {
+            let q = p * libm::cos(angle) + across * libm::sin(angle);
+            for k in 0..=8 {
+                let share = f64::from(k) / 8.0;
+                let v = great_arc(&p, &q, share);
+                let exact = p * libm::cos(share * angle) + across * libm::sin(share * angle);
+                assert!((v - exact).norm() < 1e-11 && (v.norm() - 1.0).abs() < 1e-11, "{angle} at {share}: {v:?}");
+            }
+        }
+    }
+
+    #[test]
     fn turns_are_whole_and_the_nearest() {
         for k in -40..40 {
             let (angle, about) = (0.37 * f64::from(k), 2.0);

@@ -45,8 +45,8 @@ pub struct PartialJob {
     pub part: Option<PartSpec>,
     /// Blank, where it is readable.
     pub stock: Option<StockSpec>,
-    /// The readable tools; operations refer to them by index.
-    pub tools: Vec<ToolSpec>,
+    /// All tools of the text in their order, which operations index; `None` where a tool is not understood.
+    pub tools: Vec<Option<ToolSpec>>,
     /// The readable operations.
     pub operations: Vec<OperationSpec>,
     /// The readable contracts.
@@ -81,7 +81,7 @@ impl PartialJob {
             machine: machine?,
             part: part?,
             stock: stock?,
-            tools,
+            tools: tools.into_iter().collect::<Option<Vec<ToolSpec>>>()?,
             operations,
             contracts,
             allowed,

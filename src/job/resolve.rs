@@ -46,8 +46,8 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         cx.scope.warn_unused(cx.sink);
         tools::warn_unused(&tools, &operations, cx.sink);
     }
-    let whole = !cx.sink.has_errors() && !file.damaged;
-    let tools = tools.into_iter().filter_map(|t| t.spec).collect();
+    let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty;
+    let tools = tools.into_iter().map(|t| t.spec).collect();
     PartialJob { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole }
 }
 

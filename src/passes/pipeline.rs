@@ -27,7 +27,8 @@ pub struct Plan {
 /// Runs all passes.
 ///
 /// # Errors
-/// Any pass that fails. All operations are tried first; the sink holds the reasons.
+/// A pass that fails, after the plans of all operations were tried: the sink has the reasons. Or the run was cancelled: then it
+/// has none.
 pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
     run_with(program, &Progress::default(), sink)
 }

@@ -29,6 +29,8 @@ pub struct File {
     pub comments: Vec<Span>,
     /// True when an item could not be read; a missing item may then be this one.
     pub damaged: bool,
+    /// True when the text has any fault: then no job is made of it, though all items may be there.
+    pub faulty: bool,
 }
 
 /// One item with its place.

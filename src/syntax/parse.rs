@@ -21,7 +21,7 @@ const MAX_BYTES: usize = 16 << 20;
 
 /// Reads a job. Every fault of the text goes to the sink; the readable items are returned.
 pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
-    let broken = File { damaged: true, ..File::default() };
+    let broken = File { damaged: true, faulty: true, ..File::default() };
     if text.len() > MAX_BYTES {
         sink.push(
             Diag::error(
@@ -40,6 +40,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         );
         return broken;
     }
+    let before = sink.count();
     let Some((pieces, comments)) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(
@@ -50,9 +51,9 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         return broken;
     }
     let mut file = File { comments, ..File::default() };
-    let before = sink.count();
+    let parsed = sink.count();
     for piece in &pieces {
-        if sink.count() - before >= MAX_FAULTS {
+        if sink.count() - parsed >= MAX_FAULTS {
             file.damaged = true;
             break;
         }
@@ -65,6 +66,8 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
             None => file.damaged = true,
         }
     }
+    // The parser has errors alone to say.
+    file.faulty = sink.count() > before;
     file
 }
 

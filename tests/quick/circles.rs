@@ -82,6 +82,19 @@ fn spread(code: &str, before: Vec<String>, found: &mut Vec<Vec<String>>) -> usiz
     }
 }
 
+/// The module inside of a folder from which the file of the folder hands on a name by `pub use`.
+fn handed_on(folder: &Module, name: &str, all: &BTreeMap<Module, String>) -> Option<Module> {
+    let code = &all[folder];
+    code.match_indices("pub use ").find_map(|(at, word)| {
+        let statement = code[at + word.len()..].split(';').next()?;
+        let mut paths = Vec::new();
+        spread(statement, Vec::new(), &mut paths);
+        let path = paths.into_iter().find(|p| p.len() > 1 && p.last().is_some_and(|last| last == name))?;
+        let module: Module = folder.iter().cloned().chain(path[..path.len() - 1].iter().cloned()).collect();
+        all.contains_key(&module).then_some(module)
+    })
+}
+
 /// The modules that a module names.
 fn named(own: &Module, code: &str, all: &BTreeMap<Module, String>) -> BTreeSet<Module> {
     let mut full: Vec<Module> = paths_from(code, "crate");
@@ -93,7 +106,12 @@ fn named(own: &Module, code: &str, all: &BTreeMap<Module, String>) -> BTreeSet<M
         }
         full.push(base.into_iter().chain(path).collect());
     }
-    let known = |path: &Module| (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|m| all.contains_key(m));
+    let known = |path: &Module| {
+        let found = (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|m| all.contains_key(m))?;
+        // A name that a folder only hands on stands for the file that it comes from.
+        let handed_on = path.get(found.len()).and_then(|name| handed_on(&found, name, all));
+        Some(handed_on.unwrap_or(found))
+    };
     full.iter().filter_map(known).collect()
 }
 
@@ -154,6 +172,9 @@ fn circles_are_found() {
     let deep =
         [("a::b::x", "use crate::{m::Y, a::c::{y::Z, W}};"), ("a::c::y", "use super::super::b::x::V;"), ("m", "")];
     assert_eq!(found(&deep).unwrap(), ["a::b", "a::c"]);
+    // By a name that the folder hands on.
+    let handed = [("a", "pub use b::X;"), ("a::b", "use super::c::Y;"), ("a::c", "use super::X;")];
+    assert_eq!(found(&handed).unwrap(), ["a::b", "a::c"]);
     // Comments name what they like; the file of a folder and what is in the folder may name each other.
     assert_eq!(found(&[("a::b", "// super::c::X"), ("a::c", "use super::b::X;")]), None);
     assert_eq!(found(&[("a", "use crate::a::b::X;"), ("a::b", "use super::Y;")]), None);

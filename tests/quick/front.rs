@@ -108,6 +108,7 @@ fn planning_ends_when_it_is_cancelled() {
     let whole = Progress::default();
     assert!(pipeline::run_with(&program, &whole, &mut sink).is_ok());
     let works = whole.all().len();
+    let mut cut_short = 0;
     for after in [1, works / 3, 2 * works / 3] {
         let progress = Progress::default();
         let ended = std::thread::scope(|scope| {
@@ -118,15 +119,27 @@ fn planning_ends_when_it_is_cancelled() {
             progress.cancel();
             run.join().unwrap()
         });
-        // A run that was at its last steps may have ended before it was cancelled.
+        // On a busy machine a run may end before it is cancelled, but then it has done all of its work.
         assert!(ended || progress.all().len() == works, "after {after} of {works}");
-        assert!(progress.all().len() < works || !ended, "all {works} works were begun");
+        cut_short += usize::from(progress.all().len() < works);
     }
+    assert!(cut_short > 0, "no run ended early");
 }
 
 /// What only the command line may use. Other programs give the library texts, files and the wish to cancel.
-const OUTSIDE: [&str; 8] =
-    ["std::fs", "std::io", "std::env", "std::process", "std::thread", "std::time", "Instant::now", "SystemTime"];
+const OUTSIDE: [&str; 11] = [
+    "std::fs",
+    "std::io",
+    "std::env",
+    "std::process",
+    "std::thread",
+    "std::time",
+    "Instant::now",
+    "SystemTime",
+    "use std::{",
+    "println!",
+    "print!(",
+];
 
 #[test]
 fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
@@ -145,7 +158,7 @@ fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
     for path in own {
         files += 1;
         let text = std::fs::read_to_string(path).unwrap();
-        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = text.split("#[cfg(test)]\nmod").next().unwrap_or_default();
         let found = OUTSIDE.iter().find(|name| code.contains(**name));
         assert_eq!(found, None, "{}", path.display());
     }
@@ -196,7 +209,8 @@ fn tools_of_a_job_and_of_a_library_have_the_same_ranges() {
                     let ast = syntax::parse(text, source, &mut sink);
                     let job = job::understand(&ast, files, &mut sources, &mut sink);
                     let of_size = [codes::job::OUT_OF_RANGE, codes::job::LIBRARY];
-                    job.tools.iter().any(|t| t.name == "t1") && !sink.diags().iter().any(|d| of_size.contains(&d.code))
+                    job.tools.iter().flatten().any(|t| t.name == "t1")
+                        && !sink.diags().iter().any(|d| of_size.contains(&d.code))
                 };
                 let mut with_library = files();
                 with_library.tools.insert("own".to_owned(), table);
@@ -207,4 +221,30 @@ fn tools_of_a_job_and_of_a_library_have_the_same_ranges() {
         }
     }
     assert!(taken > 20 && refused > 20, "{taken} taken, {refused} refused");
+}
+
+#[test]
+fn what_the_parser_found_faulty_is_no_whole_job() {
+    // An entry and a bracket that only the parser complains about, into a sink of its own.
+    for (from, to) in [("fillet 3 mm\n", "fillet 3 mm ]\n"), ("tolerance chord", "tolerance } chord")] {
+        let text = REDUCED.replacen(from, to, 1);
+        assert_ne!(text, REDUCED);
+        let (mut sources, mut of_parser, mut sink) = (SourceMap::default(), Sink::default(), Sink::default());
+        let source = sources.add("job.imp", &*text);
+        let ast = syntax::parse(&text, source, &mut of_parser);
+        let job = job::understand(&ast, &mut files(), &mut sources, &mut sink);
+        assert!(of_parser.has_errors() && !job.whole && job.job().is_none(), "{to}");
+    }
+}
+
+#[test]
+fn operations_keep_their_tools_beside_a_faulty_one() {
+    let faulty = REDUCED.replace("tool t1 = \"flat-6\"", "tool t1 = \"flat-6x\"");
+    let (found, whole) = (understand(&faulty).job, understand(REDUCED).job);
+    assert!(found.tools[0].is_none() && found.tools[1].is_some());
+    let tool = |job: &PartialJob, name: &str| {
+        let operation = job.operations.iter().find(|o| o.name == name).unwrap();
+        job.tools[operation.tool].as_ref().map(|t| t.name.clone())
+    };
+    assert_eq!(tool(&found, "channel"), tool(&whole, "channel"));
 }

@@ -228,7 +228,11 @@ fn naming(folder: &Path) -> Vec<(String, usize)> {
     files(Path::new("src"), &mut all);
     let forms = [format!("{name}::"), format!("mod {name};"), format!(" {name},"), format!(" {name}}}")];
     // In a sentence a word may look the same.
-    let names = |line: &&str| !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
+    let other = format!("analysis::{name}::");
+    let names = |line: &&str| {
+        let named = !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
+        named && !line.contains(&other)
+    };
     let inside = folder.parent().unwrap();
     all.iter()
         .filter(|path| path.starts_with(inside) && !path.starts_with(folder))

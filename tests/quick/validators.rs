@@ -1,10 +1,12 @@
 //! The validators of the stage values: a real plan passes all of them, and every single defect in it is found.
 
 use crate::support::jobs;
+use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::validate::{self, ClStage, Malformed};
 use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, Operation, OperationKind, Program};
 use impellerc::part::{BladeId, SurfaceKind};
+use impellerc::passes::pipeline;
 use impellerc::units::Rpm;
 
 type Broken<T> = Vec<(&'static str, fn(&mut T))>;
@@ -102,9 +104,44 @@ fn motions() {
             m.operations[2].moves[5].pass = last;
         }),
         ("a label that is not there", |m| m.operations[2].labels.clear()),
+        ("a rapid with a feed", |m| {
+            let kind = impellerc::ir::MoveKind::Rapid;
+            m.operations[0].moves.iter_mut().find(|m| m.kind == kind).unwrap().feed = Some(100.0);
+        }),
+        ("a cut without a feed", |m| {
+            let kind = impellerc::ir::MoveKind::Cut;
+            m.operations[0].moves.iter_mut().find(|m| m.kind == kind).unwrap().feed = None;
+        }),
         ("a feed of zero", |m| {
             m.operations[2].moves.iter_mut().find(|m| m.feed.is_some()).unwrap().feed = Some(0.0);
         }),
     ];
     each(&small.plan.motion, &broken, |m| validate::motion(&small.program, m));
+}
+
+/// Passes of an operation in two sectors are those of the first, turned, sector by sector.
+#[test]
+fn passes_are_copied_to_the_sectors_of_their_operation() {
+    let mut program = jobs::small("siemens-840d").program.clone();
+    let one = pipeline::run(&program, &mut Sink::default()).unwrap().cl;
+    for index in 0..program.operations.len() {
+        operation(&mut program, index, |o| o.sectors = vec![0, 3]);
+    }
+    let two = pipeline::run(&program, &mut Sink::default()).unwrap();
+    assert_eq!(validate::cl(&program, &two.cl, ClStage::InSectors), Ok(()));
+    let turn = program.part.sector_rotation(3);
+    for (alone, both) in one.operations.iter().zip(&two.cl.operations) {
+        let count = alone.passes.len();
+        assert_eq!(both.passes.len(), 2 * count);
+        for (k, pass) in alone.passes.iter().enumerate() {
+            let (first, second) = (&both.passes[k], &both.passes[count + k]);
+            assert_eq!((first.sector, second.sector), (0, 3));
+            assert_eq!(first.label, pass.label);
+            assert_eq!(second.label, pass.label.replace("sector 1 ", "sector 4 "));
+            assert_eq!(first.points, pass.points);
+            for (p, q) in pass.points.iter().zip(&second.points) {
+                assert!((turn * p.tip - q.tip).norm() < 1e-12 && (turn * p.axis - q.axis).norm() < 1e-12);
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! `04` planning, `05` orientation, `06` kinematics, `07` verification, `08` post, `09` files and faults of the
 //! compiler.
 
-use super::Code;
+use super::code::Code;
 
 pub mod files;
 pub mod geometry;
@@ -26,3 +26,15 @@ pub const STAGES: &[&[Code]] = &[
     post::ALL,
     files::ALL,
 ];
+
+impl Code {
+    /// The code with a text such as `IMP0203`.
+    pub fn find(id: &str) -> Option<Self> {
+        Self::all().find(|c| c.id().eq_ignore_ascii_case(id))
+    }
+
+    /// All codes, by stage.
+    pub fn all() -> impl Iterator<Item = Self> {
+        STAGES.iter().flat_map(|stage| stage.iter().copied())
+    }
+}

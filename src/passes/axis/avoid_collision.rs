@@ -22,7 +22,7 @@ use rayon::prelude::*;
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
 const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
-/// Station at which a pass is not clear, and the distance there.
+/// Station at which a pass is not clear, and by how much the tool is too near there, mm.
 type Miss = (usize, f64);
 
 /// Makes axes collision-free, or reports where this is impossible.
@@ -59,19 +59,15 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                         pass.points = leaning_points(program, operation, cc, Lean::Away(lean.to_radians()));
                     }
                 }
-                Err((index, distance)) => {
+                Err((index, lack)) => {
                     failed = true;
                     let tool = &cx.program.tools[operation.tool];
                     let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
-                    let how = if distance < 0.0 {
-                        format!("cuts {:.2} mm into the part", -distance)
-                    } else {
-                        format!("comes within {distance:.2} mm of the part")
-                    };
+                    let (label, at) = cx.in_first_sector(operation, &pass.label, at);
                     let diag = Diag::error(
                         orientation::COLLISION,
                         format!(
-                            "`{}`: {} {how}; required clearance {:.2} mm",
+                            "`{}`: {} is {lack:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
                             operation.name,
                             tool.name,
                             cx.program.clearance.get()
@@ -79,7 +75,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     )
                     .label(operation.span, "in this operation")
                     .label(tool.span, "with this tool")
-                    .place(pass.label.clone(), at);
+                    .place(label, at);
                     cx.sink.push(remedy.into_iter().fold(diag, Diag::help));
                 }
             }
@@ -120,11 +116,12 @@ fn clear_axes(
     };
     let tool = &program.tools[operation.tool];
     for (i, (at, about)) in &blocked {
-        let label = oriented.passes.get(*i).map_or_else(String::new, |p| p.label.clone());
+        let label = oriented.passes.get(*i).map_or("", |p| p.label.as_str());
+        let (label, place) = cx.in_first_sector(operation, label, *at);
         cx.sink.push(
             clear
                 .no_axis(&operation.name, &tool.name, at, about)
-                .place(label, *at)
+                .place(label, place)
                 .label(operation.span, "in this operation")
                 .label(tool.span, "with this tool"),
         );
@@ -160,7 +157,7 @@ fn tool_that_clears(
     })
 }
 
-/// The least tilt angle, degrees, that clears a pass, or the worst place and the distance there.
+/// The least tilt angle, degrees, that clears a pass, or the worst place and by how much the tool is too near there, mm.
 fn clearing_lean(
     program: &Program,
     obstacles: &Obstacles,
@@ -188,7 +185,7 @@ fn clearing_lean(
             .enumerate()
             .filter_map(|(i, p)| lack(p).map(|d| (i, d)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(i, lack)| (i, lack + keep.clearance))
+            .map(|(i, distance)| (i, -distance))
     };
     if !leaning {
         return worst(points).map_or(Ok(0.0), Err);

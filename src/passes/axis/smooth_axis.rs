@@ -191,11 +191,11 @@ fn report(
     fault: &Fault,
 ) {
     let tool = &cx.program.tools[operation.tool];
+    let (Fault::NoAxis(at, _) | Fault::NoRun(at, _) | Fault::NotProved(at)) = fault;
+    let (label, place) = cx.in_first_sector(operation, &pass.label, *at);
     let diag = match fault {
-        Fault::NoAxis(at, about) => {
-            clear.no_axis(&operation.name, &tool.name, at, about).place(pass.label.clone(), *at)
-        }
-        Fault::NoRun(at, residual) => Diag::error(
+        Fault::NoAxis(at, about) => clear.no_axis(&operation.name, &tool.name, at, about),
+        Fault::NoRun(_, residual) => Diag::error(
             orientation::NOT_SMOOTH,
             format!(
                 "`{}`: no smooth run of the rotary axes stays among the clear axes: at {:.2} times the width of its \
@@ -205,14 +205,13 @@ fn report(
                 residual.change.to_degrees()
             ),
         )
-        .place(pass.label.clone(), *at)
         .help("a slimmer tool or a longer reach leaves wider cones; `method blend` asks for less distance"),
-        Fault::NotProved(at) => Diag::error(
+        Fault::NotProved(_) => Diag::error(
             orientation::NOT_SMOOTH,
             format!("`{}`: the clearance of {} is not proved between stations", operation.name, tool.name),
         )
-        .place(pass.label.clone(), *at)
         .help("a slimmer tool or a longer reach leaves more room between stations"),
     };
-    cx.sink.push(diag.label(operation.span, "in this operation").label(tool.span, "with this tool"));
+    cx.sink
+        .push(diag.place(label, place).label(operation.span, "in this operation").label(tool.span, "with this tool"));
 }

@@ -12,9 +12,10 @@ pub(crate) use obstacles::{Ends, Keep};
 
 use crate::analysis::cost::Stations;
 use crate::diag::{Aborted, Diag, Sink, codes::files};
-use crate::ir::Program;
 use crate::ir::validate::Malformed;
+use crate::ir::{Operation, Program};
 use crate::progress::Progress;
+use nalgebra::Point3;
 
 /// Number of stations along a face: a dense set that `sample-to-tolerance` thins. With 400 stations, neighbours lie
 /// about 0.15 mm apart, so that the chord between them is below 0.1 um for the radii of a vane.
@@ -31,6 +32,12 @@ pub(crate) struct PassContext<'a> {
 }
 
 impl PassContext<'_> {
+    /// A pass and a point of sector 0 as they are in the first sector of an operation, for messages.
+    pub(crate) fn in_first_sector(&self, operation: &Operation, label: &str, at: Point3<f64>) -> (String, Point3<f64>) {
+        let sector = operation.sectors.first().copied().unwrap_or(0);
+        (format!("sector {} {label}", sector + 1), self.program.part.sector_rotation(sector) * at)
+    }
+
     /// Ends a run that was cancelled. Nobody waits for a reason: nothing goes to the sink.
     pub(crate) fn go_on(&self) -> Result<(), Aborted> {
         if self.progress.is_cancelled() { Err(Aborted) } else { Ok(()) }

@@ -3,7 +3,7 @@
 use crate::collide::revolved;
 use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, ToolSolid};
-use crate::kin::{Chain, Machine, RotaryPose};
+use crate::kin::{Carried, Chain, Machine, RotaryPose};
 use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -67,14 +67,22 @@ impl Obstacles {
         let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
             samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
         let [hub, walls] = [hub, walls].map(sample::cloud_points);
-        let carried = machine
-            .carried
-            .iter()
-            .map(|solid| {
-                let (points, spacing) = revolved(&solid.profile, machine.table_axis(), CARRIED_SPACING, MOST_CARRIED);
-                (Cloud::new(points), spacing * FRAC_1_SQRT_2)
-            })
-            .collect();
+        // Passes are planned in sector 0. Where the part does not sit on the axis of the table, table and fixtures stand
+        // elsewhere for each sector: planning keeps clear of all of these places.
+        let [x, y] = machine.table_axis();
+        let places: Vec<[f64; 2]> = if [x, y] == [0.0; 2] {
+            vec![[0.0; 2]]
+        } else {
+            let turns = (0..part.vane_count).map(|k| part.sector_rotation(k).inverse() * Point3::new(x, y, 0.0));
+            turns.map(|p| [p.x, p.y]).collect()
+        };
+        let most = MOST_CARRIED / places.len() as f64;
+        let sampled = |solid: &Carried, place: [f64; 2]| {
+            let (points, spacing) = revolved(&solid.profile, place, CARRIED_SPACING, most);
+            (Cloud::new(points), spacing * FRAC_1_SQRT_2)
+        };
+        let carried = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
+        let carried = carried.map(|(solid, place)| sampled(solid, place)).collect();
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }
 
