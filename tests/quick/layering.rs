@@ -226,8 +226,7 @@ fn naming(folder: &Path) -> Vec<(String, usize)> {
     let name = folder.file_name().unwrap().to_str().unwrap().to_owned();
     let mut all = Vec::new();
     files(Path::new("src"), &mut all);
-    let forms = [format!("{name}::"), format!("mod {name};"), format!(" {name},"), format!(" {name}}}")];
-    // In a sentence a word may look the same.
+    let forms = [format!("{name}::"), format!("mod {name};")];
     let other = format!("analysis::{name}::");
     let names = |line: &&str| {
         let named = !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
