@@ -7,7 +7,7 @@
 //! Each arrow reads the value on its left and makes the value on its right; nothing flows back. See `ARCHITECTURE.md`.
 //!
 //! Without the feature `cli` the library uses no disk, clock or terminal and starts no threads of its own. Text and
-//! files come through [`job::Files`]; [`progress::Progress`] shows the progress of a run, and can cancel it:
+//! files come through [`job::Files`]; [`progress::Progress`] shows the progress of a run, and cancels planning:
 //!
 //! ```
 //! use impellerc::{diag::Sink, job, lower, passes::pipeline, post, progress::Progress, source::SourceMap, syntax, verify};
@@ -20,7 +20,7 @@
 //! let (mut sources, mut sink, progress) = (SourceMap::default(), Sink::default(), Progress::default());
 //! let source = sources.add("small.imp", text);
 //! let ast = syntax::parse(text, source, &mut sink);
-//! With faults in the text this value holds the part that can be understood; the faults are in the sink.
+//! // With faults in the text this value holds the part that can be understood; the faults are in the sink.
 //! let partial = job::understand(&ast, &mut files, &mut sources, &mut sink);
 //! let job = partial.job().expect("a text without faults");
 //! let program = lower::lower(&job, &mut sink).expect("surfaces");
