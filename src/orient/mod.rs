@@ -11,4 +11,4 @@ pub mod way;
 pub use corridor::{Corridor, Residual, Weights};
 pub use energy::Energy;
 pub use inscribe::inscribe;
-pub use way::{Candidate, Costs};
+pub use way::{AxisCandidate, Costs};

@@ -14,7 +14,7 @@ pub type Joints5 = [f64; 5];
 
 /// A candidate of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub struct AxisCandidate {
     /// Joints.
     pub joints: Joints5,
     /// Additional cost of the candidate, s.
@@ -51,7 +51,7 @@ impl Costs {
     }
 
     /// Cost of a chosen sequence: formula (4) and the penalties.
-    pub fn of(&self, stations: &[Vec<Candidate>], choice: &[usize]) -> f64 {
+    pub fn of(&self, stations: &[Vec<AxisCandidate>], choice: &[usize]) -> f64 {
         let at = |i: usize| &stations[i][choice[i]];
         let steps: Vec<Joints5> =
             (1..choice.len()).map(|i| Self::difference(&at(i - 1).joints, &at(i).joints)).collect();
@@ -64,7 +64,7 @@ impl Costs {
     ///
     /// # Errors
     /// The first station that no sequence reaches: it has no candidates, or none near enough.
-    pub fn shortest(&self, stations: &[Vec<Candidate>]) -> Result<Vec<usize>, usize> {
+    pub fn shortest(&self, stations: &[Vec<AxisCandidate>]) -> Result<Vec<usize>, usize> {
         let Some(first) = stations.first() else { return Ok(Vec::new()) };
         if first.is_empty() {
             return Err(0);
@@ -121,7 +121,7 @@ impl Costs {
     }
 
     /// All steps from one station to the next, each with only its own cost.
-    fn steps(&self, from: &[Candidate], to: &[Candidate]) -> AxisLayer {
+    fn steps(&self, from: &[AxisCandidate], to: &[AxisCandidate]) -> AxisLayer {
         let mut steps = Vec::new();
         for (i, a) in from.iter().enumerate() {
             for (j, b) in to.iter().enumerate() {

@@ -3,25 +3,17 @@
 //! A folder with its content counts as one module. The file `mod.rs` of a folder may use the content of the folder, and
 //! the content may use the definitions of this file.
 
+use crate::support::sources::files;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A module by its names from the root of the crate.
 type Module = Vec<String>;
 
 /// All modules with their code, tests and comments left out.
 fn modules() -> BTreeMap<Module, String> {
-    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() { walk(&path, found) } else { found.push(path) }
-        }
-    }
-    let mut paths = Vec::new();
-    walk(Path::new("src"), &mut paths);
-    paths
+    files(Path::new("src"))
         .into_iter()
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
         .map(|path| {
             let inner = path.strip_prefix("src").unwrap().with_extension("");
             let mut module: Module = inner.iter().map(|p| p.to_str().unwrap().to_owned()).collect();

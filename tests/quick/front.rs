@@ -1,5 +1,6 @@
 //! The front end as an editor uses it: without a disk, with faults in the text, cancelled at any time.
 
+use crate::support::sources;
 use impellerc::diag::{Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::print;
@@ -9,7 +10,7 @@ use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::source::SourceMap;
 use impellerc::syntax::{self, ast::File};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
@@ -143,14 +144,7 @@ const OUTSIDE: [&str; 11] = [
 
 #[test]
 fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
-    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() { walk(&path, found) } else { found.push(path) }
-        }
-    }
-    let mut all = Vec::new();
-    walk(Path::new("src"), &mut all);
+    let all = sources::files(Path::new("src"));
     // `lib.rs` leaves these out without the feature `cli`.
     let command_line = ["src/main.rs", "src/driver", "src/output"];
     let own = all.iter().filter(|p| !command_line.iter().any(|c| p.starts_with(c) || p.starts_with(format!("{c}.rs"))));

@@ -1,6 +1,7 @@
 //! Dependencies of modules: a module uses only modules further left in its own layer and modules below, see
 //! `ARCHITECTURE.md`.
 
+use crate::support::sources::files;
 use std::path::{Path, PathBuf};
 
 /// What each module may name beside itself and the foundation.
@@ -47,18 +48,6 @@ const LONGEST_FILE: usize = 700;
 /// Lines from which a function is more than one thought.
 const LONGEST_FUNCTION: usize = 80;
 
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// Top-level module of a source file.
 fn module(path: &Path) -> String {
     let first = path.strip_prefix("src").unwrap().components().next().unwrap().as_os_str().to_str().unwrap();
@@ -96,8 +85,7 @@ fn named(text: &str) -> Vec<String> {
 
 #[test]
 fn modules_name_only_what_lies_below_them() {
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
+    let all = files(Path::new("src"));
     let mut faults = Vec::new();
     for path in &all {
         let own = module(path);
@@ -134,8 +122,7 @@ const FACES: &[&str] = &["src/part/", "src/job/", "src/lower/", "src/diag/codes/
 
 /// Lines of the code, tests of a file left out, that name something outside of the places where it may stand.
 fn named_outside(places: &[&str], names: impl Fn(&str) -> bool) -> Vec<String> {
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
+    let all = files(Path::new("src"));
     let mut faults = Vec::new();
     for path in all.iter().filter(|p| !places.iter().any(|place| p.starts_with(place))) {
         let text = std::fs::read_to_string(path).unwrap();
@@ -170,8 +157,7 @@ fn rotary_axes_have_no_letters_outside_of_texts() {
 
 #[test]
 fn files_have_headers_and_stay_short() {
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
+    let all = files(Path::new("src"));
     for path in &all {
         let text = std::fs::read_to_string(path).unwrap();
         assert!(text.starts_with("//!"), "{} has no header", path.display());
@@ -210,8 +196,7 @@ fn functions(text: &str) -> Vec<(String, usize)> {
 
 #[test]
 fn functions_stay_short() {
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
+    let all = files(Path::new("src"));
     let mut long = Vec::new();
     for path in &all {
         let text = std::fs::read_to_string(path).unwrap();
@@ -224,8 +209,7 @@ fn functions_stay_short() {
 /// Files of `src` outside of a folder whose code names it as a module, and the number of such lines in each.
 fn naming(folder: &Path) -> Vec<(String, usize)> {
     let name = folder.file_name().unwrap().to_str().unwrap().to_owned();
-    let mut all = Vec::new();
-    files(Path::new("src"), &mut all);
+    let all = files(Path::new("src"));
     let forms = [format!("{name}::"), format!("mod {name};")];
     let other = format!("analysis::{name}::");
     let names = |line: &&str| {

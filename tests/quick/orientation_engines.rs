@@ -7,7 +7,7 @@ use impellerc::geom::moving_least_squares::{Patch, curvatures};
 use impellerc::geom::{SurfaceCurvature, Triangulation};
 use impellerc::kin::Chain;
 use impellerc::orient::inscribe::{Proof, covered, inscribe};
-use impellerc::orient::{Candidate, Corridor, Costs, Energy, Weights, greedy};
+use impellerc::orient::{AxisCandidate, Corridor, Costs, Energy, Weights, greedy};
 use impellerc::part::{BladeId, Surface};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -328,10 +328,10 @@ fn the_way_of_least_cost_is_that_of_brute_force() {
         (state >> 33) as f64 / (1_u64 << 31) as f64
     };
     for _ in 0..20 {
-        let stations: Vec<Vec<Candidate>> = (0..6)
+        let stations: Vec<Vec<AxisCandidate>> = (0..6)
             .map(|_| {
                 (0..4)
-                    .map(|_| Candidate {
+                    .map(|_| AxisCandidate {
                         joints: [next() * 50.0, next() * 50.0, next() * 20.0, next(), next() * 7.0 - 3.5],
                         penalty: next() * 0.1,
                     })

@@ -6,6 +6,7 @@ pub mod bounded;
 pub mod browser;
 pub mod golden;
 pub mod jobs;
+pub mod sources;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;

@@ -9,7 +9,7 @@ use crate::geom::{EllipticCone, Triangulation};
 use crate::ir::{CcPass, ClPass, ClPoint};
 use crate::kin::{Angles, Chain, Machine, between};
 use crate::orient::inscribe::Proof;
-use crate::orient::{Candidate, Costs, Energy, greedy};
+use crate::orient::{AxisCandidate, Costs, Energy, greedy};
 use crate::progress::Work;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -102,7 +102,7 @@ impl PassWay {
 struct WayStations {
     way: PassWay,
     /// Clear axes of each station; empty where no axis is clear.
-    candidates: Vec<Vec<Candidate>>,
+    candidates: Vec<Vec<AxisCandidate>>,
     /// The direction of the channel at each station.
     middles: Vec<Vector3<f64>>,
 }
@@ -129,7 +129,7 @@ impl WayStations {
                         let penalty = AWAY * axis.angle(middle);
                         machine.chain.nearest(axis, 0.0).map(|rotary| {
                             let joints = machine.joints(&(centre - axis * radius), rotary).all();
-                            Candidate { joints, penalty }
+                            AxisCandidate { joints, penalty }
                         })
                     })
                     .collect()
@@ -186,7 +186,7 @@ pub(crate) fn shortest(
         match costs.shortest(candidates) {
             Ok(choice) => {
                 // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
-                let axis = |c: &Candidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
+                let axis = |c: &AxisCandidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
                 let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
                 let angles = rotary(&machine.chain, axes.into_iter());

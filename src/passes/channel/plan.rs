@@ -16,7 +16,7 @@ use crate::passes::context::{
     PassContext, STATIONS,
     limits::{check_fillet, check_points},
 };
-use crate::passes::lines::{self, Direction, DriveSurface, LaidLines, METRIC_STATIONS, constant_scallop, scallop};
+use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, METRIC_STATIONS, constant_scallop, scallop};
 use nalgebra::Vector2;
 
 /// Contacts with the hub of the ball that rolls in the fillet: (u of the hub, azimuth), ascending in u.
@@ -239,7 +239,7 @@ fn equal_division(
     operation: &Operation,
     floor: &ChannelFloor<'_>,
     height: f64,
-    directions: &[Direction; 2],
+    directions: &[LineDirection; 2],
 ) -> Result<LaidLines, Aborted> {
     let grid = &directions[0].grid;
     let (part, radius) = (floor.part, floor.radius);

@@ -98,14 +98,14 @@ pub(crate) struct LaidLines {
 }
 
 /// For lines that are cut in one direction: x of the stations, and the lengths of the leads at x = 0 and x = 1, mm.
-pub(crate) struct Direction {
+pub(crate) struct LineDirection {
     pub(crate) grid: Vec<f64>,
     leads: [f64; 2],
 }
 
 /// The directions of even and of odd lines, for speeds along x at both ends, mm per unit. A backward line has its
 /// lead-in at x = 1.
-pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> [Direction; 2] {
+pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> [LineDirection; 2] {
     let beyond = speed.map(|s| radius / s);
     let whole = 1.0 + beyond[0] + beyond[1];
     // Dense until the ball has passed the ends, then the leads.
@@ -117,7 +117,7 @@ pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], or
         grid.extend([from, to]);
         grid.sort_by(f64::total_cmp);
         grid.dedup();
-        Direction { grid, leads }
+        LineDirection { grid, leads }
     };
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
     let back = match order {
@@ -149,7 +149,7 @@ pub(crate) fn constant_scallop(
     surface: &dyn DriveSurface,
     radius: f64,
     height: f64,
-    directions: &[Direction; 2],
+    directions: &[LineDirection; 2],
 ) -> Result<LaidLines, Aborted> {
     let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
@@ -213,7 +213,7 @@ fn lay(
     surface: &dyn DriveSurface,
     radius: f64,
     planned: f64,
-    directions: &[Direction; 2],
+    directions: &[LineDirection; 2],
 ) -> Result<Vec<SurfaceLine>, Aborted> {
     cx.go_on()?;
     let grid = &directions[0].grid;

@@ -45,14 +45,14 @@ const NEAR: f64 = 0.06;
 
 /// A piece of a sweep that may be nearest somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Candidate {
+pub(crate) struct PieceCandidate {
     sweep: u32,
     piece: u32,
 }
 
 /// A candidate over a block of cells.
 struct Near {
-    candidate: Candidate,
+    candidate: PieceCandidate,
     /// Distance of the candidate from the middle of the block.
     value: f64,
     /// Lower bound of its distance over the block.
@@ -65,7 +65,7 @@ struct Near {
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     value: f64,
-    by: Option<Candidate>,
+    by: Option<PieceCandidate>,
 }
 
 /// Result of the evaluation of the corners of a patch.
@@ -140,7 +140,7 @@ impl Proved {
 
 /// A candidate over a patch.
 struct Far {
-    candidate: Candidate,
+    candidate: PieceCandidate,
     /// Lower bound of its distance over the patch.
     tangent: Tangent,
 }
@@ -160,7 +160,7 @@ impl<'h> Narrowing<'h> {
         Self { hull, found: Vec::new(), least: FAR, most }
     }
 
-    fn take(&mut self, sweep: &Sweep<'_>, candidate: Candidate) {
+    fn take(&mut self, sweep: &Sweep<'_>, candidate: PieceCandidate) {
         let Some(look) = sweep.look(candidate.piece, self.hull, self.most) else { return };
         if look.value < self.least {
             self.least = look.value;
@@ -357,7 +357,7 @@ impl PatchTask<'_> {
             let own = u32::try_from(k).unwrap_or(u32::MAX);
             sweep.gather(cutoff, &mut |piece| {
                 if let Some(tangent) = sweep.glance(piece, cutoff) {
-                    found.push(Far { candidate: Candidate { sweep: own, piece }, tangent });
+                    found.push(Far { candidate: PieceCandidate { sweep: own, piece }, tangent });
                 }
             });
         }
@@ -428,7 +428,7 @@ impl PatchTask<'_> {
     /// Bounds of g that are to be proved.
     fn below(&self, block: &CellBlock, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
-        let mut left: Vec<Candidate> = Vec::new();
+        let mut left: Vec<PieceCandidate> = Vec::new();
         for Near { bound, candidate: c, .. } in near {
             let bound = match *bound {
                 far if far >= goal => far,
@@ -449,7 +449,15 @@ impl PatchTask<'_> {
         }
     }
 
-    fn below_cell(&self, cell: &Cell, hull: &Hull, lies: Lies, near: &[Candidate], goal: f64, proved: &mut Proved) {
+    fn below_cell(
+        &self,
+        cell: &Cell,
+        hull: &Hull,
+        lies: Lies,
+        near: &[PieceCandidate],
+        goal: f64,
+        proved: &mut Proved,
+    ) {
         if lies == Lies::Outside {
             return;
         }
