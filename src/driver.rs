@@ -140,8 +140,8 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     };
 
     let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
-    let written = told(written, sink)?;
-    let read = told(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
+    let written = or_reported(written, sink)?;
+    let read = or_reported(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
     if options.emit == Some(Emit::Nc) {
         *emitted = Some(written.text);
         return Ok(());
@@ -164,7 +164,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
 }
 
 /// Reports the fault that stops a run.
-fn told<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> {
+fn or_reported<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> {
     made.map_err(|fault| {
         sink.push(fault);
         Aborted
@@ -184,7 +184,7 @@ fn check_before_planning(
     analysis::part_kind::check(program, sink)?;
     let post = find_post(program, sink)?;
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
-    let outputs = told(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
+    let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
     // finds no collision-free path.
@@ -212,9 +212,9 @@ fn save_refused(
 ) -> Result<Option<String>, Aborted> {
     if let Some(path) = &run.report {
         let html = report::html(shown, stages, sink);
-        told(outputs.stage("--report", path, html.as_bytes()), sink)?;
+        or_reported(outputs.stage("--report", path, html.as_bytes()), sink)?;
     }
-    told(outputs.commit(), sink)?;
+    or_reported(outputs.commit(), sink)?;
     let meshes = meshes_written(run, shown.motion);
     Ok(match &run.report {
         Some(path) => Some(format!("{meshes}wrote {}; no NC text\n", shown_path(path))),
@@ -293,7 +293,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     }
 
     let files = DiskFiles::new(&options.job, options.run.library.as_deref(), options.run.curves.as_deref());
-    let mut files = told(files, sink)?;
+    let mut files = or_reported(files, sink)?;
     if let Some(name) = &options.run.machine {
         take_machine(name, &mut ast, &mut files, sink)?;
     }
@@ -420,7 +420,7 @@ impl Written {
             ("--report", &run.report, html.as_deref().map(str::as_bytes)),
         ];
         let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
-        told(stages.run("save", || save(outputs, files)), sink)?;
+        or_reported(stages.run("save", || save(outputs, files)), sink)?;
 
         let mut said = match output {
             Some(path) => format!("wrote {}: {} lines\n", shown_path(path), self.text.lines().count()),

@@ -169,7 +169,7 @@ impl Outputs {
             interrupt::hold().stream(shown.display().to_string());
             stream(shown, bytes).map_err(|e| {
                 let part = format!("{} may have got a part of its text", shown.display());
-                told(failed(shown, &target::reason(&e)), &got, &[part])
+                with_outcome(failed(shown, &target::reason(&e)), &got, &[part])
             })?;
             interrupt::hold().streamed();
             got.push(shown.display().to_string());
@@ -192,7 +192,7 @@ impl Outputs {
             let undone = placed.into_iter().rev().map(|(file, old)| put_back(file, old.as_deref()));
             let stays: Vec<String> = undone.filter_map(Result::err).collect();
             drop(unfinished);
-            return Err(told(diag, &got, &stays));
+            return Err(with_outcome(diag, &got, &stays));
         }
         for (file, old) in placed {
             if let Some(old) = old {
@@ -327,7 +327,7 @@ fn failed(path: &Path, reason: &str) -> Diag {
 
 /// Adds notes about what was written in spite of the failure: devices that got their text, and files that could not be
 /// restored.
-fn told(diag: Diag, got: &[String], stays: &[String]) -> Diag {
+fn with_outcome(diag: Diag, got: &[String], stays: &[String]) -> Diag {
     let diag = if stays.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
     let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} got its whole text")));
     stays.iter().fold(diag, |diag, stays| diag.note(stays.clone()))

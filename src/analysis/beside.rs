@@ -42,7 +42,7 @@ struct Spot {
     kind: SurfaceKind,
     place: Place,
     /// Largest radius of a ball that touches the vane here and does not meet the next vane.
-    room: f64,
+    radius_limit: f64,
 }
 
 /// Measures every point milling operation, and reports tools that are too large.
@@ -62,7 +62,7 @@ pub(super) fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
         }
         let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
         let radius = program.tools[operation.tool].solid.cutter.tip_radius();
-        let fits = narrowest(part, &own, radius).is_none_or(|s| s.room >= radius);
+        let fits = narrowest(part, &own, radius).is_none_or(|s| s.radius_limit >= radius);
         let beside = Beside { operation: id, largest: largest(part, &own), fits };
         if !fits {
             sink.push(too_large(program, operation, &beside, narrowest(part, &own, radius)));
@@ -83,7 +83,11 @@ fn measure(part: &Part) -> Vec<Spot> {
         let spot = |k: usize| {
             let [i, j] = [k / (rows + 1), k % (rows + 1)];
             let place = chart.place(i as f64 / columns as f64, j as f64 / rows as f64);
-            chart.is_milled(&place.position).then(|| Spot { kind: chart.kind, place, room: room(&next, &place) })
+            chart.is_milled(&place.position).then(|| Spot {
+                kind: chart.kind,
+                place,
+                radius_limit: radius_limit(&next, &place),
+            })
         };
         spots.par_extend((0..(columns + 1) * (rows + 1)).into_par_iter().filter_map(spot));
     }
@@ -93,7 +97,7 @@ fn measure(part: &Part) -> Vec<Spot> {
 /// Radius of the largest ball that touches a place from outside and does not meet a surface. Each step shrinks the ball
 /// until it passes through the surface point nearest to its centre (Ma, Bae, Choi: 3D medial point approximation using
 /// nearest neighbors, 2012).
-fn room(surface: &FaceSurface, place: &Place) -> f64 {
+fn radius_limit(surface: &FaceSurface, place: &Place) -> f64 {
     let mut radius = ENDLESS;
     for _ in 0..SHRINKS {
         let centre = place.position + place.normal * radius;
@@ -113,16 +117,20 @@ fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spo
         let centre: Point3<f64> = s.place.position + s.place.normal * radius;
         part.hub.distance(&centre) >= radius - ROUNDING
     };
-    spots.iter().filter(over_hub).min_by(|a, b| a.room.total_cmp(&b.room)).copied()
+    spots.iter().filter(over_hub).min_by(|a, b| a.radius_limit.total_cmp(&b.radius_limit)).copied()
 }
 
 /// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.
 fn largest(part: &Part, spots: &[&Spot]) -> f64 {
     let fillet = part.main().fillet.map_or(f64::INFINITY, |f| f.get());
-    let (mut low, mut high) = (0.0, spots.iter().map(|s| s.room).fold(0.0, f64::max).min(fillet));
+    let (mut low, mut high) = (0.0, spots.iter().map(|s| s.radius_limit).fold(0.0, f64::max).min(fillet));
     while high - low > 1e-4 {
         let middle = 0.5 * (low + high);
-        if narrowest(part, spots, middle).is_some_and(|s| s.room >= middle) { low = middle } else { high = middle }
+        if narrowest(part, spots, middle).is_some_and(|s| s.radius_limit >= middle) {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     let largest = if fillet - low <= 1e-4 { fillet } else { low };
     (200.0 * largest).floor() / 200.0
@@ -146,7 +154,7 @@ fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Opti
     .help(format!("take a {end} of at most {} mm radius", beside.largest));
     if let Some(spot) = at {
         let [u, v] = spot.place.parameters;
-        diag = diag.note(format!("there is room for a radius of {:.3} mm there", spot.room)).place(
+        diag = diag.note(format!("there is room for a radius of {:.3} mm there", spot.radius_limit)).place(
             format!("{} at u = {u:.3}, v = {v:.3}", SurfaceId { kind: spot.kind, sector: 0 }),
             spot.place.position,
         );

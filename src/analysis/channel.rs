@@ -24,7 +24,7 @@ pub(crate) struct Channel<'a> {
 
 /// Free space between the walls at given distances from walls and hub.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room {
+pub struct FreeWidth {
     /// Distance between the two corner curves, mm; negative where the curves cross, so that no tool fits.
     pub width: f64,
     /// Place along the first wall from inlet (0) to outlet (1); beyond these values around the edge.
@@ -73,9 +73,9 @@ impl<'a> Channel<'a> {
             let flow = su - sv * (su.dot(&sv) / sv.norm_squared());
             point + (n * cos + flow.normalize() * sin) * wall
         };
-        let lack = |v: f64| self.part.hub.distance(&at(v)) - floor;
+        let over_floor = |v: f64| self.part.hub.distance(&at(v)) - floor;
         let (mut v0, mut v1) = (0.0, 0.25);
-        let (mut f0, mut f1) = (lack(v0), lack(v1));
+        let (mut f0, mut f1) = (over_floor(v0), over_floor(v1));
         for _ in 0..30 {
             if f1.abs() < EXACT {
                 return (-0.5..=1.5).contains(&v1).then(|| at(v1));
@@ -89,14 +89,14 @@ impl<'a> Channel<'a> {
             if v1 == v0 {
                 return None;
             }
-            f1 = lack(v1);
+            f1 = over_floor(v1);
         }
         None
     }
 
     /// Narrowest free space between the corner curves at these distances from walls and hub. `None` when a ruling has
     /// no such corner.
-    pub(crate) fn room(&self, wall: f64, floor: f64) -> Option<Room> {
+    pub(crate) fn free_width(&self, wall: f64, floor: f64) -> Option<FreeWidth> {
         let curve = |side: usize| -> Option<Vec<Point3<f64>>> {
             (0..=STATIONS).map(|i| self.corner(side, station(i), wall, floor)).collect()
         };
@@ -130,14 +130,14 @@ impl<'a> Channel<'a> {
                 step *= 0.5;
             }
         }
-        Some(Room { width: d, u, point: nalgebra::center(&ends.0, &ends.1) })
+        Some(FreeWidth { width: d, u, point: nalgebra::center(&ends.0, &ends.1) })
     }
 
     /// Where the curves cross: the place with the largest overlap; the width is the arc as a negative number.
-    fn crossing(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<Room> {
+    fn crossing(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<FreeWidth> {
         let along = |p: &Point3<f64>| self.part.hub.closest(nalgebra::Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
         let stations: Vec<f64> = b.iter().map(along).collect();
-        let mut worst: Option<Room> = None;
+        let mut worst: Option<FreeWidth> = None;
         for (i, p) in a.iter().enumerate() {
             // The other curve at the same station of the meridian.
             let s = along(p);
@@ -149,7 +149,7 @@ impl<'a> Channel<'a> {
             let gap = pitch + turn_between(libm::atan2(p.y, p.x) + pitch, libm::atan2(q.y, q.x));
             let width = gap * libm::hypot(p.x, p.y);
             if width < 0.0 && worst.is_none_or(|w| width < w.width) {
-                worst = Some(Room { width, u: station(20 + i), point: nalgebra::center(p, &q) });
+                worst = Some(FreeWidth { width, u: station(20 + i), point: nalgebra::center(p, &q) });
             }
         }
         worst

@@ -70,7 +70,7 @@ const OF_V: f64 = 0.6;
 const WENT_ON: f64 = 1.0 / 3.0;
 
 /// Most strips that a plan may optimise: each takes about a second of a processor.
-const MOST_BANDS: u32 = 200;
+const MOST_STRIPS: u32 = 200;
 
 /// Strips of a face that `strips auto` may try.
 const AUTO_BANDS: u32 = 8;
@@ -167,8 +167,8 @@ impl Sizes {
         match kind {
             OperationKind::Groove { depth, .. } => of(layers(depth), length, 1.0),
             OperationKind::Expand { depth, residual, .. } => {
-                let room = (0.5 * self.width - radius).max(0.0);
-                let pairs = (room / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);
+                let free = (0.5 * self.width - radius).max(0.0);
+                let pairs = (free / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);
                 of(layers(depth) * pairs, 2.0 * OF_V * length / ROUGHING_STATION, 1.0)
             }
             OperationKind::Flank { faces, flank } => {
@@ -334,23 +334,24 @@ fn fitting(program: &Program, operation: &Operation) -> Option<String> {
 
 /// Refuses more strips than can be optimised in minutes.
 fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
-    let bands = |o: &Operation| match &o.kind {
+    let strips_of = |o: &Operation| match &o.kind {
         OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
             flank.strips.unwrap_or(AUTO_BANDS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
         }
         _ => 0,
     };
-    let all = program.operations.iter().map(|(_, o)| bands(o)).fold(0, u32::saturating_add);
-    let Some((_, operation)) = program.operations.iter().filter(|_| all > MOST_BANDS).max_by_key(|(_, o)| bands(o))
+    let all = program.operations.iter().map(|(_, o)| strips_of(o)).fold(0, u32::saturating_add);
+    let Some((_, operation)) =
+        program.operations.iter().filter(|_| all > MOST_STRIPS).max_by_key(|(_, o)| strips_of(o))
     else {
         return Ok(());
     };
     sink.push(
         Diag::error(
             planning::OVER_MEMORY,
-            format!("the job optimises up to {all} strips of flank milling; at most {MOST_BANDS} are planned"),
+            format!("the job optimises up to {all} strips of flank milling; at most {MOST_STRIPS} are planned"),
         )
-        .label(operation.span, format!("{} of them", bands(operation)))
+        .label(operation.span, format!("{} of them", strips_of(operation)))
         .help(format!(
             "fewer `strips` (`strips auto` counts as {AUTO_BANDS} a face), or fewer operations by `method minimax` in a job"
         )),

@@ -1,7 +1,7 @@
 //! Fit of the side of a cutter to a face: the requirements of flank milling at points of the part, the start of the
 //! optimisation, and the least error with one, two and three strips.
 
-use super::tolerance_budget::room;
+use super::tolerance_budget::budget;
 use crate::collide::Cutter;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
@@ -57,7 +57,7 @@ impl<'a> Surroundings<'a> {
 }
 
 /// A strip of a face for a cutter.
-pub struct Band<'a> {
+pub struct Strip<'a> {
     around: &'a Surroundings<'a>,
     /// Face.
     pub side: FaceId,
@@ -94,8 +94,8 @@ fn rolling(part: &Part, cutter: &Cutter) -> f64 {
     part.main().fillet.map_or(cutter.tip_radius(), |f| f.get())
 }
 
-impl<'a> Band<'a> {
-    /// A band.
+impl<'a> Strip<'a> {
+    /// A strip.
     pub fn new(around: &'a Surroundings<'a>, side: FaceId, span: [f64; 2], cutter: Cutter) -> Self {
         Self { around, side, span, cutter }
     }
@@ -306,9 +306,9 @@ impl<'a> Band<'a> {
         let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
         let fit = least_squares(&start, &self.tool(), &targets);
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
-        let lack = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
-        let lacks = placed.iter().zip(&best.measured.at).map(lack);
-        let (error, placed) = lacks.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let violation = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
+        let violations = placed.iter().zip(&best.measured.at).map(violation);
+        let (error, placed) = violations.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(WorstError { error: error.max(0.0), placed })
     }
 }
@@ -326,16 +326,16 @@ pub struct WorstError {
 /// The error of a strip grows with the cube of its height (algorithms reference, 1.2). The lowest strip has to fit the
 /// floor as well, so that equal heights are not the best; `rounds` iterations equalise the errors. `None` where no ball
 /// rolls along the root.
-pub fn bands<'a>(
+pub fn strips_of<'a>(
     around: &'a Surroundings<'a>,
     side: FaceId,
     strips: u32,
     cutter: Cutter,
     rounds: usize,
-) -> Option<Vec<(Band<'a>, WorstError)>> {
-    let measured = |borders: &[f64]| -> Option<Vec<(Band<'a>, WorstError)>> {
-        let spans = borders.par_windows(2).map(|b| Band::new(around, side, [b[0], b[1]], cutter));
-        spans.map(|band| band.least_error().map(|found| (band, found))).collect()
+) -> Option<Vec<(Strip<'a>, WorstError)>> {
+    let measured = |borders: &[f64]| -> Option<Vec<(Strip<'a>, WorstError)>> {
+        let spans = borders.par_windows(2).map(|b| Strip::new(around, side, [b[0], b[1]], cutter));
+        spans.map(|strip| strip.least_error().map(|found| (strip, found))).collect()
     };
     let even: Vec<f64> = (0..=strips).map(|k| f64::from(k) / f64::from(strips)).collect();
     let first = measured(&even)?;
@@ -345,8 +345,8 @@ pub fn bands<'a>(
     let mut best = first;
     for _ in 0..rounds {
         // Heights that make all errors equal by the cubic law.
-        let even = |(band, w): &(Band<'_>, WorstError)| {
-            (band.span[1] - band.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
+        let even = |(strip, w): &(Strip<'_>, WorstError)| {
+            (strip.span[1] - strip.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
         };
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
@@ -368,8 +368,8 @@ pub fn bands<'a>(
 }
 
 /// The largest error of some strips; `None` without strips.
-pub fn worst(bands: &[(Band<'_>, WorstError)]) -> Option<WorstError> {
-    bands.iter().map(|b| b.1).max_by(|a, b| a.error.total_cmp(&b.error))
+pub fn worst(strips: &[(Strip<'_>, WorstError)]) -> Option<WorstError> {
+    strips.iter().map(|strip| strip.1).max_by(|a, b| a.error.total_cmp(&b.error))
 }
 
 /// The least error of a face with a number of strips, after `rounds` iterations of their heights; `None` where no ball
@@ -381,7 +381,7 @@ pub fn least_error(
     cutter: Cutter,
     rounds: usize,
 ) -> Option<WorstError> {
-    worst(&bands(around, side, strips, cutter, rounds)?)
+    worst(&strips_of(around, side, strips, cutter, rounds)?)
 }
 
 /// Size of the largest cutter of the same shape that leaves at most `error` with this number of strips, as a share of
@@ -435,8 +435,8 @@ pub fn report(program: &Program, sink: &mut Sink) {
         for side in faces {
             let cutter = tool.solid.cutter;
             if !asked.iter().any(|f| f.side == *side && f.cutter == cutter) {
-                let room = room(program, id, flank.side, SurfaceKind::Face(*side), *side);
-                let allowed = room.map_or((POINT_MILLED, false), |[below, above]| (0.5 * (below + above), true));
+                let budget = budget(program, id, flank.side, SurfaceKind::Face(*side), *side);
+                let allowed = budget.map_or((POINT_MILLED, false), |[below, above]| (0.5 * (below + above), true));
                 asked.push(Fit { side: *side, cutter, tool: tool.name.clone(), allowed });
             }
         }

@@ -1,7 +1,7 @@
 //! Reach of the tool of each operation that goes down to the floor of the channel: whether the tool fits with its
 //! allowances, and the largest tool of its kind that fits.
 
-use super::channel::{Channel, Room};
+use super::channel::{Channel, FreeWidth};
 use super::throat::Throat;
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
@@ -21,7 +21,7 @@ pub struct Reach {
     pub allowance_hub: f64,
     /// Free space over the hub allowance for the flat part of the tool's end, beyond its corners. The tool fits where
     /// this width is at least the diameter less twice the corner radius. `None` where no such corner exists.
-    pub room: Option<Room>,
+    pub free_width: Option<FreeWidth>,
     /// True when the tool fits over the hub allowance along the whole channel.
     pub fits: bool,
     /// Largest diameter of its kind (same corner radius, same taper) that fits, rounded down to 0.01 mm.
@@ -90,15 +90,15 @@ impl Finder<'_> {
     /// a hollow around a centre at the distance r from both. Inside of the fillet, at the height of the corner's
     /// centre, the corner comes nearer to the wall than the centre of the hollow by a chord of the hollow, less the
     /// allowance.
-    fn room(&self, corner: f64, vane: f64, hub: f64) -> Option<Room> {
-        let plain = self.channel.room(corner + vane, corner + hub)?;
+    fn free_width(&self, corner: f64, vane: f64, hub: f64) -> Option<FreeWidth> {
+        let plain = self.channel.free_width(corner + vane, corner + hub)?;
         let Some(fillet) = self.part.main().fillet.map(|f| f.get()) else { return Some(plain) };
         let hollow = fillet - vane - corner;
         let below = fillet - corner - hub;
         if hollow <= 0.0 || below <= 0.0 {
             return Some(plain);
         }
-        let mut round = self.channel.room(fillet, fillet)?;
+        let mut round = self.channel.free_width(fillet, fillet)?;
         round.width += 2.0 * (hollow * hollow - below * below).max(0.0).sqrt();
         Some(if round.width < plain.width { round } else { plain })
     }
@@ -125,7 +125,7 @@ impl Finder<'_> {
         let End { radius, corner } = end(cutter);
         let flat = 2.0 * (radius - corner);
         // The floor is judged over the allowance, the levels from a quarter of the height up.
-        self.fits_above(cutter, vane, 0.25) && self.room(corner, vane, hub).is_some_and(|r| r.width >= flat)
+        self.fits_above(cutter, vane, 0.25) && self.free_width(corner, vane, hub).is_some_and(|r| r.width >= flat)
     }
 
     /// Largest diameter of this kind that fits, by bisection.
@@ -159,7 +159,7 @@ pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<
                 operation: id,
                 allowance_vane: vane,
                 allowance_hub: hub,
-                room: finder.room(end(cutter).corner, vane, hub),
+                free_width: finder.free_width(end(cutter).corner, vane, hub),
                 fits: finder.fits(cutter, vane, hub),
                 largest: finder.largest(cutter, vane, hub),
                 fits_top: finder.fits_above(cutter, vane, 1.0),
@@ -219,9 +219,9 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     }
     let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
     diag = diag.note(format!("it has to keep {} mm off both vanes and {} mm off the hub{fillet}", left[0], left[1]));
-    if let Some(room) = reach.room {
+    if let Some(free_width) = reach.free_width {
         // The corners need space on both sides as well; a ball consists of corners only.
-        let across = (room.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);
+        let across = (free_width.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);
         diag = diag.note(format!("at that height it has room for {across:.2} mm, allowances taken off"));
     }
     diag = diag

@@ -18,8 +18,8 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
         seen.push(operation.tool);
         let tool = &program.tools[operation.tool];
         let clearance = program.machine.retract - tool.length() - height;
-        let lack = program.clearance.get() - clearance;
-        if lack > 0.0 {
+        let missing = program.clearance.get() - clearance;
+        if missing > 0.0 {
             sink.push(
                 Diag::error(
                     RETRACT_TOO_LOW,
@@ -41,7 +41,7 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 .help(format!(
                     "a retract {} higher (`[retract] z` of the machine file), a shorter tool or holder, or a part that stands \
                      lower or nearer to the axis of {first}",
-                    length(lack)
+                    length(missing)
                 )),
             );
         }

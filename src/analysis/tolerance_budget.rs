@@ -41,7 +41,7 @@ pub fn kept(program: &Program) -> f64 {
 
 /// Tolerance budget of the plan on a surface, below and above, mm, for passes along the face of `side`; `None` unless
 /// the contracts bound both.
-pub fn room(
+pub fn budget(
     program: &Program,
     operation: OperationId,
     errors: ErrorSide,

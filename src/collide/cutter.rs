@@ -65,7 +65,7 @@ pub struct ProfilePoint {
     /// Height over the tip.
     pub s: f64,
     /// Radius of curvature of the profile.
-    pub bend: f64,
+    pub arc_radius: f64,
 }
 
 impl Cutter {
@@ -73,8 +73,9 @@ impl Cutter {
     /// an angle, radians in (0, pi/2]; `None` for a flat end, which has no such point.
     pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
         let (sin, cos) = libm::sincos(angle);
-        let on_arc =
-            |rho: f64, s: f64, bend: f64| Some(ProfilePoint { rho: rho + bend * cos, s: s - bend * sin, bend });
+        let on_arc = |rho: f64, s: f64, arc_radius: f64| {
+            Some(ProfilePoint { rho: rho + arc_radius * cos, s: s - arc_radius * sin, arc_radius })
+        };
         match *self {
             Self::Flat { .. } => None,
             Self::Ball { radius } | Self::Lollipop { radius } => on_arc(0.0, radius, radius),
@@ -384,7 +385,11 @@ mod tests {
                 assert!((at.rho - angle.cos()).hypot(at.s + angle.sin()) < 1e-6, "{:?} {angle}", solid.cutter);
                 // The arc between two normals is their angle times the radius.
                 let q = solid.cutter.profile_at(angle + 1e-5).unwrap();
-                assert!(((q.rho - p.rho).hypot(q.s - p.s) / 1e-5 - p.bend).abs() < 1e-3, "{:?} {angle}", solid.cutter);
+                assert!(
+                    ((q.rho - p.rho).hypot(q.s - p.s) / 1e-5 - p.arc_radius).abs() < 1e-3,
+                    "{:?} {angle}",
+                    solid.cutter
+                );
             }
         }
     }

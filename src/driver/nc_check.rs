@@ -1,8 +1,8 @@
 //! `impellerc verify`: checks NC text against its job.
 
 use super::{
-    Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, reading, report, rest_stock,
-    save, shown_path, told,
+    Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, or_reported, reading, report,
+    rest_stock, save, shown_path,
 };
 use crate::analysis;
 use crate::diag::codes::post as codes;
@@ -95,7 +95,7 @@ fn measure(
     if let Some(path) = &check.certificate {
         outputs.protect(format!("the certificate `{}`", path.display()), path);
     }
-    let mut outputs = told(before_work(outputs, &check.run, &[], sources, program), sink)?;
+    let mut outputs = or_reported(before_work(outputs, &check.run, &[], sources, program), sink)?;
     let shown = check.nc.display().to_string();
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     // The dialect is that of the command line, or else of the job, unless the text clearly has the words of another
@@ -144,7 +144,7 @@ fn measure(
     });
     let file = check.run.report.as_deref().zip(html.as_deref());
     let file = file.map(|(path, html)| ("--report", path, html.as_bytes()));
-    told(save(outputs, file.into_iter()), sink)?;
+    or_reported(save(outputs, file.into_iter()), sink)?;
     let mut text = certificate.text(program, &motion.motion);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
@@ -412,8 +412,8 @@ fn read_motion(
             None => format!("give NC text: no line has a word of {} alone, as which it was read", post.name()),
         };
         // When no dialect is recognised, the text can be anything, and the first fault is enough.
-        let told = if meant.is_some() { faults.len() } else { 1 };
-        for fault in faults.into_iter().take(told) {
+        let shown = if meant.is_some() { faults.len() } else { 1 };
+        for fault in faults.into_iter().take(shown) {
             sink.push(
                 Diag::error(codes::NC_BLOCK, format!("line {}: {}", fault.line, fault.reason))
                     .label(span(fault.line), "this block")

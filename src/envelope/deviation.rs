@@ -61,8 +61,8 @@ fn body_slope(tool: &Mounted<'_>, rho: f64, s: f64) -> Slope {
     })
 }
 
-/// Remaining tilt of the axis, see [`Of::Lean`].
-fn leaning(at: &AxisAt, t: f64, most: f64) -> Deviation {
+/// Remaining tilt of the axis, see [`Of::Tilt`].
+fn remaining_tilt(at: &AxisAt, t: f64, most: f64) -> Deviation {
     let radial = libm::hypot(at.axis.x, at.axis.y);
     // Where the axis is parallel to Z, every direction of tilt is equal.
     let out = if radial > 0.0 { Vector3::new(at.axis.x, at.axis.y, 0.0) / radial } else { Vector3::x() };
@@ -105,7 +105,7 @@ pub fn deviations(
         Some(_) => Vec::new(),
     };
     let search = |(i, target): (usize, &Target)| match (target.of, before) {
-        (Of::Lean { t, most }, _) => leaning(&pieces.at(t), t, most),
+        (Of::Tilt { t, most }, _) => remaining_tilt(&pieces.at(t), t, most),
         (_, None) => nearest(&pieces, tool, &stations, target),
         (_, Some(before)) => downhill(&pieces, tool, before[i].t, 0.5 / count as f64, target),
     };

@@ -26,7 +26,7 @@ impl Measured {
     }
 
     /// Largest violation of the lower bounds and of the upper bounds, each at least zero.
-    pub fn lack(&self, targets: &[Target]) -> [f64; 2] {
+    pub fn violation(&self, targets: &[Target]) -> [f64; 2] {
         let mut most = [0.0_f64; 2];
         for (d, t) in self.at.iter().zip(targets) {
             most[0] = most[0].max(t.low - d.value);
@@ -37,14 +37,14 @@ impl Measured {
 
     /// Largest violation of any bound, mm, at least zero.
     pub fn worst(&self, targets: &[Target]) -> f64 {
-        let [below, above] = self.lack(targets);
+        let [below, above] = self.violation(targets);
         below.max(above)
     }
 
     /// Least widening, in proportion to the shares `give`, with which all bounds hold; infinite when a bound that may
     /// not give way is violated.
     pub fn widening(&self, targets: &[Target]) -> f64 {
-        let share = |lack: f64, give: f64| if lack <= ROUNDING { 0.0 } else { lack / give };
+        let share = |violation: f64, give: f64| if violation <= ROUNDING { 0.0 } else { violation / give };
         self.at.iter().zip(targets).fold(0.0, |most, (d, t)| {
             most.max(share(t.low - d.value, t.give[0])).max(share(d.value - t.high, t.give[1]))
         })

@@ -11,13 +11,13 @@
 //! that of the whole sweep, not that of one ruling from one axis.
 
 mod band;
-mod bend;
 pub mod deviation;
 pub mod ease;
 pub mod fit;
 pub mod measured;
 pub mod minimax;
 mod program;
+mod second_derivative;
 mod step;
 pub mod target;
 

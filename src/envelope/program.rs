@@ -2,7 +2,7 @@
 //! of Mehrotra on banded normal equations.
 //!
 //! For x in [-1, 1] and, where bounds may give way, a widening w >= 0, the program minimises x P x / 2 + q x + w
-//! subject to a x <= room + give w for all bounds. A general solver takes ten times as long, most of it for ordering
+//! subject to a x <= limit + give w for all bounds. A general solver takes ten times as long, most of it for ordering
 //! and for matrices that do not change.
 
 use super::band::{Band, Factor, dot};
@@ -10,7 +10,7 @@ use super::band::{Band, Factor, dot};
 /// Factors of a bound: for four control points of both curves.
 pub(super) const ENTRIES: usize = 24;
 
-/// A bound: a x <= room + give w.
+/// A bound: a x <= limit + give w.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
     /// First unknown of the bound.
@@ -18,7 +18,7 @@ pub(super) struct Bound {
     /// Factors of this unknown and of the next ones.
     pub(super) a: [f64; ENTRIES],
     /// Right side.
-    pub(super) room: f64,
+    pub(super) limit: f64,
     /// Factor of the widening.
     pub(super) give: f64,
 }
@@ -119,23 +119,23 @@ impl QuadraticProgram<'_> {
     pub(super) fn solve(&self) -> Option<(Vec<f64>, f64)> {
         let n = self.quadratic.size();
         let (mut x, mut w) = (vec![0.0; n], f64::from(u8::from(self.widens)));
-        let rooms = Each {
-            bounds: self.bounds.iter().map(|b| b.room).collect(),
+        let limits = Each {
+            bounds: self.bounds.iter().map(|b| b.limit).collect(),
             ends: [vec![1.0; n], vec![1.0; n]],
             widening: 0.0,
         };
         // Slack of each bound, positive, and its weight.
         let taken = self.taken(&x, w);
-        let mut left = Each::of(|room, taken, _| (room - taken).max(0.1), &rooms, &taken, &taken);
+        let mut left = Each::of(|limit, taken, _| (limit - taken).max(0.1), &limits, &taken, &taken);
         let mut weight = Each::of(|left, _, _| 1.0 / left.max(1.0), &left, &left, &left);
         if !self.widens {
             (left.widening, weight.widening) = (1.0, 0.0);
         }
-        let largest = rooms.all().fold(1.0, |m: f64, r| if r.is_finite() { m.max(r.abs()) } else { m });
+        let largest = limits.all().fold(1.0, |m: f64, r| if r.is_finite() { m.max(r.abs()) } else { m });
         for _ in 0..STEPS {
             let taken = self.taken(&x, w);
             // Residuals of bounds and slopes.
-            let bounds = Each::of(|taken, left, room| taken + left - room, &taken, &left, &rooms);
+            let bounds = Each::of(|taken, left, limit| taken + left - limit, &taken, &left, &limits);
             let bounds = if self.widens { bounds } else { Each { widening: 0.0, ..bounds } };
             let px = self.quadratic.times(&x);
             let (pulled, pulled_widening) = self.pulled(&weight);
@@ -267,7 +267,7 @@ mod tests {
         let bound = |k: usize| Bound {
             first: 6 * (k % 7),
             a: std::array::from_fn(|i| drawn(seed + 31 * k + i)),
-            room: tight + 0.5 * drawn(seed + 7 * k + 5),
+            limit: tight + 0.5 * drawn(seed + 7 * k + 5),
             give: f64::from(u8::from(widens)) * (0.5 + 0.5 * drawn(k).abs()),
         };
         let mut quadratic = Band::new(n, 29);
@@ -291,16 +291,16 @@ mod tests {
         };
         let p: Vec<Vec<f64>> = (0..unknowns).map(|i| (0..unknowns).map(|j| entry(i, j)).collect()).collect();
         let (mut rows, mut right) = (Vec::new(), Vec::new());
-        let mut put = |entries: &[(usize, f64)], room: f64| {
+        let mut put = |entries: &[(usize, f64)], limit: f64| {
             let mut row = vec![0.0; unknowns];
             entries.iter().for_each(|(i, x)| row[*i] = *x);
             rows.push(row);
-            right.push(room);
+            right.push(limit);
         };
         for b in program.bounds {
             let mut entries: Vec<(usize, f64)> = b.a.iter().enumerate().map(|(i, a)| (b.first + i, *a)).collect();
             entries.extend(program.widens.then_some((n, -b.give)));
-            put(&entries, b.room);
+            put(&entries, b.limit);
         }
         for i in 0..n {
             put(&[(i, 1.0)], 1.0);
@@ -325,7 +325,7 @@ mod tests {
             let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens };
             let (x, w) = program.solve().expect("a solution");
             for b in &bounds {
-                let over = dot(&b.a, &x[b.first..b.first + ENTRIES]) - b.room - b.give * w;
+                let over = dot(&b.a, &x[b.first..b.first + ENTRIES]) - b.limit - b.give * w;
                 assert!(over < 1e-6, "{seed}: {over}");
             }
             assert!(x.iter().all(|x| x.abs() < 1.0 + 1e-6) && w > -1e-6);
@@ -339,7 +339,7 @@ mod tests {
     #[test]
     fn bounds_that_exclude_each_other_have_no_solution() {
         let (mut bounds, quadratic, linear) = sample(3, false, 0.6);
-        let against = Bound { a: bounds[0].a.map(|a| -a), room: -bounds[0].room - 0.1, ..bounds[0] };
+        let against = Bound { a: bounds[0].a.map(|a| -a), limit: -bounds[0].limit - 0.1, ..bounds[0] };
         bounds.push(against);
         let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens: false };
         assert!(program.solve().is_none());

@@ -5,9 +5,9 @@
 //! further program adds bounds that its predecessor violates, until none is violated.
 
 use super::band::Band;
-use super::bend;
 use super::measured::{Measured, Row};
 use super::program::{Bound, QuadraticProgram};
+use super::second_derivative;
 use super::target::{Of, Target};
 use crate::geom::DualCurve;
 
@@ -44,12 +44,12 @@ pub(super) struct ControlStep {
     pub(super) widening: f64,
 }
 
-/// A bound of one target: `sign` times its change must be at most `room` plus `give` times the widening.
+/// A bound of one target: `sign` times its change must be at most `limit` plus `give` times the widening.
 #[derive(Clone, Copy)]
 struct Side {
     target: usize,
     sign: f64,
-    room: f64,
+    limit: f64,
     give: f64,
 }
 
@@ -78,7 +78,7 @@ const IDLE_IN_MOTION: f64 = 1e-6;
 
 /// Weight of the second derivatives against the widening, where targets push a curve along itself, 1/mm2. Of two equal
 /// curves the one with less second derivative wins, and not one that runs to and fro.
-const BEND: f64 = 1e-6;
+const SECOND_DERIVATIVE_WEIGHT: f64 = 1e-6;
 
 /// The best shifts. `None` when a program has no solution. `kept` holds the numbers of the targets with active bounds
 /// of the previous step, and is updated.
@@ -92,17 +92,17 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
     let (mut active, mut open) = (Vec::new(), Vec::new());
     for (i, (target, row)) in model.targets.iter().zip(model.rows).enumerate() {
         let value = model.values[i];
-        let below = Side { target: i, sign: -1.0, room: value - target.low, give: target.give[0] };
-        let above = Side { target: i, sign: 1.0, room: target.high - value, give: target.give[1] };
+        let below = Side { target: i, sign: -1.0, limit: value - target.low, give: target.give[0] };
+        let above = Side { target: i, sign: 1.0, limit: target.high - value, give: target.give[1] };
         let reach = row.reach() * model.trust;
         let list = if kept.binary_search(&i).is_ok() { &mut active } else { &mut open };
-        list.extend([below, above].into_iter().filter(|side| side.room <= reach));
+        list.extend([below, above].into_iter().filter(|side| side.limit <= reach));
     }
     // First the bounds that were active, then those with the least slack.
     let joining = JOIN.saturating_sub(active.len()).min(open.len());
     if joining > 0 {
         open.select_nth_unstable_by(joining - 1, |a, b| {
-            a.room.total_cmp(&b.room).then(a.target.cmp(&b.target)).then(a.sign.total_cmp(&b.sign))
+            a.limit.total_cmp(&b.limit).then(a.target.cmp(&b.target)).then(a.sign.total_cmp(&b.sign))
         });
         let mut nearest: Vec<Side> = open.drain(..joining).collect();
         nearest.sort_by(|a, b| a.target.cmp(&b.target).then(a.sign.total_cmp(&b.sign)));
@@ -111,7 +111,7 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
     for _ in 0..ROUNDS {
         let step = solve(model, aim, &active, unit)?;
         let over = |side: &Side| {
-            side.sign * model.rows[side.target].times(&step.shift) - side.room - side.give * step.widening
+            side.sign * model.rows[side.target].times(&step.shift) - side.limit - side.give * step.widening
         };
         let mut missed: Vec<(f64, usize)> =
             open.iter().enumerate().map(|(i, s)| (over(s), i)).filter(|x| x.0 > broken).collect();
@@ -151,15 +151,15 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
     let bound = |side: &Side| {
         let row = &model.rows[side.target];
         let scale = side.sign * model.trust / unit;
-        Bound { first: row.first, a: row.change.map(|x| x * scale), room: side.room / unit, give: side.give }
+        Bound { first: row.first, a: row.change.map(|x| x * scale), limit: side.limit / unit, give: side.give }
     };
     let bounds: Vec<Bound> = active.iter().map(bound).collect();
     let (quadratic, linear): (Band, Vec<f64>) = match aim {
         Aim::Widening(_) => {
-            let (mut beside, mut slope) = (Band::new(n, bend::WIDTH), vec![0.0; n]);
+            let (mut beside, mut slope) = (Band::new(n, second_derivative::WIDTH), vec![0.0; n]);
             let pushed = model.targets.iter().any(|t| t.of != Of::Cutter);
             if pushed {
-                bend::add_model(model.curve, BEND, &mut beside, &mut slope);
+                second_derivative::add_model(model.curve, SECOND_DERIVATIVE_WEIGHT, &mut beside, &mut slope);
                 beside.scale(model.trust * model.trust);
             }
             (0..n).for_each(|i| *beside.diagonal(i) += if pushed { IDLE_PUSHED } else { IDLE });

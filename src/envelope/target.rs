@@ -11,7 +11,7 @@ pub enum Of {
     Body,
     /// Remaining tilt of the axis against Z at a parameter, up to an angle in radians; as the motion of the axis point
     /// at the height [`LEVER`].
-    Lean {
+    Tilt {
         /// Parameter of the curves.
         t: f64,
         /// Largest angle between the axis and Z, radians.
@@ -25,7 +25,7 @@ pub const LEVER: f64 = 100.0;
 /// A point of the design with the bounds of its deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Position; for [`Of::Lean`] that of the tool.
+    /// Position; for [`Of::Tilt`] that of the tool.
     pub point: Point3<f64>,
     /// Part or property of the tool.
     pub of: Of,

@@ -106,14 +106,14 @@ impl RuledSurface {
             } else {
                 lo = u;
             }
-            let mut bend = s.su.norm_squared() + gap.dot(&s.suu);
+            let mut second = s.su.norm_squared() + gap.dot(&s.suu);
             if v_range[0] < v && v < v_range[1] {
                 // v follows u along the minimum over v.
                 let mixed = s.su.dot(&s.sv) + gap.dot(&s.suv);
-                bend -= mixed * mixed / s.sv.norm_squared();
+                second -= mixed * mixed / s.sv.norm_squared();
             }
-            let newton = u - slope / bend;
-            let next = if bend > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
+            let newton = u - slope / second;
+            let next = if second > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
             let change = (next - u).abs();
             u = next;
             if change < EXACT {

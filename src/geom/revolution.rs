@@ -159,9 +159,9 @@ impl Revolution {
             } else {
                 lo = u;
             }
-            let bend = m.first.norm_squared() + gap.dot(&m.second);
-            let newton = u - slope / bend;
-            let next = if bend > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
+            let second = m.first.norm_squared() + gap.dot(&m.second);
+            let newton = u - slope / second;
+            let next = if second > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
             let change = (next - u).abs();
             u = next;
             if change < EXACT {

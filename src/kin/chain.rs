@@ -272,16 +272,16 @@ impl Chain {
         let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG);
         let outward = (tool_axis - k2 * height) / radial;
         // Only axis 1 changes the height; axis 2 turns the rest.
-        let lean = outward * height - k2 * radial;
+        let polar_angle = outward * height - k2 * radial;
         let around = k2.cross(&outward) / radial;
         if self.swings_straight() {
-            return [(first, lean), (second, around)];
+            return [(first, polar_angle), (second, around)];
         }
         // d(height) = -swing sin(first - start) d(first), and axis 2 compensates the turn of the tool by axis 1 about
         // it.
         let slope = -self.swing * libm::sin(first - self.start);
         let slope = if slope.abs() < ALONG { ALONG.copysign(slope) } else { slope };
-        let of_first = lean * (-radial / slope);
+        let of_first = polar_angle * (-radial / slope);
         let tilted = self.tilted(first);
         let moved = self.axes[0].direction.cross(&tilted);
         let turned = k2.cross(&tilted).dot(&moved) / (radial * radial);
@@ -294,7 +294,7 @@ impl Chain {
     }
 
     /// Angle between the tool axis and axis 2 at an angle of axis 1, radians.
-    pub fn lean(&self, first: f64) -> f64 {
+    pub fn polar_angle(&self, first: f64) -> f64 {
         // Where the tool lies along axis 2 at zero and turns straight away from it, the result is the angle of axis 1.
         if self.swings_straight() && first.abs() <= PI {
             return first.abs();
@@ -502,9 +502,9 @@ mod tests {
 
         /// The angle to axis 2, compared with the angle of the vectors.
         #[test]
-        fn lean_is_the_angle_to_axis_2(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0]) {
+        fn polar_angle_is_the_angle_to_axis_2(chain in chain(), angles in [-3.0..3.0_f64, -3.0..3.0]) {
             let angle = chain.tool_axis(angles).angle(&chain.axes()[1].direction);
-            prop_assert!((chain.lean(angles[0]) - angle).abs() < 1e-7);
+            prop_assert!((chain.polar_angle(angles[0]) - angle).abs() < 1e-7);
         }
     }
 }

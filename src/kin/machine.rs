@@ -165,9 +165,9 @@ impl Machine {
     }
 
     /// Largest angle between the tool and rotary axis 2 within the travel of axis 1, radians, on either branch.
-    pub fn most_lean(&self) -> f64 {
+    pub fn most_polar_angle(&self) -> f64 {
         let [first, _] = &self.rotary;
-        self.chain.lean(first.max).max(self.chain.lean(first.min))
+        self.chain.polar_angle(first.max).max(self.chain.polar_angle(first.min))
     }
 
     /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the

@@ -46,7 +46,7 @@ impl Costs {
         (0..5).map(|k| d[k].abs() / self.speed[k]).fold(0.0, f64::max)
     }
 
-    fn bend(&self, before: &Joints5, after: &Joints5) -> f64 {
+    fn second_difference(&self, before: &Joints5, after: &Joints5) -> f64 {
         self.smoothness * (0..5).map(|k| (after[k] - before[k]).powi(2) / self.acceleration[k]).sum::<f64>()
     }
 
@@ -56,8 +56,8 @@ impl Costs {
         let steps: Vec<Joints5> =
             (1..choice.len()).map(|i| Self::difference(&at(i - 1).joints, &at(i).joints)).collect();
         let penalties: f64 = (0..choice.len()).map(|i| at(i).penalty).sum();
-        let bends: f64 = steps.windows(2).map(|w| self.bend(&w[0], &w[1])).sum();
-        penalties + steps.iter().map(|d| self.step(d)).sum::<f64>() + bends
+        let seconds: f64 = steps.windows(2).map(|w| self.second_difference(&w[0], &w[1])).sum();
+        penalties + steps.iter().map(|d| self.step(d)).sum::<f64>() + seconds
     }
 
     /// The cheapest sequence: an index of a candidate for each station. Of equal sequences the first is taken.
@@ -94,7 +94,7 @@ impl Costs {
             for step in &mut layer {
                 let mut best = (f64::INFINITY, 0);
                 for k in &arriving[step.from] {
-                    let cost = last[*k].cost + self.bend(&last[*k].difference, &step.difference);
+                    let cost = last[*k].cost + self.second_difference(&last[*k].difference, &step.difference);
                     if cost < best.0 {
                         best = (cost, *k);
                     }

@@ -10,10 +10,10 @@
 //! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 
 use super::borders::{Opening, arc_between};
+use super::chart_table::{ChartForm, ChartTable, ChartTables};
 use super::{BladeId, Extent, FaceId, Part, Passage, Surface, SurfaceKind, hub_normal};
 use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 /// Difference of two values of the secant method that has no slope, mm.
 const LEVEL: f64 = 1e-15;
@@ -32,19 +32,7 @@ pub struct Chart<'a> {
     pub kind: SurfaceKind,
     part: &'a Part,
     extent: Extent,
-    form: ChartForm,
-}
-
-#[derive(Clone, Debug)]
-enum ChartForm {
-    /// v at the lower and upper border of a face, row by row.
-    Face { face: FaceId, borders: Vec<[f64; 2]> },
-    /// Centre of the rolling ball, and unit vectors from the centre to face and hub.
-    Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
-    /// First azimuth and opening angle of the channel.
-    Hub { borders: Vec<[f64; 2]> },
-    /// u of the end, and v at the lower and upper border on each face.
-    Edge { blade: BladeId, u: f64, ranges: [[f64; 2]; 2] },
+    form: &'a ChartForm,
 }
 
 /// A place of a chart.
@@ -120,24 +108,32 @@ impl Patch {
 /// Cells along a side of a patch.
 const PATCH: usize = 8;
 
+fn tables(part: &Part) -> ChartTables {
+    let mut milled: Vec<ChartTable> = part.faces().map(|id| face(part, id)).collect();
+    milled.extend(part.faces().filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
+    milled.extend(part.passages().filter_map(|passage| hub(part, &passage)));
+    ChartTables { milled, edges: part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect() }
+}
+
 /// Charts of all milled surfaces of sector 0.
 pub fn charts(part: &Part) -> Vec<Chart<'_>> {
-    let mut charts: Vec<Chart<'_>> = part.faces().map(|id| face(part, id)).collect();
-    charts.extend(part.faces().filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
-    charts.extend(part.passages().filter_map(|passage| hub(part, &passage)));
-    charts
+    part.chart_tables(tables).milled.iter().map(|table| Chart::new(part, table)).collect()
 }
 
 /// Charts of the edges of all blades of sector 0.
 pub fn edges(part: &Part) -> impl Iterator<Item = Chart<'_>> {
-    part.blade_ids().flat_map(|blade| edges_of(part, blade))
+    part.chart_tables(tables).edges.iter().map(|table| Chart::new(part, table))
 }
 
 /// Charts of the edges of a blade of sector 0 at inlet and outlet, between its faces.
 pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
+    [0, 1].map(|end| Chart::new(part, &part.chart_tables(tables).edges[2 * blade.index() + end]))
+}
+
+fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {
     [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)].map(|(kind, u)| {
         let ranges = blade.faces().map(|id| borders(part, id, u));
-        Chart { kind, part, extent: part.extent(blade), form: ChartForm::Edge { blade, u, ranges } }
+        ChartTable { kind, blade, form: ChartForm::Edge { blade, u, ranges } }
     })
 }
 
@@ -150,21 +146,16 @@ fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
     [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
 }
 
-fn rows() -> impl IndexedParallelIterator<Item = f64> {
-    (0..ROWS + 1).into_par_iter().map(|i| i as f64 / ROWS as f64)
+fn rows() -> impl Iterator<Item = f64> {
+    (0..=ROWS).map(|i| i as f64 / ROWS as f64)
 }
 
-fn face(part: &Part, id: FaceId) -> Chart<'_> {
+fn face(part: &Part, id: FaceId) -> ChartTable {
     let borders = rows().map(|u| borders(part, id, u)).collect();
-    Chart {
-        kind: SurfaceKind::Face(id),
-        part,
-        extent: part.extent(id.blade),
-        form: ChartForm::Face { face: id, borders },
-    }
+    ChartTable { kind: SurfaceKind::Face(id), blade: id.blade, form: ChartForm::Face { face: id, borders } }
 }
 
-fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
+fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<ChartTable> {
     let face = part.face(id);
     let [from, to] = part.fillet_ends(id, radius);
     let ball = |u: f64| {
@@ -181,23 +172,29 @@ fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<Chart<'_>> {
     let last = (middle..=ROWS).find(|i| found[*i].is_none()).unwrap_or(ROWS + 1);
     let balls: Vec<[Vector3<f64>; 3]> = found[first..last].iter().copied().flatten().collect();
     let u = [first, last - 1].map(|i| from + (to - from) * i as f64 / ROWS as f64);
-    (balls.len() > 3).then_some(Chart {
+    (balls.len() > 3).then_some(ChartTable {
         kind: SurfaceKind::Fillet(id),
-        part,
-        extent: part.extent(id.blade),
+        blade: id.blade,
         form: ChartForm::Fillet { radius, u, balls },
     })
 }
 
-fn hub<'a>(part: &'a Part, passage: &Passage) -> Option<Chart<'a>> {
+fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
     let opening = Opening::of(part, passage);
     let border = |i| opening.at(i as f64 / ROWS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
     let borders: Option<Vec<[f64; 2]>> = (0..=ROWS).map(border).collect();
-    let extent = part.extent(BladeId::MAIN);
-    Some(Chart { kind: SurfaceKind::Hub(passage.id), part, extent, form: ChartForm::Hub { borders: borders? } })
+    Some(ChartTable {
+        kind: SurfaceKind::Hub(passage.id),
+        blade: BladeId::MAIN,
+        form: ChartForm::Hub { borders: borders? },
+    })
 }
 
-impl Chart<'_> {
+impl<'a> Chart<'a> {
+    fn new(part: &'a Part, table: &'a ChartTable) -> Self {
+        Self { kind: table.kind, part, extent: part.extent(table.blade), form: &table.form }
+    }
+
     /// Point of an edge.
     fn on_edge(&self, blade: BladeId, u: f64, ranges: &[[f64; 2]; 2], x: f64, y: f64) -> Point3<f64> {
         let [p, s] = blade.faces().map(|id| {
@@ -229,7 +226,7 @@ impl Chart<'_> {
 
 impl Shape for Chart<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
-        match &self.form {
+        match self.form {
             ChartForm::Face { face, borders } => {
                 let [low, high] = level(borders, x);
                 let v = low + (high - low) * y;

@@ -14,6 +14,7 @@
 //! | `extent` | space between inlet and outlet, which contains the milled surfaces |
 //! | `borders` | borders between neighbouring surfaces |
 //! | `chart` | milled surfaces over the unit square |
+//! | `chart_table` | their tables, made once for a part |
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |
 //! | `solid` | the closed part, and its volume |
@@ -21,6 +22,7 @@
 mod blade;
 mod borders;
 pub mod chart;
+mod chart_table;
 mod extent;
 pub mod kept;
 mod names;
@@ -33,9 +35,9 @@ pub mod surface;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use extent::Extent;
-pub use names::{SurfaceClass, SurfaceId, SurfaceKind};
+pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
 pub use rolling_ball::hub_normal;
-pub use row::{Part, Passage, PassageId};
+pub use row::{Part, Passage, Row};
 pub use sample::{Sample, sample};
 pub use stock::{Clamping, Stock};
 pub use surface::{FaceSurface, Surface};

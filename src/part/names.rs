@@ -1,6 +1,20 @@
-//! Names of all surfaces of the finished part.
+//! Names of all surfaces of the finished part, and of its passages.
 
-use super::{BladeId, FaceId, PassageId};
+use super::blade::{BladeId, FaceId};
+
+/// A passage of a sector: the channel between two neighbouring blades. The first one follows the main blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PassageId(pub(super) u16);
+
+impl PassageId {
+    /// The passage that follows the main blade counter-clockwise.
+    pub const FIRST: Self = Self(0);
+
+    /// Suffix to the number of its sector, empty for the first passage: `channel 3`, `channel 3.1`.
+    fn suffix(self) -> String {
+        if self == Self::FIRST { String::new() } else { format!(".{}", self.0) }
+    }
+}
 
 /// Kind of a design surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,14 +1,25 @@
 //! The design part: a row of blades between hub and shroud.
 
 use super::blade::{Blade, BladeId, Face, FaceId, Guides};
+use super::chart_table::ChartTables;
+use super::names::PassageId;
 use super::surface::{FaceSurface, Surface};
 use crate::geom::{NurbsCurve, Revolution};
 use crate::units::Mm;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
+use std::sync::OnceLock;
 
-/// The design part. Sector k is sector 0 rotated about Z by k pitches (Wei 18).
+/// The design part. Sector k is sector 0 rotated about Z by k pitches (Wei 18). Its row cannot be changed, since the
+/// charts are made from it once.
 #[derive(Clone, Debug)]
 pub struct Part {
+    row: Row,
+    charts: OnceLock<ChartTables>,
+}
+
+/// Blades of a sector between hub and shroud.
+#[derive(Clone, Debug)]
+pub struct Row {
     /// Number of sectors, and therefore of main blades.
     pub vane_count: u32,
     /// Blades of sector 0: the main blade, then its splitters counter-clockwise, less than a pitch ahead of it.
@@ -17,20 +28,6 @@ pub struct Part {
     pub hub: Revolution,
     /// Surface of the blade tips.
     pub shroud: Revolution,
-}
-
-/// A passage of a sector: the channel between two neighbouring blades. The first one follows the main blade.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PassageId(u16);
-
-impl PassageId {
-    /// The passage that follows the main blade counter-clockwise.
-    pub const FIRST: Self = Self(0);
-
-    /// Suffix to the number of its sector, empty for the first passage: `channel 3`, `channel 3.1`.
-    pub(super) fn suffix(self) -> String {
-        if self == Self::FIRST { String::new() } else { format!(".{}", self.0) }
-    }
 }
 
 /// The space between two neighbouring blades.
@@ -42,6 +39,14 @@ pub struct Passage {
     pub walls: [FaceId; 2],
     /// Sectors from the first wall to the second: 1 behind the last blade of a sector, else 0.
     pub sectors: u32,
+}
+
+impl std::ops::Deref for Part {
+    type Target = Row;
+
+    fn deref(&self) -> &Row {
+        &self.row
+    }
 }
 
 impl Part {
@@ -77,12 +82,26 @@ impl Part {
             let [a, b] = [a, b].map(|blade| ahead_of(&from, &blade.faces[0].surface.point(1.0, 0.5)));
             a.total_cmp(&b)
         });
-        Self {
+        let row = Row {
             vane_count,
             hub: Revolution::new(hub, outside),
             shroud: Revolution::new(shroud, beyond),
             blades: std::iter::once(main).chain(splitters).collect(),
-        }
+        };
+        Self { row, charts: OnceLock::new() }
+    }
+
+    /// The same part with another fillet of the main blade.
+    #[must_use]
+    pub fn with_fillet(&self, fillet: Option<Mm>) -> Self {
+        let mut row = self.row.clone();
+        row.blades[0].fillet = fillet;
+        Self { row, charts: OnceLock::new() }
+    }
+
+    /// Tables of the charts of sector 0. `make` makes them at the first call; it must not wait for other threads.
+    pub(super) fn chart_tables(&self, make: impl FnOnce(&Self) -> ChartTables) -> &ChartTables {
+        self.charts.get_or_init(|| make(self))
     }
 
     /// Angle between neighbouring main blades.

@@ -60,7 +60,7 @@ pub fn motion_of(
     span: &dyn Fn(usize) -> Span,
     sink: &mut Sink,
 ) -> Option<NcMotion> {
-    let mut reader = Interpreter { program, span, sink, sound: true, told: 0 };
+    let mut reader = Interpreter { program, span, sink, sound: true, reported: 0 };
     let mut result = NcMotion::default();
     let operations: Vec<(OperationId, &Operation)> = program.operations.iter().collect();
     for (k, section) in sections.iter().enumerate() {
@@ -97,13 +97,13 @@ struct Interpreter<'a> {
     span: &'a dyn Fn(usize) -> Span,
     sink: &'a mut Sink,
     sound: bool,
-    told: usize,
+    reported: usize,
 }
 
 impl Interpreter<'_> {
     fn fault(&mut self, code: Code, line: usize, text: String, help: &str) -> Diag {
         // To find a line takes time in proportion to the length of the text.
-        if self.told >= MOST_FAULTS {
+        if self.reported >= MOST_FAULTS {
             return Diag::error(code, text);
         }
         Diag::error(code, text).label((self.span)(line), "this block").help(help)
@@ -112,8 +112,8 @@ impl Interpreter<'_> {
     /// Reports a fault. A text with more than [`MOST_FAULTS`] faults is not measured: each of a million blocks may have
     /// a fault.
     fn tell(&mut self, diag: Diag) {
-        self.told += 1;
-        if self.told <= MOST_FAULTS {
+        self.reported += 1;
+        if self.reported <= MOST_FAULTS {
             self.sink.push(diag);
         } else {
             self.sound = false;

@@ -29,7 +29,7 @@ pub enum FieldError {
 
 /// Missing parts of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lack {
+pub struct Uncut {
     /// Volume by the rays, mean of the three families, mm3.
     pub volume: f64,
     /// Middle of the longest missing interval.
@@ -202,7 +202,7 @@ impl Field {
 
     /// Missing parts of a body of revolution about Z, the inside of a closed profile of (r, z) points. `None` when no
     /// missing interval of a ray is longer than `least`, mm. Between the rays nothing is known.
-    pub fn lacks(&self, profile: &[[f64; 2]], least: f64) -> Option<Lack> {
+    pub fn uncut_under(&self, profile: &[[f64; 2]], least: f64) -> Option<Uncut> {
         let mut all = Missed::NOTHING;
         for axis in 0..3 {
             let rows: Vec<Missed> = (0..self.count[across(axis)[0]])
@@ -214,7 +214,7 @@ impl Field {
             }
         }
         let point = all.middle;
-        (all.longest > 0.0).then(|| Lack { volume: all.length * self.cell * self.cell / 3.0, point })
+        (all.longest > 0.0).then(|| Uncut { volume: all.length * self.cell * self.cell / 3.0, point })
     }
 
     /// Missing parts of the body on a row of rays along an axis.

@@ -4,7 +4,7 @@
 //! when the body is nearest, then for the times before and after, and so on. Queries of all intervals are combined,
 //! eight at once; the removed parts are united at the end.
 
-use super::lanes::{self, LANES, Lanes, Question, Told};
+use super::lanes::{self, Answers, LANES, Lanes, Question};
 use super::moving::{MOST_NEWTON, Moving};
 use super::ray::SKIN;
 use super::sweep::{GAP, RayLine, StepQuery};
@@ -186,7 +186,7 @@ impl Intervals {
             if count == 0 {
                 return;
             }
-            let Told { state, from, to, slope } = self.vectors.dispatch(Question { moving, lanes: &lanes });
+            let Answers { state, from, to, slope } = self.vectors.dispatch(Question { moving, lanes: &lanes });
             for i in 0..count {
                 let open = &self.open[who[i]];
                 match state[i] {

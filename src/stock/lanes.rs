@@ -53,7 +53,7 @@ const HALF_CUT: u64 = 3;
 
 /// Result of a query: what one pose decides about the intervals over the piece of time.
 #[derive(Default)]
-pub(super) struct Told {
+pub(super) struct Answers {
     pub(super) state: [u64; LANES],
     /// The removed part.
     pub(super) from: Lane,
@@ -68,10 +68,10 @@ pub(super) struct Told {
 fn least(look: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
     let square = run * run;
     let slope = look.slope * run - (drift + twist * square) * run.abs();
-    let bend = look.bend * square;
-    let far = slope + bend;
-    let dips = (slope < 0.0) & (bend > -0.5 * slope);
-    let dip = -0.25 * slope * slope / if dips { bend } else { 1.0 };
+    let second = look.second * square;
+    let far = slope + second;
+    let dips = (slope < 0.0) & (second > -0.5 * slope);
+    let dip = -0.25 * slope * slope / if dips { second } else { 1.0 };
     look.f + if dips { dip } else { smaller(far, 0.0) }
 }
 
@@ -95,23 +95,23 @@ pub(super) struct Question<'a> {
 
 /// Run by [`pulp::Arch::dispatch`], which compiles the query for the vectors of the processor.
 impl pulp::WithSimd for Question<'_> {
-    type Output = Told;
+    type Output = Answers;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Told {
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Answers {
         match self.moving.shape {
-            SolidShape::Flat { radius, top } => self.told(&Round::<false> { radius, top }),
-            SolidShape::Ball { radius, top } if top > 2.0 * radius => self.told(&Round::<true> { radius, top }),
-            shape => self.told(&shape),
+            SolidShape::Flat { radius, top } => self.answers(&Round::<false> { radius, top }),
+            SolidShape::Ball { radius, top } if top > 2.0 * radius => self.answers(&Round::<true> { radius, top }),
+            shape => self.answers(&shape),
         }
     }
 }
 
 impl Question<'_> {
     #[inline(always)]
-    fn told(&self, body: &impl Standing) -> Told {
+    fn answers(&self, body: &impl Standing) -> Answers {
         let Self { moving, lanes } = self;
-        let mut told = Told::default();
+        let mut answers = Answers::default();
         for i in 0..LANES {
             let pose = moving.sweep.stand(lanes.t[i]);
             let line = RayLine { x: lanes.x[i], y: lanes.y[i] };
@@ -142,24 +142,24 @@ impl Question<'_> {
             let untouched = if settled { UNTOUCHED } else { OPEN };
             let cut = if upper & lower { HALF_CUT } else { CUT };
             let cut = if leaves | !(upper | lower) { cut } else { OPEN };
-            told.state[i] = if through { cut } else { untouched };
-            told.slope[i] = look.slope;
-            told.from[i] = larger(low, a);
-            told.to[i] = smaller(high, b);
+            answers.state[i] = if through { cut } else { untouched };
+            answers.slope[i] = look.slope;
+            answers.from[i] = larger(low, a);
+            answers.to[i] = smaller(high, b);
         }
         for i in 0..LANES {
-            if told.state[i] == HALF_CUT {
+            if answers.state[i] == HALF_CUT {
                 let pose = moving.sweep.stand(lanes.t[i]);
-                let look = pose.look(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, told.from[i]);
+                let look = pose.look(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, answers.from[i]);
                 let runs = [lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]];
                 let span = larger(-runs[0], runs[1]);
                 let least = runs.map(|run| least(&look, run, moving.drift, moving.twist));
                 let leaves = -look.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
-                told.state[i] = if leaves { CUT } else { OPEN };
-                told.slope[i] = look.slope;
+                answers.state[i] = if leaves { CUT } else { OPEN };
+                answers.slope[i] = look.slope;
             }
         }
-        told
+        answers
     }
 }
 
@@ -183,7 +183,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
         const FAR: f64 = f64::INFINITY;
         let (radius, top) = (self.radius, self.top);
         let along = pose.axis.z;
-        let (crosses, leans) = (pose.by_square > 0.0, pose.by_along != 0.0);
+        let (crosses, tilted) = (pose.by_square > 0.0, pose.by_along != 0.0);
         let d = line.point(0.0) - pose.tip;
         let (s, far) = (d.dot(&pose.axis), d.norm_squared());
         // The cylinder: squared distance from its axis, less its squared radius.
@@ -197,7 +197,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
         let planes = |from: f64, to: f64| {
             let (p, q) = ((from - s) * pose.by_along, (to - s) * pose.by_along);
             let flat = if (s > from) & (s < to) { FAR } else { -FAR };
-            (if leans { smaller(p, q) } else { -flat }, if leans { larger(p, q) } else { flat })
+            (if tilted { smaller(p, q) } else { -flat }, if tilted { larger(p, q) } else { flat })
         };
         let (bottom, end) = planes(if BALL { radius } else { 0.0 }, top);
         let (mut low, mut high) = (larger(low, bottom), smaller(high, end));

@@ -30,7 +30,7 @@ pub mod simulate;
 mod sweep;
 mod tile;
 
-pub use field::{Field, FieldError, Lack};
+pub use field::{Field, FieldError, Uncut};
 pub use mesh::Mesh;
 pub use simulate::{BlockCut, Collision, Outcome, simulate};
 

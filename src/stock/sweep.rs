@@ -39,7 +39,7 @@ pub(super) struct StepQuery {
     pub(super) slope: f64,
     /// Half the second derivative by time, without the contribution of the surface of the body, which is never
     /// negative.
-    pub(super) bend: f64,
+    pub(super) second: f64,
     /// Time.
     pub(super) t: f64,
 }
@@ -100,7 +100,7 @@ impl StepPose {
             f: v.f,
             rise: across.z * share * v.by_rho + self.axis.z * v.by_s,
             slope: v.by_rho * r1 + v.by_s * s1,
-            bend: 0.5 * (v.by_rho * r2 + v.by_s * s2),
+            second: 0.5 * (v.by_rho * r2 + v.by_s * s2),
             t: self.t,
         }
     }
@@ -266,7 +266,7 @@ impl StepSweep {
         let first = self.look(shape, line, z, guess);
         let end = if first.slope > 0.0 { from } else { to };
         // Largest fall of the function to both sides.
-        let fall = |run: f64| (first.slope + first.bend.min(0.0) * run) * run;
+        let fall = |run: f64| (first.slope + first.second.min(0.0) * run) * run;
         let gap = -fall(from - first.t).min(fall(to - first.t)).min(0.0);
         if gap < GAP || first.f - gap > cutoff {
             return StepQuery { f: first.f - gap, ..first };
@@ -344,7 +344,7 @@ mod tests {
                         let look = sweep.look(&shape, &line, p.z, t);
                         let run = s.t - t;
                         assert!(s.f > look.f + look.slope * run - bow * run * run - 1e-9, "{k} {i} {t}");
-                        let parabola = look.f + (look.slope + look.bend * run) * run;
+                        let parabola = look.f + (look.slope + look.second * run) * run;
                         assert!(s.f > parabola - twist * run.abs().powi(3) - 1e-9, "{k} {i} {t}");
                     }
                 }

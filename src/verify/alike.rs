@@ -23,13 +23,13 @@ impl Alike {
     }
 }
 
-/// Groups surfaces of one kind with the same text, in the order of their first members. `told` gives the text, or
+/// Groups surfaces of one kind with the same text, in the order of their first members. `text_of` gives the text, or
 /// `None` for a surface that is not reported.
-pub fn alike(surfaces: &[SurfaceReport], told: impl Fn(&SurfaceReport) -> Option<String>) -> Vec<Alike> {
+pub fn alike(surfaces: &[SurfaceReport], text_of: impl Fn(&SurfaceReport) -> Option<String>) -> Vec<Alike> {
     let mut keys: Vec<(usize, String)> = Vec::new();
     let mut groups: Vec<Alike> = Vec::new();
     for (i, s) in surfaces.iter().enumerate() {
-        let Some(text) = told(s) else { continue };
+        let Some(text) = text_of(s) else { continue };
         let same = |(first, key): &(usize, String)| {
             surfaces.get(*first).is_some_and(|f| f.id.kind == s.id.kind) && *key == text
         };

@@ -236,10 +236,10 @@ impl Certificate {
             )?;
         }
         let most = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
-        let told = |mm: f64| if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { length(mm) };
+        let figure = |mm: f64| if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { length(mm) };
         let bound = |f: &dyn Fn(&SurfaceReport) -> f64| self.surfaces.iter().map(f).fold(0.0, f64::max);
         if let Some(s) = most(&|s| s.gouge.depth) {
-            let (found, place) = (told(s.gouge.depth), describe(program, motion, s.gouge.at));
+            let (found, place) = (figure(s.gouge.depth), describe(program, motion, s.gouge.at));
             let loose = |s: &SurfaceReport| s.gouge_bound > s.gouge.depth + 2.0 * super::surface::SLACK;
             if self.surfaces.iter().any(loose) {
                 let broken = length(super::surface::BROKEN);
@@ -249,13 +249,13 @@ impl Certificate {
                     "  a cut over {broken} deeper than its contract has no closer bound than the radius of the cutter"
                 )?;
             } else {
-                let bound = told(bound(&|s| s.gouge_bound));
+                let bound = figure(bound(&|s| s.gouge_bound));
                 writeln!(t, "  no gouge over {bound} anywhere, deepest found {found} on {}: {place}", s.surface)?;
             }
         }
         if let Some(s) = most(&|s| s.excess.value) {
-            let (found, place) = (told(s.excess.value), describe(program, motion, s.excess.at));
-            match told(bound(&|s| s.excess_bound)) {
+            let (found, place) = (figure(s.excess.value), describe(program, motion, s.excess.at));
+            match figure(bound(&|s| s.excess_bound)) {
                 bound if found == NOT_REACHED => writeln!(t, "  {bound}: {}", s.surface)?,
                 bound => writeln!(t, "  nowhere more than {bound} left, most found {found} on {}: {place}", s.surface)?,
             }

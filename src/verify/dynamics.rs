@@ -145,7 +145,7 @@ pub(super) struct MotionCell {
     width: f64,
     /// Largest |q'| and |q''|, the latter with the curvature that is divided into chords.
     rate: [f64; 5],
-    bend: [f64; 5],
+    second: [f64; 5],
     /// Largest y.
     cap: f64,
     /// Ratio of dtau/dt after its start to dtau/dt before; zero where the axes must come to rest.
@@ -165,7 +165,7 @@ pub(super) struct MotionCell {
     /// Jump of the velocity of tip and flutes at the corner for y = 1 before it, mm/s, and the time available for
     /// rounding.
     flutes: f64,
-    room: f64,
+    rounding_time: f64,
 }
 
 /// A part of a cell in the run.
@@ -268,7 +268,7 @@ impl Run {
     fn raise_shares(&mut self, limits: &RunLimits, cell: &MotionCell, part: &MovePart, at: At) {
         for k in 0..5 {
             self.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
-            self.asked[k].raise(cell.bend[k] / limits.acceleration[k], at);
+            self.asked[k].raise(cell.second[k] / limits.acceleration[k], at);
             self.jerk[k].raise(part.jerk[k] / limits.jerk[k], at);
         }
     }
@@ -290,8 +290,8 @@ fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> 
     let rapid = |c: &MotionCell| c.kind == MoveKind::Rapid;
     let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
     if cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
-        let (away, lean) = jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio));
-        [away, lean.to_degrees()]
+        let (away, tilt) = jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio));
+        [away, tilt.to_degrees()]
     } else {
         [0.0; 2]
     }
@@ -424,7 +424,7 @@ fn block(
         let start_rate = each(&|a, b, c| (4.0 * b - 3.0 * a - c) / width);
         let end_rate = each(&|a, b, c| (a - 4.0 * b + 3.0 * c) / width);
         let level = each(&|a, b, c| 4.0 * (a - 2.0 * b + c) / (width * width));
-        let bend = level.map(f64::abs);
+        let second = level.map(f64::abs);
         if cell == 0 {
             ends[0] = start_rate;
         }
@@ -434,18 +434,18 @@ fn block(
             kind,
             width,
             rate: std::array::from_fn(|k| start_rate[k].abs().max(end_rate[k].abs())),
-            bend,
+            second,
             cap: 1.0,
             ratio: 1.0,
             corner: f64::INFINITY,
             rounding: 0.0,
             tilting: 0.0,
-            sag: Vector3::new(bend[0], bend[1], bend[2]).norm(),
+            sag: Vector3::new(second[0], second[1], second[2]).norm(),
             level,
             jump: [0.0; 5],
             shared: [0.0; 5],
             flutes: 0.0,
-            room: f64::INFINITY,
+            rounding_time: f64::INFINITY,
         });
         q0 = end;
     }
@@ -478,9 +478,9 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
     cell.rounding = rounded * flutes / 8.0;
     cell.tilting = rounded * turn / 8.0;
     cell.flutes = flutes;
-    cell.room = 0.5 * (before.time + block.time / ratio);
+    cell.rounding_time = 0.5 * (before.time + block.time / ratio);
     if rounded > 0.0 {
-        cell.corner = cell.room / rounded;
+        cell.corner = cell.rounding_time / rounded;
         cell.corner = cell.corner.min(limits.chord / cell.rounding);
     }
     block.jump = jump.map(|j| j / ratio);
@@ -492,7 +492,7 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
 fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [MotionCell]) {
     for cell in &mut cells[block.cells.clone()] {
         for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
-            cell.bend[k] += start.abs().min(end.abs()) / block.time;
+            cell.second[k] += start.abs().min(end.abs()) / block.time;
             // Both ends share curvature only where their jumps have the same sign.
             if start * end > 0.0 {
                 cell.shared[k] = start.signum() * start.abs().min(end.abs());
@@ -501,8 +501,8 @@ fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [M
             if cell.rate[k] > 0.0 {
                 cell.cap = cell.cap.min((limits.speed[k] / cell.rate[k]).powi(2));
             }
-            if cell.bend[k] > 0.0 {
-                cell.cap = cell.cap.min(limits.acceleration[k] / cell.bend[k]);
+            if cell.second[k] > 0.0 {
+                cell.cap = cell.cap.min(limits.acceleration[k] / cell.second[k]);
             }
         }
     }
@@ -514,7 +514,7 @@ fn rise(limits: &RunLimits, cell: &MotionCell, y: f64, width: f64) -> f64 {
         .filter(|k| cell.rate[*k] > 0.0)
         .map(|k| {
             let way = 2.0 * width / cell.rate[k];
-            (y + way * limits.acceleration[k]) / (1.0 + way * cell.bend[k])
+            (y + way * limits.acceleration[k]) / (1.0 + way * cell.second[k])
         })
         .fold(cell.cap, f64::min)
 }
@@ -547,7 +547,7 @@ fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f6
     let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
     let slope = (0..5)
         .filter(|k| cell.rate[*k] > 0.0)
-        .map(|k| 2.0 * (limits.acceleration[k] - cell.bend[k] * peak).max(0.0) / cell.rate[k])
+        .map(|k| 2.0 * (limits.acceleration[k] - cell.second[k] * peak).max(0.0) / cell.rate[k])
         .fold(f64::INFINITY, f64::min);
     // The slope is zero only where y cannot change.
     let leg = |y: f64| if slope > 0.0 { (peak - y) / slope } else { 0.0 };

@@ -182,7 +182,7 @@ fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
     if chain.poles_between(from, to) {
         return 0.0;
     }
-    let angle = |first: f64| libm::asin(libm::sin(chain.lean(first)).abs());
+    let angle = |first: f64| libm::asin(libm::sin(chain.polar_angle(first)).abs());
     angle(from).min(angle(to))
 }
 

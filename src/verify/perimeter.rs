@@ -63,7 +63,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let lack = found.required - found.clearance;
+    let missing = found.required - found.clearance;
     let [.., first, second] = program.machine.names();
     let Some(station) = operation.moves.get(at.index as usize) else { return };
     sink.push(
@@ -92,7 +92,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
         ))
         .help(format!(
             "a retract {} higher, a shorter tool or holder, or a part that stands lower or nearer to the axis of {first}",
-            length(lack)
+            length(missing)
         )),
     );
 }

@@ -71,7 +71,7 @@ pub struct Island {
 }
 
 /// Points of the grid inside of the stock and outside of the part, with their distance to the part.
-fn room(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f64>, f64)> {
+fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f64>, f64)> {
     let profile = &program.stock.profile;
     let part = &program.part;
     let (mut r_max, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
@@ -138,12 +138,12 @@ pub fn reports(
     progress: &Progress,
 ) -> Vec<RestReport> {
     let Some(last) = roughing.last() else { return Vec::new() };
-    let room = room(program, design, progress);
+    let void = void(program, design, progress);
     let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
     let mut left: Vec<f64> = vec![super::surface::FAR; at_surface.len()];
-    let mut cleared: Vec<bool> = vec![false; room.len()];
+    let mut cleared: Vec<bool> = vec![false; void.len()];
     let mut reports = Vec::new();
-    let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + room.len()));
+    let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
         left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
             if let Some(n) = sweep.nearest(&s.position, *least) {
@@ -151,14 +151,14 @@ pub fn reports(
             }
             work.advance(1);
         });
-        cleared.par_iter_mut().zip(&room).for_each(|(done, (p, _))| {
+        cleared.par_iter_mut().zip(&void).for_each(|(done, (p, _))| {
             *done = *done || sweep.nearest(p, 0.0).is_some();
             work.advance(1);
         });
         if !roughing.contains(&index) {
             continue;
         }
-        let standing = room
+        let standing = void
             .iter()
             .zip(&cleared)
             .filter(|(_, done)| !**done)
@@ -177,7 +177,7 @@ pub fn reports(
             most: worst.0,
             point: [worst.1.x, worst.1.y, worst.1.z],
             surface: (!is_island).then(|| surface.1.surface.to_string()),
-            cleared: cleared.iter().filter(|c| **c).count() as f64 / room.len().max(1) as f64,
+            cleared: cleared.iter().filter(|c| **c).count() as f64 / void.len().max(1) as f64,
             surfaces: by_surface(&at_surface, &left),
             island: standing.map(|(most, p)| Island { most, point: [p.x, p.y, p.z] }),
         });

@@ -215,7 +215,7 @@ fn codes(program: &Program) -> Vec<String> {
 fn what_does_not_fit_is_named() {
     let resized = |radius: f64, fillet: Option<f64>| {
         let mut program = with_ball(radius, 0.012, Spacing::ConstantScallop);
-        program.part.blades[0].fillet = fillet.map(Mm);
+        program.part = program.part.with_fillet(fillet.map(Mm));
         program
     };
     assert_eq!(codes(&resized(3.5, Some(3.0))), ["IMP0402"]);
@@ -236,7 +236,7 @@ fn the_ball_that_would_do_is_named() {
     {
         let refused = |radius: f64, fillet: Option<f64>| {
             let mut program = with_ball(radius, 0.5, Spacing::EqualDivision);
-            program.part.blades[0].fillet = fillet.map(Mm);
+            program.part = program.part.with_fillet(fillet.map(Mm));
             let mut sink = Sink::default();
             let _ = pipeline::run(&program, &mut sink);
             let error = |d: &&impellerc::diag::Diag| ["IMP0450", "IMP0403", "IMP0408"].contains(&d.code.id());

@@ -54,7 +54,7 @@ fn errors(name: &str, surface: &Surface, radius: f64, sign: f64) -> [f64; 2] {
     let fit = least_squares(&start(surface, radius, sign), &tool, &coarse);
     let best = finest(&fit, &tool, &coarse, &targets(surface, 160, 40), 5e-4).best;
     let fine = targets(surface, 200, 40);
-    let [gouge, excess] = Measured::new(&best.curve, &tool, &fine).lack(&fine).map(|x| x * 1e3);
+    let [gouge, excess] = Measured::new(&best.curve, &tool, &fine).violation(&fine).map(|x| x * 1e3);
     println!("{name} R{radius}: -{gouge:.3} +{excess:.3} um, {} control points", best.curve.control_count());
     [gouge, excess]
 }
@@ -130,8 +130,8 @@ fn cases() -> (DualCurve, Vec<(Mounted<'static>, Vec<Target>)>) {
     let mut cases: Vec<_> = cutters().into_iter().map(|tool| (tool, targets.clone())).collect();
     let body = Mounted { cutter: Cutter::Ball { radius: 3.0 }, height: 0.5, body: &BODY };
     cases.push((body, targets.iter().map(|t| Target { of: Of::Body, ..*t }).collect()));
-    let lean = |t: f64| Target { of: Of::Lean { t, most: 1.2 }, ..Target::clear(Point3::origin(), 0.0) };
-    cases.push((body, (0..=40).map(|i| lean(f64::from(i) / 40.0)).collect()));
+    let tilt = |t: f64| Target { of: Of::Tilt { t, most: 1.2 }, ..Target::clear(Point3::origin(), 0.0) };
+    cases.push((body, (0..=40).map(|i| tilt(f64::from(i) / 40.0)).collect()));
     (curve, cases)
 }
 
@@ -156,7 +156,7 @@ fn deviations_equal_the_least_distance_of_many_poses() {
                     Of::Body => {
                         tool.body.iter().map(|(x, asked)| x.distance(rho, s) - asked).fold(f64::INFINITY, f64::min)
                     }
-                    Of::Lean { t, most } => LEVER * (most - curve.at(t).axis.angle(&Vector3::z())),
+                    Of::Tilt { t, most } => LEVER * (most - curve.at(t).axis.angle(&Vector3::z())),
                 }
             };
             let brute = (0..=20_000).map(|i| distance(f64::from(i) / 20_000.0)).fold(f64::INFINITY, f64::min);
@@ -248,7 +248,7 @@ fn easing_lessens_the_motion_and_keeps_the_bounds() {
     let eased = ease(&kept.curve, &tool, &band, &rotary, 3.0, 1e-4, 16);
     println!("motion {:?} in {} steps", eased.motion, eased.steps);
     assert!(eased.motion[1] < 0.3 * eased.motion[0]);
-    let [below, above] = eased.measured.lack(&band);
+    let [below, above] = eased.measured.violation(&band);
     assert!(below <= 1.1e-4 && above <= 1.1e-4, "{below} {above}");
     // Half of the steps of the sum give the same sum.
     let sum = |n: usize| {

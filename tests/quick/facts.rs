@@ -151,7 +151,7 @@ fn the_rougher_of_the_paper_does_not_fit() {
     assert_eq!(e.place.as_ref().unwrap().what, "pressure root at u = 0.084");
     // scipy: points 0.5 mm over the hub on both faces are 9.2945 mm apart at the narrowest; 0.2 mm off each is 8.8945.
     // Offsets square to leaning walls make 2 um of difference.
-    assert!((facts.reaches[0].room.unwrap().width - 8.8945).abs() < 0.005, "{:?}", facts.reaches[0]);
+    assert!((facts.reaches[0].free_width.unwrap().width - 8.8945).abs() < 0.005, "{:?}", facts.reaches[0]);
     let largest = facts.reaches[0].largest;
     assert!((largest - 8.89).abs() < 0.011);
     assert!(e.help.as_ref().unwrap().contains(&format!("{largest:.2} mm")), "{e:?}");
@@ -197,7 +197,7 @@ fn room_in_a_straight_channel_is_exact() {
         program.part = straight_part(fillet);
         program.data = Vec::new();
         let reach = check(&program).0.reaches[0];
-        (reach.room.unwrap().width, reach.largest)
+        (reach.free_width.unwrap().width, reach.largest)
     };
     let flat = Cutter::Flat { radius: 5.0 };
     let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };

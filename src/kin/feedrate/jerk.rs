@@ -45,7 +45,7 @@ pub struct Bounds {
     /// Bound of |y'|.
     pub slope: f64,
     /// Bound of |y''|.
-    pub bend: f64,
+    pub second: f64,
 }
 
 /// Share of the jerk, after the term of curvature, that is reserved for a change of y'.
@@ -54,27 +54,27 @@ const CHANGE: f64 = 0.2;
 impl Bounds {
     /// Bounds for a share of acceleration and jerk in a span with these largest derivatives, where y is at most `y` and
     /// |y'| at most `steep`.
-    pub fn new([rate, bend, twist]: &Most, limits: &Limits, y: f64, steep: f64, share: f64) -> Self {
+    pub fn new([rate, second, twist]: &Most, limits: &Limits, y: f64, steep: f64, share: f64) -> Self {
         let over = share / y.sqrt();
         let left: Axes = std::array::from_fn(|k| limits.jerk[k] * over - twist[k] * y);
         let mut slope = f64::INFINITY;
         for k in 0..AXES {
             slope = slope
-                .min(2.0 * (share * limits.acceleration[k] - bend[k] * y).max(0.0) / rate[k])
-                .min((1.0 - CHANGE) * left[k].max(0.0) / (1.5 * bend[k]));
+                .min(2.0 * (share * limits.acceleration[k] - second[k] * y).max(0.0) / rate[k])
+                .min((1.0 - CHANGE) * left[k].max(0.0) / (1.5 * second[k]));
         }
         // When a steady run already exceeds a limit, bounds of its changes are useless.
-        let steady = |k: usize| left[k] >= 0.0 && bend[k] * y <= share * limits.acceleration[k];
+        let steady = |k: usize| left[k] >= 0.0 && second[k] * y <= share * limits.acceleration[k];
         let holds = (0..AXES).all(steady);
         let steep = steep.min(slope);
-        let change = |k: usize| 2.0 * (left[k] - 1.5 * bend[k] * steep).max(0.0) / rate[k];
-        Self { holds, slope, bend: (0..AXES).map(change).fold(f64::INFINITY, f64::min) }
+        let change = |k: usize| 2.0 * (left[k] - 1.5 * second[k] * steep).max(0.0) / rate[k];
+        Self { holds, slope, second: (0..AXES).map(change).fold(f64::INFINITY, f64::min) }
     }
 }
 
 /// Largest y of a steady run through a span with these largest derivatives.
-pub fn steady([_, bend, twist]: &Most, limits: &Limits) -> f64 {
-    let acceleration = (0..AXES).map(|k| limits.acceleration[k] / bend[k]).fold(f64::INFINITY, f64::min);
+pub fn steady([_, second, twist]: &Most, limits: &Limits) -> f64 {
+    let acceleration = (0..AXES).map(|k| limits.acceleration[k] / second[k]).fold(f64::INFINITY, f64::min);
     let jerk = (0..AXES).map(|k| limits.jerk[k] / twist[k]).fold(f64::INFINITY, f64::min);
     acceleration.min(libm::cbrt(CURVATURE * jerk).powi(2))
 }
@@ -107,19 +107,19 @@ pub fn over_span(widths: &[f64], c: &[f64], span: usize) -> [f64; 3] {
 
 /// Upper bound of half of y'' over the square of the sum of the roots at both ends: at 1 y touches zero, and the time
 /// is infinite.
-const LARGEST_BEND: f64 = 1.0 - 1e-12;
+const LARGEST_SECOND: f64 = 1.0 - 1e-12;
 
 /// Time over a span in which y is quadratic and positive, from its Bernstein coefficients.
 pub fn time(width: f64, [from, middle, to]: [f64; 3]) -> f64 {
     let sum = from.sqrt() + to.sqrt();
     // Half of y'' over the square of the sum. This is below 1 where y is positive; rounding may exceed 1 where y nearly
     // vanishes.
-    let bend = ((from - 2.0 * middle + to) / (sum * sum)).min(LARGEST_BEND);
-    let root = bend.abs().sqrt();
+    let second = ((from - 2.0 * middle + to) / (sum * sum)).min(LARGEST_SECOND);
+    let root = second.abs().sqrt();
     // Area hyperbolic tangent or arc tangent, over its argument.
     let shape = if root < 1e-3 {
-        1.0 + bend / 3.0 + bend * bend / 5.0
-    } else if bend > 0.0 {
+        1.0 + second / 3.0 + second * second / 5.0
+    } else if second > 0.0 {
         libm::atanh(root) / root
     } else {
         libm::atan(root) / root
@@ -182,7 +182,7 @@ fn rounded(step: &[f64], c: &mut [f64], mass: &[f64]) {
 }
 
 /// Assumptions of the bounds of each span: largest y and |y'|, and the share of the limits that the run may take.
-struct Room {
+struct SearchBounds {
     most: Vec<f64>,
     steep: Vec<f64>,
     share: Vec<f64>,
@@ -191,7 +191,7 @@ struct Room {
 /// Values of a run in a span: largest y and |y'|, and whether rows are violated.
 type Held = ([f64; 2], bool);
 
-impl Room {
+impl SearchBounds {
     fn new(most: Vec<f64>) -> Self {
         let n = most.len();
         Self { most, steep: vec![f64::INFINITY; n], share: vec![1.0; n] }
@@ -286,17 +286,17 @@ pub fn limit(
         }
     }
     let first = [2.0 * accelerations[0], 2.0 * accelerations[1]];
-    let mut room = Room::new(guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect());
+    let mut search = SearchBounds::new(guess.iter().zip(ceiling).map(|(g, c)| g.min(*c).max(edge)).collect());
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut last = top.clone();
     let (mut rounds, mut before) = (0, f64::INFINITY);
     for sweep in 0..SWEEPS {
-        let bounds = room.bounds(rows);
+        let bounds = search.bounds(rows);
         last = swept(widths, &step, &top, &bounds, first);
         if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - ROUNDING)) {
             return None;
         }
-        let held = room.held(widths, &last, &bounds, rows);
+        let held = search.held(widths, &last, &bounds, rows);
         if held.iter().all(|h| !h.1) {
             rounds += 1;
             let spent: f64 = (0..n).map(|j| time(widths[j], over_span(widths, &last, j))).sum();
@@ -310,9 +310,9 @@ pub fn limit(
         }
         // If no run was found, the last sweep but one returns to the widest bounds.
         if best.is_none() && sweep + 2 == SWEEPS {
-            room.retreat(ceiling, edge);
+            search.retreat(ceiling, edge);
         } else {
-            room.adapt(held, sweep);
+            search.adapt(held, sweep);
         }
     }
     match best {
@@ -339,7 +339,7 @@ fn swept(widths: &[f64], step: &[f64], top: &[f64], bounds: &[Bounds], first: [f
     // Slopes of the run at both ends.
     (mass[0], mass[n + 1]) = (first[0], first[1]);
     for j in 0..n {
-        mass[j + 1] = bounds[j].bend * widths[j];
+        mass[j + 1] = bounds[j].second * widths[j];
     }
     let side = |j: Option<usize>| j.and_then(|j| bounds.get(j)).map_or(f64::INFINITY, |b| b.slope);
     let slope: Vec<f64> = (0..=n).map(|i| side(i.checked_sub(1)).min(side(Some(i)))).collect();

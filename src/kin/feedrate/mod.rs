@@ -126,10 +126,10 @@ struct SpanRows<'a> {
 impl<'a> SpanRows<'a> {
     fn new(spans: &'a [PathSpan], limits: &'a Limits) -> Self {
         let most = |s: &PathSpan| {
-            let bends: [[f64; 2]; AXES] = std::array::from_fn(|k| s.bend(k));
+            let seconds: [[f64; 2]; AXES] = std::array::from_fn(|k| s.second(k));
             [
                 std::array::from_fn(|k| s.most_rate(k)),
-                bends.map(|[a, b]| a.abs().max(b.abs())),
+                seconds.map(|[a, b]| a.abs().max(b.abs())),
                 std::array::from_fn(|k| s.twist(k).abs()),
             ]
         };
@@ -142,21 +142,21 @@ impl SpanRows<'_> {
     fn largest(&self, span: usize, k: usize, y: &[f64; 3]) -> [f64; 2] {
         let s = &self.spans[span];
         let r = s.rate.map(|r| r[k]);
-        let [bend, end] = s.bend(k);
+        let [second, end] = s.second(k);
         let twist = s.twist(k);
         let [slope, last] = [2.0 * (y[1] - y[0]) / s.width, 2.0 * (y[2] - y[1]) / s.width];
         let turn = (last - slope) / s.width;
         // q'' y + q' y'/2, of degree three.
         let a = [
-            bend * y[0] + 0.5 * r[0] * slope,
-            (end * y[0] + 2.0 * bend * y[1]) / 3.0 + 0.5 * (r[0] * last + 2.0 * r[1] * slope) / 3.0,
-            (2.0 * end * y[1] + bend * y[2]) / 3.0 + 0.5 * (2.0 * r[1] * last + r[2] * slope) / 3.0,
+            second * y[0] + 0.5 * r[0] * slope,
+            (end * y[0] + 2.0 * second * y[1]) / 3.0 + 0.5 * (r[0] * last + 2.0 * r[1] * slope) / 3.0,
+            (2.0 * end * y[1] + second * y[2]) / 3.0 + 0.5 * (2.0 * r[1] * last + r[2] * slope) / 3.0,
             end * y[2] + 0.5 * r[2] * last,
         ];
         // q''' y + 3/2 q'' y' + q' y''/2, of degree two.
         let j = [
-            twist * y[0] + 1.5 * bend * slope + 0.5 * r[0] * turn,
-            twist * y[1] + 0.75 * (bend * last + end * slope) + 0.5 * r[1] * turn,
+            twist * y[0] + 1.5 * second * slope + 0.5 * r[0] * turn,
+            twist * y[1] + 0.75 * (second * last + end * slope) + 0.5 * r[1] * turn,
             twist * y[2] + 1.5 * end * last + 0.5 * r[2] * turn,
         ];
         let most = |all: &[f64]| all.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -10,7 +10,7 @@ use super::{AXES, Axes, ROUNDING};
 
 /// Coefficients of y at start and end of the span in the Bernstein coefficients of the acceleration of an axis.
 fn rows(span: &PathSpan, k: usize) -> [[f64; 2]; 3] {
-    let [start, end] = span.bend(k);
+    let [start, end] = span.second(k);
     let [a, b, c] = span.rate.map(|r| 0.5 * r[k] / span.width);
     [[start - a, a], [0.5 * end - b, 0.5 * start + b], [-c, end + c]]
 }

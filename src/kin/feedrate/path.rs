@@ -34,15 +34,15 @@ pub(super) struct PathSpan {
     /// Bernstein coefficients of the first derivative, which is quadratic.
     pub(super) rate: [Axes; 3],
     /// Second derivative at both ends; linear between them.
-    bend: [Axes; 2],
+    second: [Axes; 2],
     /// Third derivative.
     twist: Axes,
 }
 
 impl PathSpan {
     /// Second derivative at both ends.
-    pub(super) fn bend(&self, k: usize) -> [f64; 2] {
-        [self.bend[0][k], self.bend[1][k]]
+    pub(super) fn second(&self, k: usize) -> [f64; 2] {
+        [self.second[0][k], self.second[1][k]]
     }
 
     /// Third derivative.
@@ -143,9 +143,9 @@ impl SpeedPath {
     /// The span between two places of one segment, without a knot between them.
     pub(super) fn span(&self, segment: u32, from: f64, to: f64) -> PathSpan {
         let (width, inside) = (to - from, 0.5 * (from + to));
-        let [start, bend, twist] = self.derivatives(segment as usize, from, inside);
+        let [start, second, twist] = self.derivatives(segment as usize, from, inside);
         let [end, last, _] = self.derivatives(segment as usize, to, inside);
-        let middle = std::array::from_fn(|k| start[k] + 0.5 * width * bend[k]);
-        PathSpan { width, rate: [start, middle, end], bend: [bend, last], twist }
+        let middle = std::array::from_fn(|k| start[k] + 0.5 * width * second[k]);
+        PathSpan { width, rate: [start, middle, end], second: [second, last], twist }
     }
 }

@@ -132,12 +132,12 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
         while i < n {
             let (from, start) = (y[knot(i)], at[knot(i)]);
             // The speed grows from here to the place where it is highest.
-            let (mut top, mut to, mut room) = (i, from, 0.0);
+            let (mut top, mut to, mut distance) = (i, from, 0.0);
             while top < n {
                 let [a, b] = [y[knot(top)], y[knot(top + 1)]];
                 let inside = (0.5 * (a + b + slope(top) * width(top))).min(spans[span(top)].cap);
                 to = to.max(inside).max(b);
-                room = (at[knot(top)] - start).abs()
+                distance = (at[knot(top)] - start).abs()
                     + 0.5 * (width(top) + ((b - a) / slope(top)).max(-width(top)).min(width(top)));
                 if inside > b * 1.001 || b <= a * 1.001 {
                     break;
@@ -146,7 +146,7 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
             }
             if to > SLIGHT * from {
                 let first = &spans[span(i)];
-                let ramp = Ramp::within(from.sqrt(), to.sqrt(), first.acceleration, first.jerk, room);
+                let ramp = Ramp::within(from.sqrt(), to.sqrt(), first.acceleration, first.jerk, distance);
                 ramp.places(|way| places.push(if backward { start - way } else { start + way }), (end - start).abs());
                 ramps.push(Ramp { at: start, backward, ..ramp });
             }
@@ -239,10 +239,10 @@ impl Creep {
     /// end. For `still`, the jerk is positive in the first half of the time and negative in the second, so that the
     /// acceleration at the end is zero.
     pub fn new(most: &Most, limits: &Limits, rate: f64, way: f64, still: bool) -> Self {
-        let [first, bend, twist] = most;
+        let [first, second, twist] = most;
         let jerk = (0..AXES).map(|k| limits.jerk[k] / first[k]).fold(f64::INFINITY, f64::min);
         // Curvature takes the rest of the jerk.
-        let straight = bend.iter().chain(twist).all(|x| *x == 0.0);
+        let straight = second.iter().chain(twist).all(|x| *x == 0.0);
         let jerk = if straight { jerk } else { CURVATURE * jerk };
         let reach = |rate: f64| {
             let time = if still { 2.0 * (rate / jerk).sqrt() } else { (2.0 * rate / jerk).sqrt() };
@@ -255,8 +255,8 @@ impl Creep {
         let fits = |rate: f64| {
             let (rise, _) = reach(rate);
             (0..AXES).all(|k| {
-                first[k] * rise + bend[k] * rate * rate <= limits.acceleration[k]
-                    && first[k] * jerk + 3.0 * bend[k] * rate * rise + twist[k] * rate.powi(3)
+                first[k] * rise + second[k] * rate * rate <= limits.acceleration[k]
+                    && first[k] * jerk + 3.0 * second[k] * rate * rise + twist[k] * rate.powi(3)
                         <= limits.jerk[k] * (1.0 + ROUNDING)
             })
         };

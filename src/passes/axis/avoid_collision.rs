@@ -7,7 +7,7 @@
 //! that names the place.
 
 use super::clear_axes::ClearAxes;
-use super::orient_tool::leaning_points;
+use super::orient_tool::tilted_points;
 use super::remedy::remedy;
 use super::sequence;
 use crate::analysis::flank::SIDE_CLEARANCE;
@@ -16,11 +16,11 @@ use crate::entity::PrimaryMap;
 use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program, Tool};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
-use crate::passes::context::{Keep, Lean, Obstacles, PassContext};
+use crate::passes::context::{AxisTilt, Keep, Obstacles, PassContext};
 use rayon::prelude::*;
 
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
-const LEANS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
+const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
 /// Station at which a pass is not clear, and by how much the tool is too near there, mm.
 type Miss = (usize, f64);
@@ -41,25 +41,25 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         }
         let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
-        let leans: Vec<Result<f64, Miss>> =
-            pairs().map(|(cc, cl)| work.step(clearing_lean(program, obstacles, operation, cc, &cl.points))).collect();
+        let tilts: Vec<Result<f64, Miss>> =
+            pairs().map(|(cc, cl)| work.step(clearing_tilt(program, obstacles, operation, cc, &cl.points))).collect();
         let remedies: Vec<Option<String>> = pairs()
-            .zip(&leans)
-            .map(|((cc, cl), lean)| {
-                lean.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
+            .zip(&tilts)
+            .map(|((cc, cl), tilt)| {
+                tilt.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
             })
             .collect();
         let mut steepest = 0.0_f64;
         let passes = planned.passes.iter().zip(&mut oriented.passes);
-        for ((cc, pass), (lean, remedy)) in passes.zip(leans.into_iter().zip(remedies)) {
-            match lean {
-                Ok(lean) => {
-                    steepest = steepest.max(lean);
-                    if leans_away(operation, cc) {
-                        pass.points = leaning_points(program, operation, cc, Lean::Away(lean.to_radians()));
+        for ((cc, pass), (tilt, remedy)) in passes.zip(tilts.into_iter().zip(remedies)) {
+            match tilt {
+                Ok(tilt) => {
+                    steepest = steepest.max(tilt);
+                    if tilts_away(operation, cc) {
+                        pass.points = tilted_points(program, operation, cc, AxisTilt::Away(tilt.to_radians()));
                     }
                 }
-                Err((index, lack)) => {
+                Err((index, violation)) => {
                     failed = true;
                     let tool = &cx.program.tools[operation.tool];
                     let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
@@ -67,7 +67,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                     let diag = Diag::error(
                         orientation::COLLISION,
                         format!(
-                            "`{}`: {} is {lack:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
+                            "`{}`: {} is {violation:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
                             operation.name,
                             tool.name,
                             cx.program.clearance.get()
@@ -88,7 +88,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
 }
 
 /// True when a pass tilts away from walls as far as necessary.
-fn leans_away(operation: &Operation, cc: &CcPass) -> bool {
+fn tilts_away(operation: &Operation, cc: &CcPass) -> bool {
     let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
     matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
 }
@@ -144,7 +144,7 @@ fn tool_that_clears(
     cc: &CcPass,
     points: &[ClPoint],
 ) -> String {
-    let free = leans_away(operation, cc);
+    let free = tilts_away(operation, cc);
     remedy(&program.tools[operation.tool].solid, free, |solid| {
         let mut program = program.clone();
         let mut tools = PrimaryMap::new();
@@ -153,12 +153,12 @@ fn tool_that_clears(
             tools.push(Tool { solid: solid.clone(), ..tool.clone() });
         }
         program.tools = tools;
-        clearing_lean(&program, obstacles, operation, cc, points).is_ok()
+        clearing_tilt(&program, obstacles, operation, cc, points).is_ok()
     })
 }
 
 /// The least tilt angle, degrees, that clears a pass, or the worst place and by how much the tool is too near there, mm.
-fn clearing_lean(
+fn clearing_tilt(
     program: &Program,
     obstacles: &Obstacles,
     operation: &Operation,
@@ -167,15 +167,15 @@ fn clearing_lean(
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
-    let leaning = leans_away(operation, cc);
+    let tilts_away_here = tilts_away(operation, cc);
     let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
-    let lack = |p: &ClPoint| {
+    let violation = |p: &ClPoint| {
         let ball = solid.cutter.ends_in_ball();
         // A ball on an edge: nothing of the part is near the side of the cutter.
         let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
         let beside = on_vane && !(ball && edge);
         let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
-        let side_free = leaning && ball;
+        let side_free = tilts_away_here && ball;
         let body = obstacles.body_lack(solid, &p.tip, &p.axis, &keep, side_free);
         inside.into_iter().chain(body).reduce(f64::min)
     };
@@ -183,19 +183,19 @@ fn clearing_lean(
         points
             .iter()
             .enumerate()
-            .filter_map(|(i, p)| lack(p).map(|d| (i, d)))
+            .filter_map(|(i, p)| violation(p).map(|d| (i, d)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(i, distance)| (i, -distance))
     };
-    if !leaning {
+    if !tilts_away_here {
         return worst(points).map_or(Ok(0.0), Err);
     }
     let mut last = (0, 0.0);
     // The contact is on the arc of a barrel and not on its tip.
     let end = if on_vane { solid.cutter.barrel_angle() } else { None };
-    for lean in LEANS.into_iter().filter(|lean| end.is_none_or(|end| *lean > 0.0 && lean.to_radians() < end)) {
-        match worst(&leaning_points(program, operation, cc, Lean::Away(lean.to_radians()))) {
-            None => return Ok(lean),
+    for tilt in TILTS.into_iter().filter(|tilt| end.is_none_or(|end| *tilt > 0.0 && tilt.to_radians() < end)) {
+        match worst(&tilted_points(program, operation, cc, AxisTilt::Away(tilt.to_radians()))) {
+            None => return Ok(tilt),
             Some(miss) => last = miss,
         }
     }

@@ -45,7 +45,7 @@ pub(crate) struct ClearAxes<'a> {
     /// Required distances of the side of the cutter, of shank and of holder, mm.
     asked: [f64; 3],
     /// Largest angle between tool axis and table axis within the travel of rotary axis 1, radians.
-    most_lean: f64,
+    most_polar_angle: f64,
 }
 
 impl<'a> ClearAxes<'a> {
@@ -56,7 +56,7 @@ impl<'a> ClearAxes<'a> {
             obstacles,
             solid,
             asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
-            most_lean: program.machine.most_lean(),
+            most_polar_angle: program.machine.most_polar_angle(),
         }
     }
 
@@ -65,7 +65,7 @@ impl<'a> ClearAxes<'a> {
     }
 
     /// Distance of a point less the required distance; negative for a violation.
-    fn lack(&self, rho: f64, s: f64) -> f64 {
+    fn slack(&self, rho: f64, s: f64) -> f64 {
         let from = 2.0 * self.radius();
         let [side, shank, holder] = self.asked;
         let least = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
@@ -81,13 +81,13 @@ impl<'a> ClearAxes<'a> {
     /// the ball at `centre`.
     pub(crate) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
-        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
-            && self.obstacles.keeps((&tip, axis), |rho, s| self.lack(rho, s), (centre, cap, margin))
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_polar_angle
+            && self.obstacles.keeps((&tip, axis), |rho, s| self.slack(rho, s), (centre, cap, margin))
     }
 
     /// True when the tool is clear over a whole piece of motion.
     pub(crate) fn proved(&self, ends: &Ends) -> bool {
-        self.obstacles.keeps_over(ends, |rho, s| self.lack(rho, s))
+        self.obstacles.keeps_over(ends, |rho, s| self.slack(rho, s))
     }
 
     /// Clear axes about a direction, the nearest first.

@@ -9,7 +9,7 @@ use crate::ir::{
 };
 use crate::method::AxisMethod;
 use crate::passes::channel::hub_points;
-use crate::passes::context::{Lean, PassContext};
+use crate::passes::context::{AxisTilt, PassContext};
 use crate::passes::flank::{flank_points, path_points};
 use crate::passes::point::vane_points;
 use crate::passes::rough::{channel_points, roughing};
@@ -46,7 +46,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                     None => flank_points(program, operation, pass, side),
                 },
                 Drive::Hub | Drive::Contact(_) | Drive::Round => {
-                    leaning_points(program, operation, pass, lean(operation))
+                    tilted_points(program, operation, pass, tilt(operation))
                 }
             },
         })
@@ -56,11 +56,11 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
 }
 
 /// Tilt before collision avoidance.
-fn lean(operation: &Operation) -> Lean {
+fn tilt(operation: &Operation) -> AxisTilt {
     match operation.kind {
-        _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => Lean::Along,
-        OperationKind::Point { .. } => Lean::Away(FIRST_TILT),
-        _ => Lean::Away(0.0),
+        _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => AxisTilt::Along,
+        OperationKind::Point { .. } => AxisTilt::Away(FIRST_TILT),
+        _ => AxisTilt::Away(0.0),
     }
 }
 
@@ -68,10 +68,10 @@ fn lean(operation: &Operation) -> Lean {
 const FIRST_TILT: f64 = 0.25;
 
 /// Stations of a pass with a given tilt.
-pub(crate) fn leaning_points(program: &Program, operation: &Operation, pass: &CcPass, lean: Lean) -> Vec<ClPoint> {
+pub(crate) fn tilted_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
     match pass.drive {
-        Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, lean)),
-        Drive::Round => vane_points(program, operation, pass, |axes, p| axes.round(p.w, p.u, p.v, lean)),
-        _ => hub_points(program, operation, pass, lean),
+        Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, tilt)),
+        Drive::Round => vane_points(program, operation, pass, |axes, p| axes.round(p.w, p.u, p.v, tilt)),
+        _ => hub_points(program, operation, pass, tilt),
     }
 }

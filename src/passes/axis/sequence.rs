@@ -139,7 +139,7 @@ impl WayStations {
     }
 
     /// Adds the cost of the difference to the axis chosen at the nearest place of earlier lines.
-    fn lean_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+    fn tilt_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
         for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
             let here = self.way.centre(*length);
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
@@ -181,7 +181,7 @@ pub(crate) fn shortest(
             found.push(pass.points.clone());
             continue;
         };
-        stations.lean_towards(&machine.chain, &chosen);
+        stations.tilt_towards(&machine.chain, &chosen);
         let WayStations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {
@@ -211,15 +211,15 @@ pub(crate) fn greedy_axes(
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let radius = clear.radius();
     let ways: Vec<PassWay> = passes.iter().map(|pass| PassWay::new(pass, radius, CONTACTS)).collect();
-    let (bends, mean) = curvatures(planned, &ways);
+    let (curvatures_of_stops, mean) = curvatures(planned, &ways);
     let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
         .par_iter()
         .zip(passes.par_iter().zip(planned))
-        .zip(&bends)
-        .map(|((way, (pass, cc)), bends)| {
-            let stops = way.stops.iter().zip(bends);
+        .zip(&curvatures_of_stops)
+        .map(|((way, (pass, cc)), curvatures_of_stops)| {
+            let stops = way.stops.iter().zip(curvatures_of_stops);
             stops
-                .map(|(length, bend)| {
+                .map(|(length, curvature)| {
                     let centre = way.centre(*length);
                     let station = stretch(&way.table, *length).0;
                     let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
@@ -235,7 +235,7 @@ pub(crate) fn greedy_axes(
                         .filter(steep)
                         .or_else(|| laid(&about, Proof::Covered))
                         .or_else(|| laid(&about, Proof::Rays));
-                    let weight = bend.map_or(0.0, |k| greedy::weight(k, mean));
+                    let weight = curvature.map_or(0.0, |k| greedy::weight(k, mean));
                     cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((centre, about))
                 })
                 .collect()
@@ -285,16 +285,16 @@ fn curvatures(planned: &[CcPass], ways: &[PassWay]) -> (Vec<Vec<Option<f64>>>, f
             }
         }
     }
-    let mut bends: Vec<Vec<Option<f64>>> = ways.iter().map(|w| vec![None; w.stops.len()]).collect();
-    let Ok(mesh) = Triangulation::delaunay(points, &chart, 4.0 * CONTACTS) else { return (bends, 0.0) };
+    let mut curvatures_of_stops: Vec<Vec<Option<f64>>> = ways.iter().map(|w| vec![None; w.stops.len()]).collect();
+    let Ok(mesh) = Triangulation::delaunay(points, &chart, 4.0 * CONTACTS) else { return (curvatures_of_stops, 0.0) };
     let normals = mesh.normals();
     let (mut sum, mut count) = (0.0, 0.0_f64);
     for (index, (i, k)) in owner.into_iter().enumerate() {
         if let Some(found) = curvature(&mesh, &normals, index, Patch::Cubic) {
-            bends[i][k] = Some(found.mean);
+            curvatures_of_stops[i][k] = Some(found.mean);
             sum += found.mean.abs();
             count += 1.0;
         }
     }
-    (bends, sum / count.max(1.0))
+    (curvatures_of_stops, sum / count.max(1.0))
 }

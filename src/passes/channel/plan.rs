@@ -140,8 +140,8 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
     let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
     let stations = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let Some(worst) = stations.min_by(|a, b| hollow(*a).total_cmp(&hollow(*b))) else { return Err(Aborted) };
-    let room = -1.0 / hollow(worst);
-    if hollow(worst) >= 0.0 || room > radius {
+    let hollow_radius = -1.0 / hollow(worst);
+    if hollow(worst) >= 0.0 || hollow_radius > radius {
         return Ok(());
     }
     // Approximately the middle of the channel.
@@ -151,7 +151,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         Diag::error(
             planning::TOO_HOLLOW,
             format!(
-                "the ball of {} (radius {radius} mm) is bigger than the hollow of the hub (radius {room:.3} mm)",
+                "the ball of {} (radius {radius} mm) is bigger than the hollow of the hub (radius {hollow_radius:.3} mm)",
                 tool.name
             ),
         )
@@ -160,7 +160,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .place(format!("hub at u = {worst:.3}"), at)
         .help(part.main().fillet.map_or_else(
             || what_would_do(part, radius),
-            |f| format!("take a ball of less than {:.2} mm diameter", (200.0 * room.min(f.get())).floor() / 100.0),
+            |f| format!("take a ball of less than {:.2} mm diameter", (200.0 * hollow_radius.min(f.get())).floor() / 100.0),
         )),
     );
     Err(Aborted)

@@ -7,14 +7,14 @@ use nalgebra::{Point3, Vector3};
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
 /// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
 /// have to turn through.
-const LEAST_LEAN: f64 = 0.2;
+const LEAST_OUTWARD: f64 = 0.2;
 
 /// Share of the opposite wall's ruling in the axis at a wall. If the axis were parallel to the ruling, the side of the
 /// cutter would rest on the twisted wall far above the tip, and the tip could not reach the root.
 const AWAY_FROM_WALL: f64 = 0.12;
 
 /// Width over which the outward tilt sets in, so that the axes remain smooth.
-const LEAN_SOFTNESS: f64 = 0.05;
+const TILT_SOFTNESS: f64 = 0.05;
 
 /// Channel of sector 0 as a map from (u, v, w) to points. Its walls are the facing faces of vane 0 and vane 1. Between
 /// them points lie on arcs about Z, so that the map keeps the walls and the symmetry of the part.
@@ -77,19 +77,19 @@ impl<'a> ChannelChart<'a> {
         // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
         let e = (edge / self.width(u, v)).min(0.49);
         let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
-        self.leaning(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
+        self.tilted_ruling(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
     }
 
-    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_LEAN`].
-    pub(crate) fn leaning(&self, u: f64, w: f64, blend: f64) -> Vector3<f64> {
+    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_OUTWARD`].
+    pub(crate) fn tilted_ruling(&self, u: f64, w: f64, blend: f64) -> Vector3<f64> {
         let ruling = self.ruling(u, blend);
         let at = self.point(u, 0.5, w);
         let outward = Vector3::new(at.x, at.y, 0.0).normalize();
         let step = 1e-3;
         let along = (self.point(u + step, 0.5, w) - self.point(u - step, 0.5, w)).normalize();
         let along = (along - ruling * along.dot(&ruling)).normalize();
-        let lack = LEAST_LEAN - ruling.dot(&outward);
-        let soft = 0.5 * (lack + libm::hypot(lack, LEAN_SOFTNESS));
+        let missing = LEAST_OUTWARD - ruling.dot(&outward);
+        let soft = 0.5 * (missing + libm::hypot(missing, TILT_SOFTNESS));
         // At the inlet the channel does not run outward, but there the tilt is large enough.
         (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
     }

@@ -1,14 +1,14 @@
 //! What every pass reads: the program, the obstacles, the coordinates of the channel, and limits of size.
 
 mod channel_chart;
-mod lean;
 pub(crate) mod limits;
 mod obstacles;
+mod tilt;
 
 pub(crate) use channel_chart::ChannelChart;
-pub(crate) use lean::Lean;
 pub use obstacles::Obstacles;
 pub(crate) use obstacles::{Ends, Keep};
+pub(crate) use tilt::AxisTilt;
 
 use crate::analysis::cost::Stations;
 use crate::diag::{Aborted, Diag, Sink, codes::files};

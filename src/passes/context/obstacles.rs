@@ -86,20 +86,20 @@ impl Obstacles {
         Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
     }
 
-    /// True when the tool keeps its distances over a motion. `lack` takes the distance of a point from the tool axis
+    /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis
     /// and its height over the tip, and returns its distance less the required distance. It must change no faster than
     /// the point moves. No tool point may move by more than `shift` plus `turn` times its distance from `about`.
     pub fn keeps(
         &self,
         (tip, axis): (&Point3<f64>, &Vector3<f64>),
-        lack: impl Fn(f64, f64) -> f64,
+        slack: impl Fn(f64, f64) -> f64,
         (about, turn, shift): (&Point3<f64>, f64, f64),
     ) -> bool {
         // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
         // fast.
         let value = |p: &Point3<f64>, margin: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (lack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
+            (slack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
         };
         let of_part = |p: &Point3<f64>| value(p, EDGE_MARGIN);
         self.walls.least(of_part, 0.0).is_none()
@@ -111,7 +111,7 @@ impl Obstacles {
     /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
     /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
     /// Pieces are halved until the distance at the middle is larger than that.
-    pub fn keeps_over(&self, ends: &Ends, lack: impl Fn(f64, f64) -> f64) -> bool {
+    pub fn keeps_over(&self, ends: &Ends, slack: impl Fn(f64, f64) -> f64) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
             let middle = RotaryPose {
@@ -119,7 +119,7 @@ impl Obstacles {
                 rotary: [0, 1].map(|k| 0.5 * (p.rotary[k] + q.rotary[k])),
             };
             let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
-            if self.keeps((&middle.tip, &self.chain.tool_axis(middle.rotary)), &lack, (&middle.tip, turn, shift)) {
+            if self.keeps((&middle.tip, &self.chain.tool_axis(middle.rotary)), &slack, (&middle.tip, turn, shift)) {
                 continue;
             }
             if depth >= HALVINGS {
@@ -134,22 +134,22 @@ impl Obstacles {
     /// True when the tool keeps its distances to the hub.
     pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
         let (hub, body) = (keep.hub + margin(solid), keep.clearance + EDGE_MARGIN);
-        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
-        self.hub.nearest(tip, axis, lack, 0.0).is_none()
+        let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
+        self.hub.nearest(tip, axis, slack, 0.0).is_none()
     }
 
     /// True when the tool keeps its distances to vanes and fillets.
     pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
         let (vane, body) = (keep.vane + margin(solid), keep.clearance + EDGE_MARGIN);
-        let lack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
-        self.walls.nearest(tip, axis, lack, 0.0).is_none()
+        let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
+        self.walls.nearest(tip, axis, slack, 0.0).is_none()
     }
 
     /// Negative depth of the cutter inside of the part; `None` where it at most touches the part.
     pub fn cutter_inside(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> Option<f64> {
-        let lack = |rho: f64, s: f64| solid.cutter_distance(rho, s) + TOUCHES;
-        let walls = self.walls.nearest(tip, axis, lack, 0.0).map(|x| x.0);
-        let hub = self.hub.nearest(tip, axis, lack, 0.0).map(|x| x.0);
+        let slack = |rho: f64, s: f64| solid.cutter_distance(rho, s) + TOUCHES;
+        let walls = self.walls.nearest(tip, axis, slack, 0.0).map(|x| x.0);
+        let hub = self.hub.nearest(tip, axis, slack, 0.0).map(|x| x.0);
         walls.into_iter().chain(hub).reduce(f64::min)
     }
 
@@ -182,7 +182,7 @@ impl Obstacles {
     ) -> Option<f64> {
         // Above this height the side of the cutter is clear of the contact of the ball.
         let from = 2.0 * solid.cutter.tip_radius();
-        let lack = |rho: f64, s: f64| {
+        let slack = |rho: f64, s: f64| {
             let body = solid.body_distance(rho, s) - keep.clearance;
             if !side_free {
                 return body;
@@ -191,6 +191,6 @@ impl Obstacles {
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
             body.min(side - keep.vane)
         };
-        self.nearest((tip, axis), lack, 0.0).map(|(least, _)| least).reduce(f64::min)
+        self.nearest((tip, axis), slack, 0.0).map(|(least, _)| least).reduce(f64::min)
     }
 }

@@ -22,7 +22,7 @@ const LOOKS_ON_LINE: usize = 30;
 const SPARE: f64 = 0.05;
 
 /// Reserve of the travel of rotary axis 1, radians.
-const LEAN_KEPT: f64 = 1e-3;
+const TILT_KEPT: f64 = 1e-3;
 
 /// Points with less than this distance to their limit join the bounds of the path, mm: about as far as a change of the
 /// path moves a point.
@@ -38,7 +38,7 @@ pub(crate) struct Clearances<'a> {
     /// Shank and holder with the clearance of each section, mm.
     body: Vec<(Section, f64)>,
     /// Largest angle between tool axis and Z, radians.
-    most_lean: f64,
+    most_tilt: f64,
 }
 
 /// Result of a check of a path.
@@ -56,7 +56,7 @@ impl<'a> Clearances<'a> {
         let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(asked);
         let shank = solid.shank.iter().map(|s| (*s, shank));
         let body = shank.chain(solid.holder.iter().map(|s| (*s, holder))).collect();
-        Self { obstacles, body, most_lean: program.machine.most_lean() - LEAN_KEPT }
+        Self { obstacles, body, most_tilt: program.machine.most_polar_angle() - TILT_KEPT }
     }
 
     /// Shank and holder with the clearance of each section, mm.
@@ -90,10 +90,10 @@ impl<'a> Clearances<'a> {
                 let unseen = self.spare(rho, s) - spare;
                 (spare, Target { of: Of::Body, give: [FREELY; 2], ..Target::clear(point, unseen + SPARE) })
             });
-            let lean = LEVER * (self.most_lean - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
-            let of = Of::Lean { t, most: self.most_lean };
-            let lean = (lean < NEAR).then(|| (lean, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
-            bodies.chain(lean).collect::<Vec<_>>()
+            let tilt = LEVER * (self.most_tilt - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
+            let of = Of::Tilt { t, most: self.most_tilt };
+            let tilt = (tilt < NEAR).then(|| (tilt, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
+            bodies.chain(tilt).collect::<Vec<_>>()
         };
         let found: Vec<(f64, Target)> = (0..=LOOKS).into_par_iter().flat_map_iter(station).collect();
         ClearanceCheck { kept: found.iter().all(|x| x.0 >= 0.0), near: found.into_iter().map(|x| x.1).collect() }

@@ -5,9 +5,9 @@
 //! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
-use super::refusals::{MOST_STRIPS, NEARLY, fitting, lacking, never, no_ball};
-use super::sweep::{self, NO_LACK, StripPath, StripTask};
-use crate::analysis::flank::{self, Band, LEAVE, Surroundings, WorstError};
+use super::refusals::{MOST_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
+use super::sweep::{self, NO_VIOLATION, StripPath, StripTask};
+use crate::analysis::flank::{self, LEAVE, Strip, Surroundings, WorstError};
 use crate::collide::Cutter;
 use crate::diag::Aborted;
 use crate::geom::DualCurve;
@@ -46,21 +46,21 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
     check_fillet(cx, operation, why)?;
-    let (bands, notes) = match flank.method {
+    let (planned, notes) = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
     };
-    let pass = |band: Planned| CcPass {
-        label: format!("{} strip {}", band.side.name(), band.strip + 1),
-        drive: Drive::Face { side: band.side, strip: band.strip },
-        points: band.points,
-        path: band.sweep.map(|s| s.path),
+    let pass = |strip: Planned| CcPass {
+        label: format!("{} strip {}", strip.side.name(), strip.strip + 1),
+        drive: Drive::Face { side: strip.side, strip: strip.strip },
+        points: strip.points,
+        path: strip.sweep.map(|s| s.path),
     };
-    Ok(CcOperation { operation: id, passes: bands.into_iter().map(pass).collect(), notes })
+    Ok(CcOperation { operation: id, passes: planned.into_iter().map(pass).collect(), notes })
 }
 
 /// Strips of one face.
-enum Bands {
+enum StripPaths {
     /// Their paths, from the root. With a number of strips from the job, paths may violate the bounds.
     Found(Vec<StripPath>),
     /// Even the largest number of strips violates the bounds.
@@ -87,27 +87,29 @@ pub fn axis_paths(
     let OperationKind::Flank { flank, .. } = operation.kind else { return None };
     let progress = &Progress::default();
     let task = StripTask { progress, program, operation: id, choices: flank, obstacles };
-    match bands(&task, around, side, program.tools[operation.tool].solid.cutter)? {
-        Bands::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
-        Bands::Never { .. } => None,
+    match strip_paths(&task, around, side, program.tools[operation.tool].solid.cutter)? {
+        StripPaths::Found(sweeps) => Some(sweeps.into_iter().map(|s| s.path).collect()),
+        StripPaths::Never { .. } => None,
     }
 }
 
 /// The paths of the strips of a face. `None` where no ball rolls along the root.
-fn bands(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<Bands> {
-    let sweeps = |bands: &[(Band<'_>, WorstError)]| {
-        bands.par_iter().map(|(band, _)| task.sweep(band)).collect::<Option<Vec<StripPath>>>()
+fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cutter: Cutter) -> Option<StripPaths> {
+    let sweeps = |strips: &[(Strip<'_>, WorstError)]| {
+        strips.par_iter().map(|(strip, _)| task.sweep(strip)).collect::<Option<Vec<StripPath>>>()
     };
-    let room = task.room(SurfaceKind::Face(side), side);
+    let budget = task.budget(SurfaceKind::Face(side), side);
     // One strip where no contract requires anything.
-    let given = task.choices.strips.or_else(|| room.is_none().then_some(1));
+    let given = task.choices.strips.or_else(|| budget.is_none().then_some(1));
     match given {
         // A single strip has no heights to even out.
-        Some(1) => return Some(Bands::Found(vec![task.sweep(&Band::new(around, side, [0.0, 1.0], cutter))?])),
-        Some(strips) => return sweeps(&flank::bands(around, side, strips, cutter, EVENINGS)?).map(Bands::Found),
+        Some(1) => return Some(StripPaths::Found(vec![task.sweep(&Strip::new(around, side, [0.0, 1.0], cutter))?])),
+        Some(strips) => {
+            return sweeps(&flank::strips_of(around, side, strips, cutter, EVENINGS)?).map(StripPaths::Found);
+        }
         None => {}
     }
-    let [below, above] = room?;
+    let [below, above] = budget?;
     // The least error lies evenly on both sides and needs half of the sum of both bounds.
     let needed = 0.5 * (below + above);
     // The cube law gives the least number of strips that can succeed.
@@ -121,23 +123,23 @@ fn bands(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cutter: 
         if last.is_some_and(|last| !may(last, strips)) {
             continue;
         }
-        let mut bands = flank::bands(around, side, strips, cutter, usize::from(strips > 1))?;
-        let mut error = flank::worst(&bands)?.error;
+        let mut divided = flank::strips_of(around, side, strips, cutter, usize::from(strips > 1))?;
+        let mut error = flank::worst(&divided)?.error;
         last = Some((strips, error));
         if strips > 1 && error > needed && error < HOPEFUL * needed {
-            bands = flank::bands(around, side, strips, cutter, EVENINGS)?;
-            error = flank::worst(&bands)?.error;
+            divided = flank::strips_of(around, side, strips, cutter, EVENINGS)?;
+            error = flank::worst(&divided)?.error;
         }
         if error > NEARLY * needed {
             continue;
         }
-        let found = sweeps(&bands)?;
-        if found.iter().any(|s| s.lacks > NO_LACK) {
+        let found = sweeps(&divided)?;
+        if found.iter().any(|s| s.violation > NO_VIOLATION) {
             continue;
         }
         let misses = found.iter().map(|s| s.crowded).fold(0.0, f64::max);
         if misses == 0.0 {
-            return Some(Bands::Found(found));
+            return Some(StripPaths::Found(found));
         }
         // More strips of less height may tilt further, which may reduce the violation.
         let before = crowded.as_ref().map_or(f64::INFINITY, |c| c.1);
@@ -149,10 +151,10 @@ fn bands(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cutter: 
         }
     }
     if let Some((found, _)) = crowded {
-        return Some(Bands::Found(found));
+        return Some(StripPaths::Found(found));
     }
     let worst = flank::least_error(around, side, MOST_STRIPS, cutter, 1)?;
-    Some(Bands::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
+    Some(StripPaths::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
 }
 
 /// Strips of both faces with paths that keep the contracts or violate them least.
@@ -168,17 +170,17 @@ fn optimised(
     let around = Surroundings::new(&program.part);
     let task = StripTask { progress: cx.progress, program, operation: id, choices, obstacles: cx.obstacles };
     let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
-    let found: Vec<Option<Bands>> =
-        faces.par_iter().map(|side| work.step(bands(&task, &around, *side, tool.solid.cutter))).collect();
+    let found: Vec<Option<StripPaths>> =
+        faces.par_iter().map(|side| work.step(strip_paths(&task, &around, *side, tool.solid.cutter))).collect();
     drop(work);
     cx.go_on()?;
-    let mut bands = Vec::new();
+    let mut planned = Vec::new();
     let mut notes = Vec::new();
     let mut failed = false;
     for (side, found) in faces.iter().zip(found) {
         let sweeps = match found {
-            Some(Bands::Found(sweeps)) => sweeps,
-            Some(Bands::Never { worst, needed, fitting }) => {
+            Some(StripPaths::Found(sweeps)) => sweeps,
+            Some(StripPaths::Never { worst, needed, fitting }) => {
                 failed = true;
                 never(cx, operation, *side, &worst, needed, &fitting);
                 continue;
@@ -189,8 +191,9 @@ fn optimised(
             }
         };
         let strips = sweeps.len() as u32;
-        let worst =
-            sweeps.iter().fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.lacks)]);
+        let worst = sweeps
+            .iter()
+            .fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.violation)]);
         notes.push(format!(
             "{} face: {strips} strip{} by minimax, planned within {} of gouge and {} of excess",
             side.name(),
@@ -198,8 +201,8 @@ fn optimised(
             length(worst[0]),
             length(worst[1])
         ));
-        if worst[2] > NO_LACK {
-            lacking(cx, operation, &task, &around, *side, strips, worst[2]);
+        if worst[2] > NO_VIOLATION {
+            out_of_tolerance(cx, operation, &task, &around, *side, strips, worst[2]);
         }
         for (end, name) in ["inlet", "outlet"].iter().enumerate() {
             let blocked = sweeps.iter().filter(|s| s.blocked[end]).count();
@@ -211,7 +214,7 @@ fn optimised(
             }
         }
         for (strip, sweep) in (0..strips).zip(sweeps).rev() {
-            bands.push(Planned {
+            planned.push(Planned {
                 side: *side,
                 strip,
                 points: stations(&program.part, *side, &sweep),
@@ -219,7 +222,7 @@ fn optimised(
             });
         }
     }
-    if failed { Err(Aborted) } else { Ok((bands, notes)) }
+    if failed { Err(Aborted) } else { Ok((planned, notes)) }
 }
 
 /// Contact stations of an optimised strip, with the ends of both leads.
@@ -253,7 +256,7 @@ fn by_ruling(
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let rolling = part.main().fillet.map_or(radius, |f| f.get());
     let strips = flank.strips.unwrap_or(1);
-    let mut bands = Vec::new();
+    let mut planned = Vec::new();
     for side in faces {
         let face = part.face(*side);
         // On the face, and on its continuation until the ball has passed hub and edge.
@@ -269,20 +272,20 @@ fn by_ruling(
         let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
         let after = part.root_step(*side, 1.0, rest(operation.lead_out.get()));
         for strip in (0..strips).rev() {
-            let band = |v: f64, k: u32| v + (1.0 - v) * f64::from(k) / f64::from(strips);
+            let height = |v: f64, k: u32| v + (1.0 - v) * f64::from(k) / f64::from(strips);
             let point = |u: f64, v: f64| CcPoint {
                 u,
-                v: band(v, strip),
-                w: band(v, strip + 1),
-                position: face.surface.point(u, band(v, strip)),
-                normal: face.normal(u, band(v, strip)),
+                v: height(v, strip),
+                w: height(v, strip + 1),
+                position: face.surface.point(u, height(v, strip)),
+                normal: face.normal(u, height(v, strip)),
             };
             let ends = (lowest.first().map(|x| x.1), lowest.last().map(|x| x.1));
             let (Some(first), Some(last)) = ends else { return Err(Aborted) };
             let mut points = vec![point(from - before, first)];
             points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
             points.push(point(to + after, last));
-            bands.push(Planned { side: *side, strip, points, sweep: None });
+            planned.push(Planned { side: *side, strip, points, sweep: None });
         }
     }
     let law = match flank.method {
@@ -290,5 +293,5 @@ fn by_ruling(
         _ => "two-point offsets (formulas 10 to 12)",
     };
     let notes = vec![format!("{strips} strips a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
-    Ok((bands, notes))
+    Ok((planned, notes))
 }

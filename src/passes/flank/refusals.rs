@@ -85,19 +85,19 @@ pub(crate) fn never(
 }
 
 /// Reports by how much the contracts are violated with the number of strips from the job.
-pub(crate) fn lacking(
+pub(crate) fn out_of_tolerance(
     cx: &mut PassContext<'_>,
     operation: &Operation,
     task: &StripTask<'_>,
     around: &Surroundings<'_>,
     side: FaceId,
     strips: u32,
-    lacks: f64,
+    violation: f64,
 ) {
     let tool = &cx.program.tools[operation.tool];
     let cutter = tool.solid.cutter;
     let found = task
-        .room(SurfaceKind::Face(side), side)
+        .budget(SurfaceKind::Face(side), side)
         .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
     let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
     cx.sink.push(
@@ -108,7 +108,7 @@ pub(crate) fn lacking(
                 if strips == 1 { "" } else { "s" },
                 tool.name,
                 side.name(),
-                length(lacks)
+                length(violation)
             ),
         )
         .help(format!("more strips (`strips auto` finds how many); {sizes}; or wider contracts on this face"))

@@ -2,8 +2,8 @@
 //! with the least motion of the rotary axes.
 
 use super::clearance::Clearances;
-use crate::analysis::flank::{Band, Placed};
-use crate::analysis::tolerance_budget::{SLACK, room};
+use crate::analysis::flank::{Placed, Strip};
+use crate::analysis::tolerance_budget::{SLACK, budget};
 use crate::envelope::target::Of;
 use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
 use crate::geom::DualCurve;
@@ -36,7 +36,7 @@ const NEAR: f64 = 1e-3;
 const CRESTS: usize = 30;
 
 /// A violation below this counts as none, mm.
-pub(crate) const NO_LACK: f64 = 5e-5;
+pub(crate) const NO_VIOLATION: f64 = 5e-5;
 
 /// Largest number of rounds in which obstacles of a path join its bounds.
 const CLEARINGS: usize = 6;
@@ -60,7 +60,7 @@ pub(crate) struct StripPath {
     /// Lower and upper edge of the strip, as shares of the height of the face.
     pub(crate) span: [f64; 2],
     /// Violation of the bounds, mm; zero where the bounds are kept.
-    pub(crate) lacks: f64,
+    pub(crate) violation: f64,
     /// Violation of the bounds if clearances and travel were kept as well, mm; zero where all are kept.
     pub(crate) crowded: f64,
 }
@@ -96,65 +96,67 @@ struct StripPoints {
 
 impl StripTask<'_> {
     /// Deviations that the contracts leave to the plan on a surface.
-    pub(crate) fn room(&self, kind: SurfaceKind, side: FaceId) -> Option<[f64; 2]> {
-        room(self.program, self.operation, self.choices.side, kind, side)
+    pub(crate) fn budget(&self, kind: SurfaceKind, side: FaceId) -> Option<[f64; 2]> {
+        budget(self.program, self.operation, self.choices.side, kind, side)
     }
 
-    /// Optimises a band. `None` where the cutter finds no place to start from, or the run was cancelled.
+    /// Optimises a strip. `None` where the cutter finds no place to start from, or the run was cancelled.
     ///
     /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
     /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
-    /// Twisted faces give little room to lean along them: of the height of a band with its square.
-    pub(crate) fn sweep(&self, band: &Band<'_>) -> Option<StripPath> {
+    /// A twisted face lets the axis tilt along it only a little: of the height of a strip with its square.
+    pub(crate) fn sweep(&self, strip: &Strip<'_>) -> Option<StripPath> {
         if self.progress.is_cancelled() {
             return None;
         }
-        let start = band.start()?;
-        let coarse = band.near(&start, band.targets(1.0), |p| p.target);
-        let fine = band.targets(2.0);
+        let start = strip.start()?;
+        let coarse = strip.near(&start, strip.targets(1.0), |p| p.target);
+        let fine = strip.targets(2.0);
         let plain = |placed: &[Placed]| placed.iter().map(|p| p.target).collect::<Vec<Target>>();
-        let start = least_squares(&start, &band.tool(), &plain(&coarse));
-        let face = SurfaceKind::Face(band.side);
+        let start = least_squares(&start, &strip.tool(), &plain(&coarse));
+        let face = SurfaceKind::Face(strip.side);
         // Without contracts, the least error there is.
-        let least = self.room(face, band.side).is_none().then(|| {
-            let best = finest(&start, &band.tool(), &plain(&coarse), &plain(&fine), GAIN).best;
+        let least = self.budget(face, strip.side).is_none().then(|| {
+            let best = finest(&start, &strip.tool(), &plain(&coarse), &plain(&fine), GAIN).best;
             let even = best.widening + SLACK;
             (best.curve, if self.choices.side == ErrorSide::Both { [even; 2] } else { [0.0, 2.0 * even] })
         });
         let bounded = |placed: &Placed| {
             let [below, above] = match &least {
-                Some((_, room)) => *room,
-                None => self.room(placed.kind, band.side).or_else(|| self.room(face, band.side)).unwrap_or([0.0; 2]),
+                Some((_, budget)) => *budget,
+                None => {
+                    self.budget(placed.kind, strip.side).or_else(|| self.budget(face, strip.side)).unwrap_or([0.0; 2])
+                }
             };
             // The neighbouring vane keeps its distance independently of the contracts.
             let target = if placed.target.low > 0.0 { placed.target } else { placed.target.widened(below, above) };
-            self.giving(target, placed, band)
+            self.giving(target, placed, strip)
         };
-        let dense = band.near(&start, band.targets(DENSE), |p| p.target);
+        let dense = strip.near(&start, strip.targets(DENSE), |p| p.target);
         let mut points = StripPoints {
             looked_at: coarse.iter().map(bounded).collect(),
             all: fine.iter().map(bounded).collect(),
             dense: dense.iter().map(|p| (bounded(p), *p)).collect(),
         };
         let clearances = Clearances::new(self.program, self.operation, self.obstacles);
-        let tool = Mounted { body: clearances.body(), ..band.tool() };
+        let tool = Mounted { body: clearances.body(), ..strip.tool() };
         let start = least.clone().map_or(start, |l| l.0);
-        let (path, lacks, _) = self.within_bounds(start, band, &tool, &bounded, &mut points, LastLook::Between);
+        let (path, violation, _) = self.within_bounds(start, strip, &tool, &bounded, &mut points, LastLook::Between);
         let mut clear = || {
             self.cleared(&path, &clearances, |path, near| {
                 points.looked_at.extend(near);
                 points.all.extend(near);
-                self.within_bounds(path, band, &tool, &bounded, &mut points, LastLook::OnCrests)
+                self.within_bounds(path, strip, &tool, &bounded, &mut points, LastLook::OnCrests)
             })
         };
-        let (path, crowded) = match if lacks > NO_LACK { Ok(path.clone()) } else { clear() } {
+        let (path, crowded) = match if violation > NO_VIOLATION { Ok(path.clone()) } else { clear() } {
             Ok(path) => (path, 0.0),
             Err(crowded) => (path, crowded),
         };
         let exact = plain(&fine);
         let measured = Measured::new(&path, &tool, &exact);
         let lowest = fine.iter().filter(|p| p.kind == face).map(|p| p.at[1]);
-        let edge = band.span[0];
+        let edge = strip.span[0];
         // The row of targets nearest to the lower edge, on its upper side.
         let row = lowest.filter(|h| *h >= edge - SAME_HEIGHT).fold(1.0, f64::min);
         let mut contacts: Vec<(f64, [f64; 2])> = fine
@@ -164,12 +166,12 @@ impl StripTask<'_> {
             .map(|(p, d)| (d.t, p.parameters))
             .collect();
         contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let error = measured.lack(&exact);
+        let error = measured.violation(&exact);
         let operation = &self.program.operations[self.operation];
         let length = [operation.lead_in.get(), operation.lead_out.get()];
-        let (directions, blocked) = leads(band, &path, length, &points.all, &clearances);
+        let (directions, blocked) = leads(strip, &path, length, &points.all, &clearances);
         let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
-        Some(StripPath { path, contacts, leads, blocked, error, span: band.span, lacks, crowded })
+        Some(StripPath { path, contacts, leads, blocked, error, span: strip.span, violation, crowded })
     }
 
     /// A path near `path` that keeps shank, holder and travel within their limits; else the violation, mm. `within`
@@ -181,19 +183,19 @@ impl StripTask<'_> {
         mut within: impl FnMut(DualCurve, &[Target]) -> (DualCurve, f64, f64),
     ) -> Result<DualCurve, f64> {
         let mut path = path.clone();
-        let mut lacks = 0.0;
+        let mut violation = 0.0;
         for _ in 0..CLEARINGS {
             let found = clearances.found(&path);
             if found.kept {
                 return Ok(path);
             }
             let (next, given, left) = within(path, &found.near);
-            (path, lacks) = (next, given.max(left));
-            if lacks > NO_LACK {
+            (path, violation) = (next, given.max(left));
+            if violation > NO_VIOLATION {
                 break;
             }
         }
-        Err(lacks.max(NO_LACK))
+        Err(violation.max(NO_VIOLATION))
     }
 
     /// The path with the least motion that keeps the bounds of all points; how far the bounds had to give way, mm; and
@@ -201,26 +203,26 @@ impl StripTask<'_> {
     fn within_bounds(
         &self,
         mut path: DualCurve,
-        band: &Band<'_>,
+        strip: &Strip<'_>,
         tool: &Mounted<'_>,
         bounded: &impl Fn(&Placed) -> Target,
         points: &mut StripPoints,
         look: LastLook,
     ) -> (DualCurve, f64, f64) {
-        let mut lacks = 0.0;
+        let mut violation = 0.0;
         let mut broken = Vec::new();
         for round in 0..EXCHANGES {
             let guarded = self.guarded(path, tool, &points.looked_at);
             let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
-            if round == 0 && best.widening > NO_LACK {
+            if round == 0 && best.widening > NO_VIOLATION {
                 // Finer knots may achieve what more strips would.
                 (best, points.looked_at) = {
                     let found = finest(&guarded, tool, &points.looked_at, &points.all, GAIN);
                     (found.best, found.targets)
                 };
             }
-            lacks = best.widening;
-            let give = |t: &Target| t.widened(lacks * t.give[0], lacks * t.give[1]);
+            violation = best.widening;
+            let give = |t: &Target| t.widened(violation * t.give[0], violation * t.give[1]);
             path = match EASING.get(round) {
                 Some(steps) => {
                     let chain = &self.program.machine.chain;
@@ -229,10 +231,10 @@ impl StripTask<'_> {
                 }
                 None => best.curve,
             };
-            let lack = |d: &Deviation, t: &Target| (give(t).low - d.value).max(d.value - give(t).high);
+            let violation = |d: &Deviation, t: &Target| (give(t).low - d.value).max(d.value - give(t).high);
             let broken_of = |among: &[Target]| -> Vec<Target> {
                 let measured = Measured::new(&path, tool, among);
-                let broken = measured.at.iter().zip(among).filter(|(d, t)| lack(d, t) > 1.5 * SLACK);
+                let broken = measured.at.iter().zip(among).filter(|(d, t)| violation(d, t) > 1.5 * SLACK);
                 broken.map(|x| *x.1).collect()
             };
             broken = broken_of(&points.all);
@@ -241,13 +243,13 @@ impl StripTask<'_> {
                 let dense: Vec<Target> = points.dense.iter().map(|p| p.0).collect();
                 let measured = Measured::new(&path, tool, &dense);
                 let mut near: Vec<(f64, &(Target, Placed))> =
-                    measured.at.iter().zip(&points.dense).map(|(d, p)| (lack(d, &p.0), p)).collect();
+                    measured.at.iter().zip(&points.dense).map(|(d, p)| (violation(d, &p.0), p)).collect();
                 near.retain(|x| x.0 > -NEAR);
                 near.sort_by(|a, b| b.0.total_cmp(&a.0));
                 let crests: Vec<Placed> = near.iter().take(CRESTS).map(|x| x.1.1).collect();
                 let mut finer: Vec<Target> = near.iter().map(|x| x.1.0).collect();
                 if look == LastLook::OnCrests {
-                    finer.extend(band.about(&crests, DENSE).iter().map(bounded));
+                    finer.extend(strip.about(&crests, DENSE).iter().map(bounded));
                 }
                 broken = broken_of(&finer);
                 points.all.extend(near.iter().map(|x| x.1.0));
@@ -258,20 +260,20 @@ impl StripTask<'_> {
             }
             points.looked_at.extend(&broken);
         }
-        let left = Measured::new(&path, tool, &broken).widening(&broken) - lacks;
-        (path, lacks, left.max(0.0))
+        let left = Measured::new(&path, tool, &broken).widening(&broken) - violation;
+        (path, violation, left.max(0.0))
     }
 
     /// Sets the shares by which the bounds of a target may give way.
-    fn giving(&self, target: Target, placed: &Placed, band: &Band<'_>) -> Target {
+    fn giving(&self, target: Target, placed: &Placed, strip: &Strip<'_>) -> Target {
         /// Share for points on the edges of a strip, which the tool is to touch.
         const HELD: f64 = 0.02;
         match self.choices.conflict {
             Conflict::Balance => target,
             Conflict::GougeFree => Target { give: [0.0, 1.0], ..target },
             Conflict::ContactBoth => {
-                let held = placed.kind == SurfaceKind::Face(band.side)
-                    && band.span.iter().any(|edge| (placed.at[1] - edge).abs() < SAME_HEIGHT);
+                let held = placed.kind == SurfaceKind::Face(strip.side)
+                    && strip.span.iter().any(|edge| (placed.at[1] - edge).abs() < SAME_HEIGHT);
                 Target { give: if held { [HELD; 2] } else { [1.0; 2] }, ..target }
             }
         }
@@ -299,7 +301,7 @@ pub(crate) fn contact(contacts: &[(f64, [f64; 2])], t: f64) -> Option<[f64; 2]> 
 /// Directions of the leads beyond both ends of a path: straight on, or inclined away from face and hub until the tool,
 /// which moves without turning, cuts nothing on the lead and is clear. The flag is true where no direction succeeds.
 fn leads(
-    band: &Band<'_>,
+    strip: &Strip<'_>,
     path: &DualCurve,
     length: [f64; 2],
     targets: &[Target],
@@ -308,13 +310,13 @@ fn leads(
     /// Shares of the normals of face and hub that are tried, from straight on to steeply away.
     const BENDS: [[f64; 2]; 8] =
         [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
-    let tool = band.tool();
+    let tool = strip.tool();
     let found = [0, 1].map(|end| {
         let (at, [lower, _]) = path.moving(end as f64);
         let away = if end == 0 { -1.0 } else { 1.0 };
         let straight = lower.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * away;
-        let normals = band.normals(end as f64);
-        let direction = |bend: &[f64; 2]| (straight + normals[0] * bend[0] + normals[1] * bend[1]).normalize();
+        let normals = strip.normals(end as f64);
+        let direction = |slopes: &[f64; 2]| (straight + normals[0] * slopes[0] + normals[1] * slopes[1]).normalize();
         let clear = |direction: &Vector3<f64>| {
             let line = [0.0, length[end]].map(|s| at.lower + direction * s);
             let of_cutter = targets.par_iter().filter(|t| t.of == Of::Cutter);

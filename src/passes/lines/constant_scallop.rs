@@ -123,16 +123,16 @@ impl Family {
         let mut next = metric.front(&half, ahead * self.sign);
         for _ in 0..TRIES {
             let back = metric.front(&next, -0.5 * self.sign);
-            let lack = metric
+            let uncovered = metric
                 .stations()
                 .enumerate()
                 .filter(|(i, _)| open[*i])
                 .map(|(i, x)| self.sign * (back[i] - half[i]) * metric.form(x, half[i])[1])
                 .fold(0.0, f64::max);
-            if lack < 0.5 * COVER || ahead <= 0.0 {
+            if uncovered < 0.5 * COVER || ahead <= 0.0 {
                 break;
             }
-            ahead = (ahead - 1.2 * lack).max(0.0);
+            ahead = (ahead - 1.2 * uncovered).max(0.0);
             next = metric.front(&half, ahead * self.sign);
         }
         self.fronts.extend([half, next]);

@@ -80,7 +80,7 @@ impl<'a> DirectLinks<'a> {
             // A block at feed must move its tip.
             let moves = way > 1e-2;
             let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
-            let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.lack(rho, s, least));
+            let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
             (moves && (near() || free())).then_some(over)
@@ -88,7 +88,7 @@ impl<'a> DirectLinks<'a> {
     }
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.
-    fn lack(&self, rho: f64, s: f64, least: f64) -> f64 {
+    fn slack(&self, rho: f64, s: f64, least: f64) -> f64 {
         let [cutter, shank, holder] = self.asked.map(|asked| asked.max(least));
         let of = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
         (self.solid.cutter_distance(rho, s) - cutter)

@@ -3,7 +3,7 @@
 use crate::collide::Cutter;
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation, Program};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
-use crate::passes::context::{ChannelChart, Lean};
+use crate::passes::context::{AxisTilt, ChannelChart};
 use nalgebra::{Point3, Vector3};
 
 /// Sine of the angle between normal and axis below which the contact has no side.
@@ -24,26 +24,26 @@ impl<'a> VaneAxis<'a> {
     }
 
     /// Tool axis at the parameters of a contact: along the ruling of its face, tilted outward as far as the pole of the
-    /// rotary axes requires, and tilted off the face by `lean`. A fillet takes the axis of the face above it. On leads
+    /// rotary axes requires, and tilted off the face by `tilt`. A fillet takes the axis of the face above it. On leads
     /// the axis is constant.
-    pub(crate) fn axis(&self, surface: SurfaceKind, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
+    pub(crate) fn axis(&self, surface: SurfaceKind, u: f64, v: f64, tilt: AxisTilt) -> Vector3<f64> {
         let (side, v) = match surface {
             SurfaceKind::Face(side) => (side, v),
             SurfaceKind::Fillet(side) => (side, 0.0),
-            SurfaceKind::InletEdge(_) => return self.off_edge(0.0, lean),
-            _ => return self.off_edge(1.0, lean),
+            SurfaceKind::InletEdge(_) => return self.off_edge(0.0, tilt),
+            _ => return self.off_edge(1.0, tilt),
         };
         let u = u.clamp(0.0, 1.0);
         let face = self.part.face(side);
         let normal = face.normal(u, v);
-        let tilt = match lean {
-            Lean::Along => return face.surface.ruling(u),
-            Lean::Away(tilt) => tilt,
+        let tilt = match tilt {
+            AxisTilt::Along => return face.surface.ruling(u),
+            AxisTilt::Away(tilt) => tilt,
         };
         let along = if self.part.looks_ahead(side) {
-            self.channel.leaning(u, 0.0, 0.0)
+            self.channel.tilted_ruling(u, 0.0, 0.0)
         } else {
-            self.part.sector_rotation(1).inverse() * self.channel.leaning(u, 1.0, 1.0)
+            self.part.sector_rotation(1).inverse() * self.channel.tilted_ruling(u, 1.0, 1.0)
         };
         let along = (along - normal * along.dot(&normal)).normalize();
         along * libm::cos(tilt) + normal * libm::sin(tilt)
@@ -51,19 +51,19 @@ impl<'a> VaneAxis<'a> {
 
     /// Tool axis round a vane: on the first face (`round` 0), over the inlet edge (0 to 2), on the other face (2), over
     /// the outlet edge (2 to 4) back.
-    pub(crate) fn round(&self, round: f64, u: f64, v: f64, lean: Lean) -> Vector3<f64> {
+    pub(crate) fn round(&self, round: f64, u: f64, v: f64, tilt: AxisTilt) -> Vector3<f64> {
         let [first, second] = BladeId::MAIN.faces().map(SurfaceKind::Face);
         if round == 0.0 || round == 2.0 {
-            return self.axis(if round < 1.0 { first } else { second }, u, v, lean);
+            return self.axis(if round < 1.0 { first } else { second }, u, v, tilt);
         }
         let (end, from, to) = if round < 2.0 { (0.0, first, second) } else { (1.0, second, first) };
         // From face to face the axis turns over the edge.
         let share = 0.5 * round - end;
-        let edge = self.off_edge(end, lean);
+        let edge = self.off_edge(end, tilt);
         if share < 0.5 {
-            self.axis(from, end, v, lean).slerp(&edge, 2.0 * share)
+            self.axis(from, end, v, tilt).slerp(&edge, 2.0 * share)
         } else {
-            edge.slerp(&self.axis(to, end, v, lean), 2.0 * share - 1.0)
+            edge.slerp(&self.axis(to, end, v, tilt), 2.0 * share - 1.0)
         }
     }
 
@@ -72,10 +72,10 @@ impl<'a> VaneAxis<'a> {
     }
 
     /// Axis at an edge, between the ruling and the direction away from the vane, at inlet (u = 0) or outlet (u = 1).
-    fn off_edge(&self, u: f64, lean: Lean) -> Vector3<f64> {
+    fn off_edge(&self, u: f64, tilt: AxisTilt) -> Vector3<f64> {
         let faces = BladeId::MAIN.faces().map(|side| &self.part.face(side).surface);
         let ruling = (faces[0].ruling(u) + faces[1].ruling(u)).normalize();
-        let Lean::Away(tilt) = lean else { return ruling };
+        let AxisTilt::Away(tilt) = tilt else { return ruling };
         let (_, along, _) = faces[0].tangents(u, 0.5);
         let away = if u > 0.5 { along } else { -along };
         let away = (away - ruling * away.dot(&ruling)).normalize();

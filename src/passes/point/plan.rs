@@ -16,7 +16,7 @@ use crate::part::{
     chart::{Shape, charts, edges, edges_of},
 };
 use crate::passes::context::{
-    Lean, PassContext,
+    AxisTilt, PassContext,
     limits::{check_fillet, check_points},
 };
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
@@ -70,8 +70,8 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let round = order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f));
     if round {
         let pair = [surface_of(cx, faces[0])?, surface_of(cx, faces[1])?];
-        let (points, told) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
-        notes.extend(told);
+        let (points, decisions) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
+        notes.extend(decisions);
         laid.push((Drive::Round, "spiral".to_owned(), vec![points]));
     }
     for kind in surfaces.iter().filter(|kind| !(round && faces.contains(kind))) {
@@ -146,7 +146,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
     }
     let tool = &cx.program.tools[operation.tool];
     let place = surface.chart.place(x, y);
-    let room = -1.0 / bulge;
+    let hollow_radius = -1.0 / bulge;
     cx.sink.push(
         Diag::error(
             planning::TOO_HOLLOW,
@@ -154,7 +154,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
                 "{} is bigger than the hollow of the {}, whose radius is {}",
                 tool.name,
                 surface.name(),
-                length(room)
+                length(hollow_radius)
             ),
         )
         .label(operation.span, "in this operation")
@@ -163,7 +163,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
             format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
             place.position,
         )
-        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * room).floor() / 100.0)),
+        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * hollow_radius).floor() / 100.0)),
     );
     Err(Aborted)
 }
@@ -197,7 +197,7 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
     let stands = |x: f64, y: f64| {
         let place = surface.chart.place(x, y);
         let [u, v] = place.parameters;
-        let axis = surface.axes.axis(surface.chart.kind, u, v, Lean::Away(nominal_tilt(&solid.cutter)));
+        let axis = surface.axes.axis(surface.chart.kind, u, v, AxisTilt::Away(nominal_tilt(&solid.cutter)));
         let tip = tip_at(&solid.cutter, &place.position, &place.normal, &axis);
         tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };

@@ -10,7 +10,7 @@ use crate::part::{
     FaceId, SurfaceKind,
     chart::{Chart, Shape},
 };
-use crate::passes::context::Lean;
+use crate::passes::context::AxisTilt;
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine};
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ impl VaneSurface<'_> {
         }
         let place = self.chart.place(x.clamp(0.0, 1.0), y);
         let [u, v] = place.parameters;
-        let axis = self.axes.axis(self.chart.kind, u, v, Lean::Away(nominal_tilt(&self.cutter)));
+        let axis = self.axes.axis(self.chart.kind, u, v, AxisTilt::Away(nominal_tilt(&self.cutter)));
         let sin = axis.dot(&place.normal).clamp(-1.0, 1.0);
         let Some(profile) = self.cutter.profile_at(libm::asin(sin)) else { return at.first };
         let along = (axis - place.normal * sin).normalize();
@@ -88,18 +88,18 @@ impl VaneSurface<'_> {
         let form = |d: &Vector3<f64>, curvature: f64| {
             Matrix2::from_fn(|i, j| curvature * tangents[i].dot(d) * tangents[j].dot(d))
         };
-        form(&along, 1.0 / profile.bend) + form(&around, (1.0 - sin * sin).sqrt() / profile.rho)
+        form(&along, 1.0 / profile.arc_radius) + form(&around, (1.0 - sin * sin).sqrt() / profile.rho)
     }
 
     /// Radius of curvature of the profile at the contacts.
-    fn bend(&self) -> f64 {
-        self.cutter.profile_at(nominal_tilt(&self.cutter)).map_or(0.0, |p| p.bend)
+    fn arc_radius(&self) -> f64 {
+        self.cutter.profile_at(nominal_tilt(&self.cutter)).map_or(0.0, |p| p.arc_radius)
     }
 
     /// Metric of ridges in steps: (I / R + II) / 8h, with the second term of the exact law for a flat surface.
     fn form(&self, x: f64, y: f64, height: f64) -> (Matrix2<f64>, Local) {
         let at = self.local(x, y);
-        let scale = 1.0 / (8.0 * height - 4.0 * height * height / self.bend());
+        let scale = 1.0 / (8.0 * height - 4.0 * height * height / self.arc_radius());
         let form = (self.cutter_form(x, y, &at) + at.bulge) * scale;
         (form, at)
     }
@@ -168,7 +168,7 @@ fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
 
 impl VaneSurface<'_> {
     fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<CutterPose> {
-        let axis = self.axes.axis(self.chart.kind, p.u, p.v, Lean::Away(nominal_tilt(&self.cutter)));
+        let axis = self.axes.axis(self.chart.kind, p.u, p.v, AxisTilt::Away(nominal_tilt(&self.cutter)));
         let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
         Some(CutterPose { x: *x, contact: p.position, tip, axis })
     }
@@ -213,9 +213,9 @@ impl VaneSurface<'_> {
             }
             if k > 0 && k + 1 < line.len() {
                 let (before, after) = (gap(&line[k - 1]) - value, gap(&line[k + 1]) - value);
-                let bend = before + after;
-                if bend > 0.0 {
-                    value -= (after - before).powi(2) / (8.0 * bend);
+                let arc_radius = before + after;
+                if arc_radius > 0.0 {
+                    value -= (after - before).powi(2) / (8.0 * arc_radius);
                 }
             }
             least = least.min(value);

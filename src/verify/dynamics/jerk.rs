@@ -58,8 +58,8 @@ fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
 pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> (f64, f64) {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
-    let lean = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
-    ((cell.flutes * root * time / 8.0).max(y * cell.rounding), lean.max(y * cell.tilting))
+    let tilt = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
+    ((cell.flutes * root * time / 8.0).max(y * cell.rounding), tilt.max(y * cell.tilting))
 }
 
 /// Largest y before a corner.
@@ -68,7 +68,7 @@ fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
     let fits = |y: f64| {
         let root = y.sqrt();
         let time = pulse(limits, &excess.map(|e| e * root));
-        time * root <= cell.room && cell.flutes * root * time / 8.0 <= limits.chord
+        time * root <= cell.rounding_time && cell.flutes * root * time / 8.0 <= limits.chord
     };
     let most = cell.corner.min(before.cap).min(cell.cap / (cell.ratio * cell.ratio));
     if fits(most) {
@@ -108,13 +108,13 @@ struct JerkRows<'a> {
 impl JerkRows<'_> {
     /// Largest acceleration and jerk of each axis.
     fn largest(&self, span: usize, y: &[f64; 3]) -> [Joint5; 2] {
-        let JerkSpan { width, most: [rate, bend, twist], .. } = &self.spans[span];
+        let JerkSpan { width, most: [rate, second, twist], .. } = &self.spans[span];
         let top = y[0].max(y[1]).max(y[2]);
         let [first, last] = [2.0 * (y[1] - y[0]) / width, 2.0 * (y[2] - y[1]) / width];
         let (slope, turn) = (first.abs().max(last.abs()), ((last - first) / width).abs());
         [
-            std::array::from_fn(|k| bend[k] * top + 0.5 * rate[k] * slope),
-            std::array::from_fn(|k| (twist[k] * top + 1.5 * bend[k] * slope + 0.5 * rate[k] * turn) * top.sqrt()),
+            std::array::from_fn(|k| second[k] * top + 0.5 * rate[k] * slope),
+            std::array::from_fn(|k| (twist[k] * top + 1.5 * second[k] * slope + 0.5 * rate[k] * turn) * top.sqrt()),
         ]
     }
 
@@ -174,12 +174,12 @@ pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
 
 /// Largest y that the run reaches from y over a span, within the acceleration.
 fn rise(limits: &RunLimits, span: &JerkSpan, y: f64) -> f64 {
-    let [rate, bend, _] = &span.most;
+    let [rate, second, _] = &span.most;
     (0..5)
         .filter(|k| rate[*k] > 0.0)
         .map(|k| {
             let way = 2.0 * span.width / rate[k];
-            (y + way * limits.acceleration[k]) / (1.0 + way * bend[k])
+            (y + way * limits.acceleration[k]) / (1.0 + way * second[k])
         })
         .fold(span.cap, f64::min)
 }
@@ -217,7 +217,7 @@ impl Stretch {
                 knots.push(corner(limits, &cells[i - 1], cell) * scale * scale);
                 scale /= cell.ratio;
             }
-            let most: Most = [cell.rate, cell.bend, twist(cells, i)];
+            let most: Most = [cell.rate, cell.second, twist(cells, i)];
             let cap = cell.cap.min(jerk::steady(&most, axes)) * scale * scale;
             let by = |d: usize, power: i32| most[d].map(|m| m / scale.powi(power));
             spans.push(JerkSpan {

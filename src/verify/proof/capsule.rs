@@ -78,7 +78,7 @@ impl Capsule {
         let (_, axis) = piece.middle();
         let (half_way, turn) = piece.reach();
         // A curve deviates from its chord by at most an eighth of its second derivative.
-        let flaw = 0.125 * piece.ball_drift(radius).bend;
+        let flaw = 0.125 * piece.ball_drift(radius).second;
         Self {
             start,
             way,

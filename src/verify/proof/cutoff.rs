@@ -70,10 +70,10 @@ impl<'h> Cutoff<'h> {
         for lanes in &self.lanes {
             let [x, y, z] = &lanes.way;
             for k in 0..LANES {
-                let room = lanes.most[k] - (slope.x * x[k] + slope.y * y[k] + slope.z * z[k]);
-                over[k] = if room > over[k] { room } else { over[k] };
+                let least = lanes.most[k] - (slope.x * x[k] + slope.y * y[k] + slope.z * z[k]);
+                over[k] = if least > over[k] { least } else { over[k] };
             }
         }
-        over.iter().all(|room| *room <= value)
+        over.iter().all(|least| *least <= value)
     }
 }

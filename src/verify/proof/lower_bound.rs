@@ -77,7 +77,7 @@ impl Tangent {
         let h = ends[1].max(-ends[0]);
         Self {
             place,
-            value: touch.value - 0.5 * twist.bend * h * h - twist.slope_flaw * h - twist.flaw,
+            value: touch.value - 0.5 * twist.second * h * h - twist.slope_flaw * h - twist.flaw,
             gradient: touch.gradient,
             change: (touch.rate, twist.change),
             ends,

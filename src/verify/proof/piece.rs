@@ -72,9 +72,9 @@ impl<'a> Piece<'a> {
     /// through its ends and its middle, for pieces of at most [`PIECE_TURN`]; it deviates from the true curve by at
     /// most [`Self::parabola_error`].
     pub(crate) fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
-        let [start, slope, bend] = &self.curve;
-        let axis = start + (slope + bend * t) * t;
-        let change = slope + bend * (2.0 * t);
+        let [start, slope, second] = &self.curve;
+        let axis = start + (slope + second * t) * t;
+        let change = slope + second * (2.0 * t);
         (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change)
     }
 
@@ -103,8 +103,8 @@ impl<'a> Piece<'a> {
         let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
         // Largest distance of these points from the tip.
         let arm = touch.arm() + way + radius;
-        let bend = self.chain.turning().second * turn * turn * arm + 2.0 * turn * way;
-        Drift { bend, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
+        let second = self.chain.turning().second * turn * turn * arm + 2.0 * turn * way;
+        Drift { second, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
     }
 
     /// Centre of a tip ball of a given radius, and its derivative by the share.
@@ -118,7 +118,7 @@ impl<'a> Piece<'a> {
     pub fn ball_drift(&self, radius: f64) -> Drift {
         let turn = 2.0 * self.reach.1;
         let (flaw, slope_flaw) = (self.parabola_error() * radius, self.parabola_slope_error() * radius);
-        Drift { bend: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
+        Drift { second: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
     }
 
     /// How a tangent at a touch moves with the share, see [`TangentTwist`]; valid for points within a radius.
@@ -128,7 +128,7 @@ impl<'a> Piece<'a> {
         let arm = touch.arm() + way + radius;
         TangentTwist {
             change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
-            bend: self.chain.turning().shortest * turn * turn * arm + 2.0 * turn * way,
+            second: self.chain.turning().shortest * turn * turn * arm + 2.0 * turn * way,
             // Once in the derivative of the axis, and twice in that of the gradient.
             slope_flaw: 3.0 * self.parabola_slope_error() * arm,
             flaw: self.parabola_error() * arm,
@@ -250,7 +250,7 @@ pub(crate) struct TangentTwist {
     /// Derivative of the gradient by the share.
     pub(crate) change: Vector3<f64>,
     /// Upper bound of the second derivative by the share, mm.
-    pub(crate) bend: f64,
+    pub(crate) second: f64,
     /// Error of the slope of the quick poses, mm per share.
     pub(crate) slope_flaw: f64,
     /// Error of the quick poses, mm.
@@ -261,7 +261,7 @@ pub(crate) struct TangentTwist {
 #[derive(Clone, Copy, Debug)]
 pub struct Drift {
     /// Upper bound of the second derivative by the share, mm.
-    pub bend: f64,
+    pub second: f64,
     /// Turn over the whole piece, radians.
     pub turn: f64,
     /// Error of the quick poses, mm.
@@ -278,7 +278,7 @@ impl Drift {
         let (before, after) = (touch.t - from, to - touch.t);
         let down = (touch.rate * before).max(-touch.rate * after).max(0.0);
         let h = before.max(after);
-        down + 0.5 * self.bend * h * h + (self.turn * self.radius + self.slope_flaw) * h + self.flaw
+        down + 0.5 * self.second * h * h + (self.turn * self.radius + self.slope_flaw) * h + self.flaw
     }
 }
 

@@ -163,9 +163,9 @@ impl<'a> Pair<'a> {
     /// The bound from the ball, with the shares at which the ball is nearest to the corners.
     fn bound_of_ball(&self, ball: Ball, shares: &[(bool, f64); 4], hull: &Hull) -> UpperBound {
         let run = self.run(shares);
-        let bend = self.worst(&run, |p, scale| p.ball_drift(ball.radius).bend * scale * scale);
+        let second = self.worst(&run, |p, scale| p.ball_drift(ball.radius).second * scale * scale);
         let flaw = self.worst(&run, |p, _| p.ball_drift(ball.radius).flaw);
-        let error = 0.125 * bend * run.time * run.time + flaw + run.across * (self.jump(ball.radius) + bend);
+        let error = 0.125 * second * run.time * run.time + flaw + run.across * (self.jump(ball.radius) + second);
         let centres = shares.map(|(later, t)| self.piece(later).ball_centre(t, ball.radius).0);
         bound_of_ball(ball.radius, &centres, hull, error)
     }
@@ -177,14 +177,14 @@ impl<'a> Pair<'a> {
         let most = |p: &Piece, of: &dyn Fn(&Drift) -> f64| {
             near.iter().map(|(_, t)| of(&p.drift(t, hull.radius))).fold(0.0, f64::max)
         };
-        let bend = self.worst(&run, |p, scale| most(p, &|d| d.bend) * scale * scale);
+        let second = self.worst(&run, |p, scale| most(p, &|d| d.second) * scale * scale);
         let turn = self.worst(&run, |p, scale| most(p, &|d| d.turn) * scale);
         let flaw = self.worst(&run, |p, _| most(p, &|d| d.flaw));
         let reach = near.iter().map(|(_, t)| t.arm()).fold(0.0, f64::max) + 2.0 * hull.radius;
         // Means lie within half the interval of time and half the diagonal of the cell.
-        let error = 0.5 * (0.25 * bend * run.time * run.time + turn * run.time * hull.radius)
+        let error = 0.5 * (0.25 * second * run.time * run.time + turn * run.time * hull.radius)
             + flaw
-            + run.across * (self.jump(reach) + bend);
+            + run.across * (self.jump(reach) + second);
         // Upper bound of the turn of the gradient over the cell.
         let swing = if least > 0.0 { (2.0 * hull.radius / least).min(2.0) } else { 2.0 } + turn * run.time;
         bound_of_cutter(&near.map(|(_, touch)| touch), hull, swing, error)

@@ -260,11 +260,11 @@ pub fn simulate(
         report.removed = before - report.rest;
         before = report.rest;
         if missing.is_none() {
-            let lack = field.lacks(&disc, below);
-            missing = lack.map(|lack| Missing {
+            let uncut = field.uncut_under(&disc, below);
+            missing = uncut.map(|uncut| Missing {
                 operation: report.operation,
-                volume: lack.volume,
-                point: lack.point.coords.into(),
+                volume: uncut.volume,
+                point: uncut.point.coords.into(),
             });
         }
         operations.push(report);

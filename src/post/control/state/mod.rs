@@ -71,7 +71,7 @@ struct ControlState<'a> {
     /// All words of the block were understood.
     understood: bool,
     /// Faults that are reported only once, since they would occur in every block.
-    told: Vec<&'static str>,
+    reported: Vec<&'static str>,
 }
 
 impl<'a> ControlState<'a> {
@@ -100,7 +100,7 @@ impl<'a> ControlState<'a> {
             faults: Vec::new(),
             quiet: false,
             understood: true,
-            told: Vec::new(),
+            reported: Vec::new(),
         }
     }
 
@@ -120,10 +120,10 @@ impl<'a> ControlState<'a> {
 
     /// Reports once a fault that would occur in every block from here on.
     fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
-        if self.told.contains(&about) || !self.understood {
+        if self.reported.contains(&about) || !self.understood {
             return;
         }
-        self.told.push(about);
+        self.reported.push(about);
         self.fault_apart(reason);
     }
 
