@@ -320,7 +320,7 @@ fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut 
                 (files::CANNOT_READ, format!("the machine file `{name}` cannot be read"))
             }
         };
-        let mut diag = Diag::error(code, fault).note(missing.reason).note("asked for by `--machine`");
+        let mut diag = Diag::error(code, fault).note(missing.reason).note("required by `--machine`");
         if !missing.known.is_empty() {
             diag = diag.help(format!("the machines are {}", missing.known.join(", ")));
         }
@@ -345,7 +345,7 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
         let mut diag = Diag::error(post_codes::UNKNOWN_POST, format!("there is no post `{name}`"))
             .help(format!("the posts are {}", known.join(", ")));
         if let Some(span) = program.post.span {
-            diag = diag.label(span, "asked for here");
+            diag = diag.label(span, "required here");
         }
         sink.push(diag);
         Aborted
@@ -501,7 +501,7 @@ const MAX_JOB: u64 = 64 << 20;
 /// Text of the job file.
 fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
-    let due = "a job is a text like jobs/wei2021/wei2021.imp";
+    let due = "a job is a text file such as jobs/wei2021/wei2021.imp";
     let diag = match reading::read(path, MAX_JOB).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match post::recognise(&text).filter(|_| !text.contains("edition")) {
             None => return Ok(text),
@@ -510,7 +510,7 @@ fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
         },
         Ok(Some(Err(error))) => Diag::error(syntax::NOT_TEXT, format!("{shown} is not a text file"))
             .note(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()))
-            .help("give the job file itself, a text like jobs/wei2021/wei2021.imp"),
+            .help("give the job file itself, a text file such as jobs/wei2021/wei2021.imp"),
         Ok(None) => Diag::error(syntax::TOO_LARGE, format!("{shown} has more than {} MB", MAX_JOB >> 20))
             .help(format!("give the job file itself: {due}")),
         Err(error) => reading::unreadable(path, &error, due),

@@ -15,13 +15,13 @@ use std::process::ExitCode;
 
 /// Exit codes, for the help.
 const EXIT_CODES: &str = "Exit codes:
-  0  all holds
-  1  a contract fails, or there is a finding: NC text that does what it must not, a certificate that does not belong to it
-  2  job, library, NC text, certificate or command line cannot be understood, or no program can be made of the job
+  0  no error: every contract holds; warnings and remarks do not count
+  1  a contract fails, the motion has a fault such as a collision, or the certificate belongs to another NC text
+  2  job, library, NC text, certificate or command line has a fault, or no program can be planned for the job
   3  a file cannot be read or written
-Of several the largest counts. Outputs are written together or not at all; none may be a file that the run reads.";
+If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
 
-/// Compiles a job that declares an impeller into verified five-axis NC.
+/// Compiles the job of an impeller into a verified five-axis NC program
 #[derive(Parser)]
 #[command(version, about, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = EXIT_CODES)]
@@ -33,23 +33,23 @@ struct Arguments {
     #[arg(required = true)]
     job: Option<PathBuf>,
 
-    /// File to write the NC text to; without this option everything is checked and no NC text is written
+    /// Write the NC text to this file; without this option the job is planned and verified, but no NC text is written
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Dialect to write instead of the job's
+    /// Write the NC text in this dialect instead of the dialect of the job: siemens-840d or linuxcnc
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
 
-    /// Print a stage of the compilation and stop there
+    /// Print the result of this stage, and stop after it
     #[arg(long, value_enum, value_name = "STAGE")]
     emit: Option<EmitArgument>,
 
-    /// File to write the certificate to, with the hash of the NC text
+    /// Write the certificate to this file, with the hash of the NC text
     #[arg(long, value_name = "FILE.json")]
     certificate: Option<PathBuf>,
 
-    /// File to write a picture of the part and the paths to
+    /// Write a picture of the part and the paths to this file
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
 
@@ -60,39 +60,39 @@ struct Arguments {
 /// What both commands take.
 #[derive(Args)]
 struct RunArguments {
-    /// Folder with `machines` and `tools` that is searched first
+    /// Search this folder first for machine and tool files (subfolders `machines` and `tools`)
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
 
-    /// Machine file to take instead of the job's, by its name in the library
+    /// Use this machine of the library instead of the machine of the job
     #[arg(long, value_name = "NAME")]
     machine: Option<String>,
 
-    /// Folder with curve files that `spline from` may read, beside those below the job's folder
+    /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
     #[arg(long, value_name = "DIR")]
     curves: Option<PathBuf>,
 
-    /// File to write a report for a browser to: deviations, paths, stock, plots, contracts; also when a contract fails
+    /// Write a report for a browser to this file: deviations, paths, stock, plots, contracts; also if a contract fails
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 
-    /// Edge of the cells of the stock simulation, to make it finer; usually 1 mm, more for parts over 200 mm
+    /// Cell size of the stock simulation, at most the default: 1 mm, more for parts over 200 mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     stock_cell: Option<f64>,
 
-    /// Folder to write the stock after each operation to, as STL
+    /// Write the stock after each operation to this folder, as STL files
     #[arg(long, value_name = "DIR")]
     stock: Option<PathBuf>,
 
-    /// Memory that planning may take, such as 4GB; usually 2GB
+    /// Largest memory for planning or for the check of NC text, such as 4GB; default 2GB
     #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<f64>,
 
-    /// Print the time of each stage; not beside `sarif` and `junit`, which are one document
+    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
     #[arg(long)]
     timings: bool,
 
-    /// How to report faults
+    /// Format of errors, warnings and remarks
     #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
     error_format: ErrorFormat,
 }
@@ -107,26 +107,26 @@ impl RunArguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Explains a code such as IMP0206: what it means, why it matters, an example, the remedy
+    /// Explains the code of a message, such as IMP0206: meaning, consequence at the machine, example, remedy
     Explain {
-        /// The code, or its digits; without it all codes are listed
+        /// Code such as IMP0206 or 206; without a code, all codes are listed
         code: Option<String>,
     },
-    /// Measures NC text of any origin against a job
+    /// Verifies NC text from any source against a job, a certificate or both
     #[command(after_help = EXIT_CODES)]
     Verify {
-        /// NC text
+        /// NC file
         nc: PathBuf,
 
-        /// Job that the text must fulfil
+        /// Job with the part, the tools and the contracts
         #[arg(long, value_name = "FILE")]
         job: Option<PathBuf>,
 
-        /// Dialect of the text; by default that of the job, or the dialect that the words of the text clearly show
+        /// Dialect of the NC text; default: the dialect of the job, unless the words of the text show another one
         #[arg(long, value_name = "NAME")]
         post: Option<String>,
 
-        /// Certificate that the text must belong to
+        /// Certificate that must belong to the NC text
         #[arg(long, value_name = "FILE.json")]
         certificate: Option<PathBuf>,
 
@@ -137,11 +137,11 @@ enum Command {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ErrorFormat {
-    /// Marked text for people
+    /// Text for people, with the lines of the job
     Human,
-    /// One JSON object a line
+    /// One JSON object on each line
     Json,
-    /// SARIF 2.1.0, for comments of a review
+    /// SARIF 2.1.0, for code reviews
     Sarif,
     /// JUnit XML, for build servers
     Junit,
@@ -149,17 +149,17 @@ enum ErrorFormat {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum EmitArgument {
-    /// Syntax tree of the job text
+    /// Syntax tree of the job
     Ast,
-    /// Job with every default
+    /// Job with all defaults
     Job,
-    /// Part, stock, tools and operations as geometry
+    /// Geometry of part, stock, tools and operations
     Ir,
-    /// Contact points of the cutter
+    /// Cutter contacts
     Cc,
     /// Cutter locations
     Cl,
-    /// Axis positions of the machine
+    /// Positions of the machine axes
     Motion,
     /// NC text
     Nc,
@@ -204,7 +204,7 @@ fn memory(text: &str) -> Result<f64, String> {
     let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
     let bytes = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
     let within = bytes.filter(|b| (1e8..=1e13).contains(b));
-    within.ok_or_else(|| "a size from 100MB to 10000GB is due, such as 4GB".to_owned())
+    within.ok_or_else(|| "the size must be from 100MB to 10000GB, such as 4GB".to_owned())
 }
 
 /// Runs the work and reports its diagnostics.
@@ -241,7 +241,7 @@ fn explain(code: Option<&str>) -> ExitCode {
         }
         Some(code) => {
             let Some(found) = Code::find(code).or_else(|| Code::find(&format!("IMP{code:0>4}"))) else {
-                say(&format!("no diagnostic has the code {code}; `impellerc explain` lists them all\n"));
+                say(&format!("no message has the code {code}; `impellerc explain` lists all codes\n"));
                 return ended(Exit::Text);
             };
             format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end())

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use target::{Identity, Kind, OutputTarget};
 
 /// State of the files after a run that fails before its end.
-const NOTHING: &str = "nothing was written; every file is as it was";
+const NOTHING: &str = "nothing was written; no file was changed";
 
 /// Beginning of the names of temporary files.
 const PREFIX: &str = ".impellerc-";
@@ -92,8 +92,8 @@ impl Outputs {
     /// A folder that cannot be made.
     pub fn folder(&mut self, flag: &str, path: &Path) -> Result<(), Diag> {
         let cannot = |reason: &str| {
-            Diag::error(files::CANNOT_WRITE, format!("the folder {} cannot be made: {reason}", path.display()))
-                .help(format!("give `{flag}` a folder, or a path at which one can be made"))
+            Diag::error(files::CANNOT_WRITE, format!("the folder {} cannot be created: {reason}", path.display()))
+                .help(format!("give `{flag}` a folder, or a path where a folder can be created"))
         };
         let missing: Vec<&Path> =
             path.ancestors().take_while(|p| !p.as_os_str().is_empty() && std::fs::metadata(p).is_err()).collect();
@@ -107,22 +107,21 @@ impl Outputs {
                 self.folders.0.push(made);
             }
         }
-        if path.is_dir() { Ok(()) } else { Err(cannot("a file is in its place")) }
+        if path.is_dir() { Ok(()) } else { Err(cannot("a file has this path")) }
     }
 
     /// Refuses a target that is an input, an output announced before, or the file that standard output or standard
     /// error goes to.
     fn meets(&self, named: &str, target: &OutputTarget) -> Result<(), Diag> {
-        let meets = |message: String| {
-            Diag::error(files::MEETS, message).note(NOTHING).help("give each output a file of its own")
-        };
+        let meets =
+            |message: String| Diag::error(files::MEETS, message).note(NOTHING).help("give each output its own file");
         let is = |(_, other): &&(String, Identity)| target.identity.is(other);
         if let Some((name, _)) = self.inputs.iter().find(is) {
-            return Err(meets(format!("{named} would destroy an input: it is {name}")));
+            return Err(meets(format!("{named} would replace an input: it is {name}")));
         }
         if let Some((name, _)) = target::standard().iter().find(|(_, other)| target.identity.is(other)) {
-            let diag = meets(format!("{named} is where {name} goes: both texts would mix"));
-            return Err(diag.help("`--emit nc` prints the NC text alone; else give the output a file of its own"));
+            let diag = meets(format!("{named} is the file of {name}: both texts would mix"));
+            return Err(diag.help("use `--emit nc` to print only the NC text, or give the output its own file"));
         }
         let device = target.kind == Kind::Device;
         let other = self.announced.iter().find(|(_, other)| !device && target.identity.is(&other.identity));
@@ -168,7 +167,7 @@ impl Outputs {
             let Staged::Stream { shown, bytes } = staged else { continue };
             interrupt::hold().stream(shown.display().to_string());
             stream(shown, bytes).map_err(|e| {
-                let part = format!("{} may have got a part of its text", shown.display());
+                let part = format!("{} may have received a part of its text", shown.display());
                 with_outcome(failed(shown, &target::reason(&e)), &got, &[part])
             })?;
             interrupt::hold().streamed();
@@ -315,21 +314,21 @@ fn put_back(file: &Path, old: Option<&Path>) -> Result<(), String> {
         None => std::fs::remove_file(file),
     };
     done.map_err(|e| match old {
-        Some(old) => format!("{} has the new text ({e}); the old one is {}", file.display(), old.display()),
+        Some(old) => format!("{} has the new text ({e}); the old text is {}", file.display(), old.display()),
         None => format!("{} has the new text: {e}", file.display()),
     })
 }
 
 fn failed(path: &Path, reason: &str) -> Diag {
     Diag::error(files::CANNOT_WRITE, format!("{} cannot be written: {reason}", path.display()))
-        .help("give a file in a folder that exists and that you may write to")
+        .help("name a file in an existing folder in which you may write")
 }
 
 /// Adds notes about what was written in spite of the failure: devices that got their text, and files that could not be
 /// restored.
 fn with_outcome(diag: Diag, got: &[String], stays: &[String]) -> Diag {
     let diag = if stays.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
-    let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} got its whole text")));
+    let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} received its whole text")));
     stays.iter().fold(diag, |diag, stays| diag.note(stays.clone()))
 }
 

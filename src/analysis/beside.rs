@@ -147,14 +147,14 @@ fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Opti
     let radius = cutter.tip_radius();
     let mut diag = Diag::error(
         codes::TOOL_TOO_LARGE,
-        format!("the {end} of {} (radius {radius} mm) meets the next vane where it touches this one", tool.name),
+        format!("the {end} of {} (radius {radius} mm) touches the neighbouring vane too", tool.name),
     )
     .label(tool.span, format!("{} mm in diameter", 2.0 * radius))
     .label(operation.span, format!("`{}` uses `{}`", operation.name, tool.name))
-    .help(format!("take a {end} of at most {} mm radius", beside.largest));
+    .help(format!("use a {end} of at most {} mm radius", beside.largest));
     if let Some(spot) = at {
         let [u, v] = spot.place.parameters;
-        diag = diag.note(format!("there is room for a radius of {:.3} mm there", spot.radius_limit)).place(
+        diag = diag.note(format!("a radius of {:.3} mm fits there", spot.radius_limit)).place(
             format!("{} at u = {u:.3}, v = {v:.3}", SurfaceId { kind: spot.kind, sector: 0 }),
             spot.place.position,
         );

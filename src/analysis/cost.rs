@@ -301,12 +301,14 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let Some((operation, cost)) = ranked.first() else { return Ok(()) };
     let more = format!("`--memory {}GB`", (1.2 * needed / 1e9).ceil());
     let help = match fitting(program, operation) {
-        Some(fits) => format!("{fits} or more would fit; or fewer `sectors`; or allow more: {more}"),
-        None => format!("divide the job into several with fewer operations or `sectors`; or allow more: {more}"),
+        Some(fits) => format!("use {fits} or more, fewer `sectors`, or more memory: {more}"),
+        None => {
+            format!("divide the job into several jobs with fewer operations or `sectors`, or allow more memory: {more}")
+        }
     };
     let mut diag = Diag::error(
         planning::OVER_MEMORY,
-        format!("the plan needs about {}; it may take {}", bytes(needed), bytes(program.memory)),
+        format!("the plan needs about {} of memory; the limit is {}", bytes(needed), bytes(program.memory)),
     )
     .label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations.copied))
     .help(help);
@@ -349,11 +351,11 @@ fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     sink.push(
         Diag::error(
             planning::OVER_MEMORY,
-            format!("the job optimises up to {all} strips of flank milling; at most {MOST_STRIPS} are planned"),
+            format!("the job optimises up to {all} strips of flank milling; the limit is {MOST_STRIPS}"),
         )
         .label(operation.span, format!("{} of them", strips_of(operation)))
         .help(format!(
-            "fewer `strips` (`strips auto` counts as {AUTO_BANDS} a face), or fewer operations by `method minimax` in a job"
+            "use fewer `strips` (`strips auto` counts as {AUTO_BANDS} per face), or fewer operations with `method minimax` in one job"
         )),
     );
     Err(Aborted)

@@ -446,12 +446,12 @@ pub fn report(program: &Program, sink: &mut Sink) {
     for (fit, errors) in asked.iter().zip(found) {
         let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };
         let (allowed, contracts) = fit.allowed;
-        let whose = if contracts { "the contracts leave to the plan on each side" } else { "a finish allows" };
+        let whose = if contracts { "the contracts leave as tolerance budget on each side" } else { "a finish allows" };
         let verdict = match [one, two, three].iter().position(|e| *e <= allowed) {
-            Some(0) => format!("one strip keeps the {} that {whose}", length(allowed)),
-            Some(n) => format!("{} strips keep the {} that {whose}", n + 1, length(allowed)),
+            Some(0) => format!("one strip is within the {} that {whose}", length(allowed)),
+            Some(n) => format!("{} strips are within the {} that {whose}", n + 1, length(allowed)),
             None => format!(
-                "the face is better point milled: three strips still leave more than the {} that {whose}",
+                "use point milling: even with three strips the error is larger than the {} that {whose}",
                 length(allowed)
             ),
         };
@@ -467,7 +467,7 @@ pub fn report(program: &Program, sink: &mut Sink) {
                     length(three)
                 ),
             )
-            .note("as much gouge as excess; with `side excess` no gouge and twice the excess")
+            .note("gouge and excess are equal; with `side excess` there is no gouge, and the excess is twice as large")
             .note(verdict),
         );
     }

@@ -22,9 +22,9 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         format!("the axes {one} and {other} of the machine {} do not tilt and turn a level table", machine.name)
     };
     sink.push(
-        Diag::error(KIND_NOT_PLANNED, format!("{reason}: programs for such machines are not planned"))
-            .note("its kinematics are known: `--emit ir` shows the program")
-            .help("a machine whose table turns about the vertical on a table that tilts about a level axis, such as A/C or B/C"),
+        Diag::error(KIND_NOT_PLANNED, format!("{reason}; such machines are not supported yet"))
+            .note("the machine file itself is correct; `--emit ir` prints its kinematics")
+            .help("use a machine whose table turns about the vertical and is tilted about a level axis, such as A/C or B/C"),
     );
     Err(Aborted)
 }

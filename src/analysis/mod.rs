@@ -49,22 +49,19 @@ pub fn check(program: &Program, sink: &mut Sink) -> Facts {
     }
     let narrow = &throat.narrowest;
     sink.push(
-        Diag::remark(
-            codes::THROAT,
-            format!("the narrowest place between neighbouring vanes is {:.2} mm", narrow.distance),
-        )
-        .place(narrow.place(), narrow.point)
-        .note(format!(
-            "formula 8 of Wei 2021 measures arcs between the data points and gives {:.2} mm",
-            throat.formula_8
-        )),
+        Diag::remark(codes::THROAT, format!("the throat of the channel is {:.2} mm", narrow.distance))
+            .place(narrow.place(), narrow.point)
+            .note(format!(
+                "formula 8 of Wei 2021 measures arcs between the data points and gives {:.2} mm",
+                throat.formula_8
+            )),
     );
     for twist in &twists {
         sink.push(
             Diag::remark(
                 codes::TWIST,
                 format!(
-                    "the normal of the {} face turns by up to {:.1} deg along a ruling, {:.1} deg on average",
+                    "the twist of the {} face is up to {:.1} deg, {:.1} deg on average",
                     twist.side.name(),
                     twist.largest.to_degrees(),
                     twist.mean.to_degrees()

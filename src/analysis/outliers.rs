@@ -189,10 +189,10 @@ impl Outlier {
         };
         let name = format!("point {} of the {} {}", self.row + 1, self.side.name(), self.end.name());
         let s = self.suggestion;
-        let mut diag = Diag::warning(codes::OUTLIER, format!("{name} breaks the pattern of the others"))
-            .note(format!("{what} between the sides is {value} there; the other points give {expected}"))
+        let mut diag = Diag::warning(codes::OUTLIER, format!("{name} does not fit the other points"))
+            .note(format!("{what} between the faces is {value} there; by the other points {expected} is expected"))
             .help(format!(
-                "check it against the drawing; ({:.4}, {:.4}, {:.4}) would keep the pattern. It is used as given",
+                "compare the point with the drawing; ({:.4}, {:.4}, {:.4}) fits the other points. The point is used as given",
                 s.x, s.y, s.z
             ));
         let curve = data.iter().find(|c| c.side == self.side && c.end == self.end);

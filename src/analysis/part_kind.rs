@@ -18,9 +18,9 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         (None, None) => return Ok(()),
     };
     sink.push(
-        Diag::error(PART_NOT_PLANNED, format!("{reason}: programs for such parts are not planned"))
-            .note("its surfaces are known: `--emit ir` shows the part")
-            .help("give vanes with ruled faces and no splitters"),
+        Diag::error(PART_NOT_PLANNED, format!("{reason}; such parts are not supported yet"))
+            .note("the part itself is correct; `--emit ir` prints it")
+            .help("use vanes with ruled faces and no splitters"),
     );
     Err(Aborted)
 }

@@ -184,7 +184,7 @@ fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mu
         r.fits || (rest > r.allowance_hub && finder.fits(cutter, r.allowance_vane, rest))
     };
     if !rough.is_empty() && !rough.iter().any(reaches_floor) {
-        sink.push(too_large(program, finder.throat, &rough, "reach the floor of the channel"));
+        sink.push(too_large(program, finder.throat, &rough, "reach the hub"));
         return;
     }
     for reach in rough.iter().filter(|r| !r.fits_top) {
@@ -208,7 +208,7 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     let mut diag = Diag::error(
         codes::TOOL_TOO_LARGE,
         format!(
-            "the {size} mm {kind} tool is too large to {purpose}: the vanes stand {:.2} mm apart at the narrowest place",
+            "the {size} mm {kind} tool is too large to {purpose}: the throat of the channel is {:.2} mm",
             narrow.distance
         ),
     )
@@ -218,11 +218,16 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
         diag = diag.label(o.span, format!("`{}` uses `{}`", o.name, program.tools[o.tool].name));
     }
     let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
-    diag = diag.note(format!("it has to keep {} mm off both vanes and {} mm off the hub{fillet}", left[0], left[1]));
+    diag = diag.note(format!(
+        "the tool must keep a distance of {} mm from both vanes and {} mm from the hub{fillet}",
+        left[0], left[1]
+    ));
     if let Some(free_width) = reach.free_width {
         // The corners need space on both sides as well; a ball consists of corners only.
         let across = (free_width.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);
-        diag = diag.note(format!("at that height it has room for {across:.2} mm, allowances taken off"));
+        diag = diag.note(format!(
+            "at that height {across:.2} mm are free between the vanes after subtraction of the allowances"
+        ));
     }
     diag = diag
         .note(format!("formula 8 of Wei 2021 measures arcs and gives {:.2} mm", throat.formula_8))
@@ -230,6 +235,6 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     if reach.largest > 0.0 {
         diag.help(format!("use a {kind} tool of at most {:.2} mm", reach.largest))
     } else {
-        diag.help(format!("no {kind} tool fits; take a ball or a bull tool, or smaller allowances"))
+        diag.help(format!("no {kind} tool fits; use a ball or bull tool, or smaller allowances"))
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 Diag::error(
                     RETRACT_TOO_LOW,
                     format!(
-                        "at the retract height the tip of {} stands {} over what the {what} can reach; required {}",
+                        "at the retract height the tip of {} is {} above the highest place that the {what} can reach; required {}",
                         tool.name,
                         length(clearance),
                         length(program.clearance.get())
@@ -32,14 +32,14 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 )
                 .label(tool.span, format!("{} from the tip to the gauge line", length(tool.length())))
                 .note(format!(
-                    "{}: retract to Z {:.3}; the {what} reaches Z {height:.3} under some {first} and {second} of their travel",
+                    "{}: retract to Z {:.3}; the {what} reaches Z {height:.3} at some {first} and {second} within the travel",
                     program.machine.name, program.machine.retract
                 ))
                 .note(format!(
-                    "before and behind an operation X, Y, {first} and {second} move at this height, from wherever they stand"
+                    "before and after an operation X, Y, {first} and {second} move at this height, from unknown positions"
                 ))
                 .help(format!(
-                    "a retract {} higher (`[retract] z` of the machine file), a shorter tool or holder, or a part that stands \
+                    "use a retract height {} higher (`[retract] z` of the machine file), a shorter tool or holder, or mount the part \
                      lower or nearer to the axis of {first}",
                     length(missing)
                 )),

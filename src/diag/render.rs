@@ -88,7 +88,7 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
         }
     }
     if let Some(code) = sink.diags().iter().rfind(|d| d.severity == Severity::Error).map(|d| d.code) {
-        out.push_str(&format!("{}; for more try `impellerc explain {code}`\n", counts.join(", ")));
+        out.push_str(&format!("{}; see `impellerc explain {code}`\n", counts.join(", ")));
     } else if !counts.is_empty() {
         out.push_str(&format!("{}\n", counts.join(", ")));
     }

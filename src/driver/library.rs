@@ -37,7 +37,7 @@ fn folder(flag: &str, path: &Path) -> Result<PathBuf, Diag> {
     };
     match path.canonicalize().and_then(|folder| std::fs::metadata(&folder).map(|m| (folder, m.is_dir()))) {
         Ok((folder, true)) => Ok(folder),
-        Ok((_, false)) => Err(fault("it is no folder")),
+        Ok((_, false)) => Err(fault("it is not a folder")),
         Err(e) if e.kind() == ErrorKind::NotFound => Err(fault("there is no such folder")),
         Err(e) => Err(fault(&reading::reason(&e))),
     }
@@ -87,7 +87,7 @@ impl DiskFiles {
         known.sort();
         known.dedup();
         let reason = match self.libraries.len() {
-            0 => "no `_lib` folder lies beside or above the job; only the shipped library was searched".to_owned(),
+            0 => "there is no folder `_lib` beside or above the job; only the shipped library was searched".to_owned(),
             n => format!("searched {n} library folder(s) and the shipped library"),
         };
         Err(Missing { reason, known, ..Missing::default() })
@@ -103,7 +103,7 @@ impl DiskFiles {
                     return Ok((file, Origin::Curves));
                 }
                 Ok(_) => {
-                    let reason = "it lies outside of the job's folder".to_owned();
+                    let reason = "it is outside the folder of the job".to_owned();
                     fault = Missing { fault: Fault::Outside, reason, ..Missing::default() };
                 }
                 Err(e) if e.kind() == ErrorKind::NotFound => {}
@@ -122,10 +122,10 @@ fn unreadable(reason: String) -> Missing {
 fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
     let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
     if !(regular.is_file() || regular.is_dir()) {
-        return Err(unreadable("it is no regular file".to_owned()));
+        return Err(unreadable("it is not a regular file".to_owned()));
     }
     let bytes = reading::read(path, most).map_err(|e| unreadable(reading::reason(&e)))?;
-    let bytes = bytes.ok_or_else(|| unreadable(format!("it has more than the {} MB that are read", most >> 20)))?;
+    let bytes = bytes.ok_or_else(|| unreadable(format!("it is larger than {} MB, the limit", most >> 20)))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
     })?;

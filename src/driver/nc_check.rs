@@ -182,7 +182,7 @@ impl Belonging<'_> {
         if !differences.is_empty() {
             for diag in differences {
                 sink.push(diag.help(
-                    "`impellerc verify part.nc --job job.imp` measures the text anew; compiling the job makes both anew",
+                    "measure the text again with `impellerc verify part.nc --job job.imp`, or compile the job again to write both files",
                 ));
             }
             return String::new();
@@ -234,10 +234,10 @@ impl Belonging<'_> {
         Some(
             Diag::error(
                 codes::CERTIFICATE_OTHER,
-                format!("the head of the text is not the one that {shown} was written for: line {edited} differs"),
+                format!("{shown} was written for another head of the text: line {edited} differs"),
             )
             .label(self.line(edited), "here or below")
-            .note("the comments before the first block name tools, zero, machine and figures"),
+            .note("the comments before the first block state tools, zero, machine and figures"),
         )
     }
 
@@ -246,12 +246,9 @@ impl Belonging<'_> {
         let missing = HEAD.into_iter().filter(|word| certificate_file::named(text, word).is_none());
         let missing: Vec<&str> = missing.map(str::trim).collect();
         (!missing.is_empty()).then(|| {
-            Diag::error(
-                codes::CERTIFICATE_OTHER,
-                format!("the head of the text does not name its {}", missing.join(", ")),
-            )
-            .label(self.line(1), "in the comments from here on")
-            .note("without them nobody can tell whether the certificate was edited")
+            Diag::error(codes::CERTIFICATE_OTHER, format!("the head of the text lacks {}", missing.join(", ")))
+                .label(self.line(1), "in the comments from here on")
+                .note("without these hashes an edited certificate cannot be recognised")
         })
     }
 
@@ -265,7 +262,7 @@ impl Belonging<'_> {
             Diag::error(codes::CERTIFICATE_OTHER, message).label(self.line(1), "in the comments from here on")
         };
         let body = other(of_body, of_text).map(|other| {
-            differs("the text is not the one that its own head names: it was edited".to_owned())
+            differs("the text was edited: its hash differs from the one in its head".to_owned())
                 .note(format!("body sha256 {other} in the head"))
                 .note(format!("body sha256 {of_text} of the text"))
         });
@@ -286,7 +283,7 @@ impl Belonging<'_> {
     fn other_inputs(&self, now: Option<&Inputs>) -> Option<Diag> {
         let Self { shown, file, .. } = *self;
         let changed = file.inputs.differences(now?);
-        let message = format!("{shown} was made from another job or library than given");
+        let message = format!("{shown} was made from another job or library than the given one");
         let diag = Diag::error(codes::CERTIFICATE_OTHER, message);
         (!changed.is_empty()).then(|| changed.into_iter().fold(diag, Diag::note))
     }
@@ -306,7 +303,7 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
     let Some(found) = certificate_file::contracts(&measured) else {
         sink.push(
             Diag::error(codes::CERTIFICATE_FIGURES, "a contract measured on the text has no figure to compare")
-                .help("trust no certificate for a text that cannot be measured"),
+                .help("do not rely on this certificate: the text cannot be measured"),
         );
         return;
     };
@@ -314,9 +311,9 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
         sink.push(
             Diag::error(
                 codes::CERTIFICATE_FIGURES,
-                format!("{shown} says {kind} of {value} for {bound}; the job asks for no such contract"),
+                format!("{shown} states {kind} of {value} for {bound}; the job has no such contract"),
             )
-            .help("compile the job anew, and trust no certificate that was edited"),
+            .help("compile the job again, and do not rely on an edited certificate"),
         );
     }
     for (k, (kind, bound, value, holds)) in found.iter().enumerate() {
@@ -331,9 +328,9 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
             sink.push(
                 Diag::error(
                     codes::CERTIFICATE_FIGURES,
-                    format!("{shown} says {said}; measured on the text is {kind} of {value} for {bound}"),
+                    format!("{shown} states {said}; measured on the text is {kind} of {value} for {bound}"),
                 )
-                .help("compile the job anew, and trust no certificate that was edited"),
+                .help("compile the job again, and do not rely on an edited certificate"),
             );
         }
     }
@@ -351,15 +348,15 @@ fn compare_surfaces(shown: &str, says: &Value, measured: &Value, sink: &mut Sink
     let text = match (differ.next(), more) {
         (Some((what, value)), _) => {
             let said = says.get(&what).map_or("nothing".to_owned(), f64::to_string);
-            format!("{shown} says {said} of {what}; measured on the text is {value} mm")
+            format!("{shown} states {said} for {what}; measured on the text: {value} mm")
         }
-        (None, Some(what)) => format!("{shown} speaks of {what}, which the job does not have"),
+        (None, Some(what)) => format!("{shown} has a figure for {what}, which the job does not have"),
         (None, None) => return,
     };
     sink.push(
         Diag::error(codes::CERTIFICATE_FIGURES, text)
-            .note(format!("{} figures of surfaces differ besides", differ.count()))
-            .help("compile the job anew, and trust no certificate that was edited"),
+            .note(format!("{} other figures of surfaces differ too", differ.count()))
+            .help("compile the job again, and do not rely on an edited certificate"),
     );
 }
 
@@ -367,9 +364,8 @@ fn compare_surfaces(shown: &str, says: &Value, measured: &Value, sink: &mut Sink
 fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, CertificateFile), Aborted> {
     let shown = path.display().to_string();
     let due = "give the JSON file that `--certificate` wrote beside the NC text";
-    let broken = |reason: &str| {
-        Diag::error(codes::CERTIFICATE_FORM, format!("{shown} is no certificate that is known: {reason}"))
-    };
+    let broken =
+        |reason: &str| Diag::error(codes::CERTIFICATE_FORM, format!("{shown} is not a known certificate: {reason}"));
     let diag = match reading::read(path, MAX_CERTIFICATE).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match CertificateFile::read(&text) {
             Ok(file) => return Ok((shown, text, file)),
@@ -407,9 +403,11 @@ fn read_motion(
                 format!("correct the block; the text was read as {}", post.name())
             }
             Some(meant) => {
-                format!("its words are those of {}: it was read as {}, see `--post`", meant.name(), post.name())
+                format!("its words are those of {}, but it was read as {}; use `--post`", meant.name(), post.name())
             }
-            None => format!("give NC text: no line has a word of {} alone, as which it was read", post.name()),
+            None => {
+                format!("give NC text: it was read as {}, and no line has a word of this dialect alone", post.name())
+            }
         };
         // When no dialect is recognised, the text can be anything, and the first fault is enough.
         let shown = if meant.is_some() { faults.len() } else { 1 };
@@ -458,7 +456,8 @@ fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let due = "give the NC text that the control would run";
     let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) if certificate_file::body(&text).1.trim().is_empty() => {
-            Diag::error(codes::NC_FILE, format!("{shown} has no block: it is empty, or holds comments only")).help(due)
+            Diag::error(codes::NC_FILE, format!("{shown} has no block: it is empty or contains only comments"))
+                .help(due)
         }
         Ok(Some(Ok(text))) => return Ok(text),
         Ok(Some(Err(error))) => {
@@ -467,7 +466,7 @@ fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
             Diag::error(codes::NC_FILE, format!("{shown} is not a text file: line {line} is not UTF-8")).help(due)
         }
         Ok(None) => Diag::error(codes::NC_FILE, format!("{shown} is larger than {} MB", MAX_BYTES >> 20))
-            .help("split the program by operations, or write it with fewer digits or comments"),
+            .help("divide the program by operations, or use fewer digits or comments"),
         Err(error) => reading::unreadable(path, &error, due),
     };
     sink.push(diag);

@@ -97,9 +97,9 @@ pub(super) fn check_cell(cell: f64, profile: &[[f64; 2]]) -> Result<(), Diag> {
         return Ok(());
     }
     let why = if cell > most {
-        format!("they are larger than {most} mm, so that a collision could be lost between them")
+        format!("they are larger than {most} mm, so a collision between two rays could be missed")
     } else {
-        "their edge is no length above zero".to_owned()
+        "the cell size is not larger than zero".to_owned()
     };
     Err(Diag::error(verification::STOCK_CELL, format!("the stock cannot be simulated with cells of {cell} mm: {why}"))
         .help(format!("give `--stock-cell` at most {most} on this part, or leave it out")))

@@ -133,7 +133,7 @@ impl Inputs {
         let mut found = Vec::new();
         for file in &self.files {
             match other.files.iter().find(|f| f.name == file.name) {
-                None => found.push(format!("`{}` takes part no longer", file.name)),
+                None => found.push(format!("`{}` is no longer an input", file.name)),
                 Some(f) if f.sha256 != file.sha256 => found.push(format!("`{}` was changed", file.name)),
                 Some(_) => {}
             }
@@ -141,7 +141,7 @@ impl Inputs {
         let new = other.files.iter().filter(|f| self.files.iter().all(|g| g.name != f.name));
         found.extend(new.map(|f| format!("`{}` is new", f.name)));
         if found.is_empty() {
-            found.push("the texts take part in another order".to_owned());
+            found.push("the inputs are in another order".to_owned());
         }
         found
     }
@@ -278,12 +278,12 @@ impl CertificateFile {
         let version = value.get("version").and_then(Value::as_u64);
         if version != Some(u64::from(VERSION)) {
             return Err(match version {
-                Some(v) => format!("it has version {v} of the form; this compiler knows {VERSION}"),
-                None => "it does not say the version of its form".to_owned(),
+                Some(v) => format!("its form has version {v}; this compiler knows version {VERSION}"),
+                None => "it does not state the version of its form".to_owned(),
             });
         }
-        let file: Self = serde_json::from_value(value).map_err(|e| format!("its form is broken: {e}"))?;
-        let contracts = contracts(&file.measured).ok_or("its form is broken: its contracts have no figures")?;
+        let file: Self = serde_json::from_value(value).map_err(|e| format!("its form is wrong: {e}"))?;
+        let contracts = contracts(&file.measured).ok_or("its form is wrong: its contracts have no figures")?;
         match contracts.iter().find(|c| !c.3) {
             Some(broken) => Err(format!("its contract `{}` does not hold", broken.0)),
             None => Ok(file),

@@ -58,9 +58,9 @@ pub(super) fn resolve(
                 let Some(scope) = reader.scope(kind, scope) else { continue };
                 if reason.text.trim().is_empty() {
                     reader.cx.sink.push(
-                        Diag::error(codes::WRONG_FORM, "an `allow` tells its reason")
+                        Diag::error(codes::WRONG_FORM, "an `allow` needs a reason")
                             .label(reason.span, "no reason")
-                            .help("write why it is left: `allow excess on fillet \"blended by hand\"`"),
+                            .help("write the reason: `allow excess on fillet \"blended by hand\"`"),
                     );
                 }
                 if let Some(first) = allowed.iter().find(|c| c.kind == kind && c.scope == scope) {
@@ -144,8 +144,8 @@ impl ContractReader<'_, '_> {
         if relation.text != due {
             let side = if due == "<=" { "at most" } else { "at least" };
             self.cx.sink.push(
-                Diag::error(codes::RELATION, format!("`{}` is required to be {side} a bound", kind.name()))
-                    .label(relation.span, format!("`{due}` is due"))
+                Diag::error(codes::RELATION, format!("`{}` needs a contract with {side} a value", kind.name()))
+                    .label(relation.span, format!("`{due}` is expected"))
                     .help(format!("write `{due}`"))
                     .fix(relation.span, due),
             );
@@ -190,7 +190,7 @@ impl ContractReader<'_, '_> {
         self.cx.sink.push(
             Diag::error(codes::OUT_OF_RANGE, format!("the bound of `{name}` must be {range}"))
                 .label(expr.span, "out of range")
-                .help(format!("bounds have no sign and carry their unit: `require {example}`")),
+                .help(format!("write the bound without a sign and with its unit: `require {example}`")),
         );
         None
     }
@@ -234,9 +234,12 @@ impl ContractReader<'_, '_> {
             {
                 let name = self.operations.get(*finishing).map_or("", |o| o.name.as_str());
                 self.cx.sink.push(
-                    Diag::error(codes::WRONG_FORM, format!("`rest` is what roughing leaves, and `{name}` finishes"))
-                        .label(target.name.span, "not a roughing operation")
-                        .help("name a groove or expand operation, or ask for `excess`"),
+                    Diag::error(
+                        codes::WRONG_FORM,
+                        format!("`rest` applies to roughing, but `{name}` is a finishing operation"),
+                    )
+                    .label(target.name.span, "not a roughing operation")
+                    .help("name a groove or expand operation, or require `excess`"),
                 );
                 good = false;
             }
@@ -271,7 +274,8 @@ impl ContractReader<'_, '_> {
         let diag = if known.is_empty() {
             diag.label(span, "this is a surface").help("name an operation: `on flank`, `on operation NAME`")
         } else {
-            diag.label(span, "no operation mills it").help(format!("surfaces for it are {}", known.join(", ")))
+            diag.label(span, "no operation mills this surface")
+                .help(format!("possible surfaces are {}", known.join(", ")))
         };
         self.cx.sink.push(diag);
     }
@@ -285,7 +289,7 @@ impl ContractReader<'_, '_> {
         }
         if targets.is_empty() {
             self.cx.sink.push(
-                Diag::error(codes::WRONG_FORM, format!("`allow {name}` does not say where"))
+                Diag::error(codes::WRONG_FORM, format!("`allow {name}` names no place"))
                     .label(what.span, "everything would be allowed")
                     .help(format!("name surfaces or operations: `allow {name} on hub \"reason\"`, or require less")),
             );
@@ -302,9 +306,12 @@ impl ContractReader<'_, '_> {
             "name surfaces: `on pressure`, `on suction`, `on fillet`, `on hub`".to_owned()
         };
         self.cx.sink.push(
-            Diag::error(codes::WRONG_FORM, format!("`{name}` is what stands after operations; none can be taken out"))
-                .label(operation.name.span, "not a surface")
-                .help(help),
+            Diag::error(
+                codes::WRONG_FORM,
+                format!("`{name}` is measured after all operations; no single operation can be allowed"),
+            )
+            .label(operation.name.span, "not a surface")
+            .help(help),
         );
         false
     }
@@ -334,12 +341,12 @@ impl ContractReader<'_, '_> {
             }
             let speaks = contract.kind.speaks_of();
             if region.is_empty_on(speaks) && !before.is_empty_on(speaks) {
-                let message = format!("nothing is left for `require {}` to hold on", contract.kind.name());
+                let message = format!("`require {}` has nothing to check", contract.kind.name());
                 let mut diag = Diag::error(codes::NOTHING_LEFT, message).label(contract.span, "this contract");
                 for span in takers {
-                    diag = diag.label(span, "takes out");
+                    diag = diag.label(span, "excluded here");
                 }
-                self.cx.sink.push(diag.help("remove the contract or the `allow`, or require a wider bound there"));
+                self.cx.sink.push(diag.help("remove the contract or the `allow`, or require a larger bound there"));
             }
         }
     }

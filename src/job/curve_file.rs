@@ -21,10 +21,10 @@ pub(super) fn read(
     let text = &sources.get(source)?.text;
     if let Some(fault) = no_table(text) {
         sink.push(
-            Diag::error(codes::CURVE_FILE, format!("the curve file `{}` is no table of points", file.text))
+            Diag::error(codes::CURVE_FILE, format!("the curve file `{}` is not a table of points", file.text))
                 .label(file.span, "read here")
                 .note(fault)
-                .help("a line is `curve,number,x,y,z`; comments begin with #"),
+                .help("write each line as `curve,number,x,y,z`; a comment begins with #"),
         );
         return None;
     }
@@ -53,7 +53,7 @@ pub(super) fn read(
         }
         let number: Option<usize> = fields.get(1).and_then(|f| f.parse().ok());
         if number != Some(points.len() + 1) {
-            sink.push(fault(span, file, format!("number {} is due here", points.len() + 1)));
+            sink.push(fault(span, file, format!("number {} is expected here", points.len() + 1)));
             good = false;
         }
         let coordinate =
@@ -108,8 +108,8 @@ fn no_table(text: &str) -> Option<String> {
 }
 
 fn fault(span: Span, file: &Text, what: String) -> Diag {
-    Diag::error(codes::CURVE_FILE, format!("the curve file `{}` cannot be understood", file.text))
+    Diag::error(codes::CURVE_FILE, format!("the curve file `{}` has a fault", file.text))
         .label(span, what)
         .label(file.span, "read here")
-        .help("a line is `curve,number,x,y,z`; comments begin with #")
+        .help("write each line as `curve,number,x,y,z`; a comment begins with #")
 }

@@ -51,7 +51,7 @@ impl LetScope {
             sink.push(
                 Diag::warning(codes::UNUSED, format!("`{name}` is not used"))
                     .label(binding.span, "declared here")
-                    .help("remove it, or use it where its value is meant"),
+                    .help("remove the name, or use it where its value is intended"),
             );
         }
     }
@@ -68,16 +68,16 @@ impl LetScope {
         if ["nan", "inf", "infinity"].contains(&text.to_ascii_lowercase().as_str()) {
             sink.push(
                 Diag::error(codes::WRONG_FORM, format!("`{text}` is not a number"))
-                    .label(path.span, "a finite number is due")
-                    .help("write the coordinate or size itself; every number of a job is finite"),
+                    .label(path.span, "a finite number is expected")
+                    .help("write the number itself; every number of a job must be finite"),
             );
             return None;
         }
         self.unknown += 1;
         sink.push(if self.unknown > MOST_COMPARED {
-            Diag::error(codes::UNKNOWN_NAME, format!("no name is called `{text}`"))
+            Diag::error(codes::UNKNOWN_NAME, format!("the name `{text}` is not declared"))
                 .label(path.span, "not declared")
-                .help("declare it with `let` before it is used, or correct it")
+                .help("declare the name with `let` before its use, or correct it")
         } else {
             unknown(&text, path.span, "name", self.names.keys().map(String::as_str))
         });
@@ -115,8 +115,8 @@ impl LetScope {
         if !value.value.is_finite() {
             sink.push(
                 Diag::error(codes::ARITHMETIC, "the value is not a finite number")
-                    .label(expr.span, "too large to compute with")
-                    .help("write the size that is meant; lengths are in the unit that stands behind them"),
+                    .label(expr.span, "too large")
+                    .help("correct the number; the unit behind a number applies to it"),
             );
             return None;
         }
@@ -141,22 +141,22 @@ pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &s
     if value.dimension == Dimension::NONE && !usual.is_empty() {
         let units = due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", ");
         let diag = Diag::error(codes::NO_UNIT, format!("{what} needs a unit"))
-            .label(expr.span, format!("a bare number where {wanted} is due"));
+            .label(expr.span, format!("a number without a unit; {wanted} is expected"));
         // A bare name or a sum cannot take a unit. Zero is zero in every unit, but needs a unit all the same.
         return match expr.kind {
             ExprKind::Number(number, None) => {
                 let at = Span { start: expr.span.end, ..expr.span };
-                diag.help(format!("write `{number} {usual}`, or another of {units}")).fix(at, format!(" {usual}"))
+                diag.help(format!("write `{number} {usual}`, or another unit of {units}")).fix(at, format!(" {usual}"))
             }
-            _ => diag.help(format!("give its numbers a unit: {units}")),
+            _ => diag.help(format!("add a unit to its numbers: {units}")),
         };
     }
-    Diag::error(codes::WRONG_DIMENSION, format!("{what} is {wanted}, not {}", value.dimension))
+    Diag::error(codes::WRONG_DIMENSION, format!("{what} must be {wanted}, not {}", value.dimension))
         .label(expr.span, format!("this is {}", value.dimension))
         .help(if usual.is_empty() {
             "write the number without a unit".to_owned()
         } else {
-            format!("units for it are {}", due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", "))
+            format!("possible units are {}", due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", "))
         })
 }
 
@@ -177,7 +177,7 @@ fn apply(
                         codes::WRONG_DIMENSION,
                         format!("{} and {} cannot be added", left.dimension, right.dimension),
                     )
-                    .label(operand, format!("{} is due, this is {}", left.dimension, right.dimension))
+                    .label(operand, format!("{} is expected, this is {}", left.dimension, right.dimension))
                     .label(before, left.dimension.name())
                     .help("both sides of a sum need the same dimension"),
                 );
@@ -192,13 +192,13 @@ fn apply(
                 sink.push(
                     Diag::error(codes::ARITHMETIC, "division by zero")
                         .label(operand, "this is zero")
-                        .help("divide by something else"),
+                        .help("correct the divisor"),
                 );
                 return None;
             }
             let Some(dimension) = left.dimension.combine(right.dimension, sign) else {
                 sink.push(
-                    Diag::error(codes::ARITHMETIC, "the product has no meaning as a quantity")
+                    Diag::error(codes::ARITHMETIC, "the product has no dimension of the language")
                         .label(whole, "too many factors with units")
                         .help("no property of a job has such a dimension"),
                 );
@@ -254,9 +254,9 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
         }
         None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
         None if diag.code == codes::NOT_IN_LANGUAGE => {
-            diag.label(span, "not built").help(format!("what exists: {}", listed(known)))
+            diag.label(span, "not available").help(format!("available: {}", listed(known)))
         }
-        None => diag.label(span, "not known").help(format!("there are: {}", listed(known))),
+        None => diag.label(span, "not known").help(format!("known: {}", listed(known))),
     }
 }
 

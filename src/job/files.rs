@@ -75,7 +75,7 @@ fn find(
     }
     let known = given.keys().cloned().chain(shipped.iter().map(|s| s.0.to_owned()));
     let known: BTreeSet<String> = known.collect();
-    let reason = "searched the files that were given and the shipped library".to_owned();
+    let reason = "the given files and the shipped library were searched".to_owned();
     Err(Missing { reason, known: known.into_iter().collect(), ..Missing::default() })
 }
 

@@ -205,19 +205,19 @@ impl LibraryReader<'_> {
             Some(q) if q.dimension == due => self.fault(
                 self.span(text),
                 format!("`{}` is out of range", text.get_ref()),
-                format!("at least {min} and at most {max} {} is due", base(due)),
+                format!("a value from {min} to {max} {} is expected", base(due)),
                 "correct the value",
             ),
             Some(q) => self.fault(
                 self.span(text),
                 format!("`{}` is {}, not {due}", text.get_ref(), q.dimension),
-                format!("{due} is due"),
+                format!("{due} is expected"),
                 &format!("write the number and its unit, such as \"{example}\""),
             ),
             None => self.fault(
                 self.span(text),
                 format!("`{}` is not a number with a unit", text.get_ref()),
-                format!("{due} is due"),
+                format!("{due} is expected"),
                 &format!("write the number and its unit, such as \"{example}\""),
             ),
         }
@@ -228,8 +228,13 @@ impl LibraryReader<'_> {
         let pair = [self.quantity(&texts[0], due, -bound, bound), self.quantity(&texts[1], due, -bound, bound)];
         if pair[0] >= pair[1] {
             let span = Span { end: self.span(&texts[1]).end, ..self.span(&texts[0]) };
-            let message = "a travel needs its lower end first".to_owned();
-            self.fault(span, message, "the first is not below the second".to_owned(), "swap or correct the two values");
+            let message = "the lower end of a travel must be first".to_owned();
+            self.fault(
+                span,
+                message,
+                "the first value is not below the second".to_owned(),
+                "exchange or correct the two values",
+            );
         }
         pair
     }
@@ -249,10 +254,10 @@ impl LibraryReader<'_> {
             Some(text) if text.get_ref() != UNLIMITED && Quantity::read(text.get_ref()).is_none() => {
                 self.fault(
                     self.span(text),
-                    format!("`{}` is no limit of a jerk", text.get_ref()),
-                    format!("{due} or \"{UNLIMITED}\" is due"),
+                    format!("`{}` is not a jerk limit", text.get_ref()),
+                    format!("{due} or \"{UNLIMITED}\" is expected"),
                     &format!(
-                        "write \"50 {}\", or \"{UNLIMITED}\" for a control without such a limit",
+                        "write \"50 {}\", or \"{UNLIMITED}\" for a control that does not limit jerk",
                         due.usual_unit()
                     ),
                 );
@@ -289,7 +294,7 @@ impl LibraryReader<'_> {
                 self.fault(
                     Span::new(self.source, given.span()),
                     format!("axis {name} has no direction"),
-                    "three numbers, of which one is not 0".to_owned(),
+                    "three numbers are expected, at least one of them not 0".to_owned(),
                     "write the direction in the machine frame with all axes at zero, such as [0, 1, 1] for a nutating axis",
                 );
                 usual
@@ -304,9 +309,9 @@ impl LibraryReader<'_> {
             let known = MachineKind::ALL.map(|kind| format!("\"{}\"", kind.name())).join(", ");
             self.fault(
                 self.span(&table.kind),
-                format!("`{}` is no kind of machine", table.kind.get_ref()),
-                format!("one of {known} is due"),
-                "say what the rotary axes carry: table-table both the part, head-head both the tool, head-table one each",
+                format!("`{}` is not a kind of machine", table.kind.get_ref()),
+                format!("one of {known} is expected"),
+                "write table-table if both rotary axes carry the part, head-head if both carry the tool, head-table if each carries one",
             );
             return None;
         };
@@ -327,9 +332,9 @@ impl LibraryReader<'_> {
             let span = order.first().map_or(self.span(&table.kind), |name| self.span(name));
             self.fault(
                 span,
-                "the order does not name both rotary axes".to_owned(),
-                format!("\"{first}\" and \"{second}\" are due"),
-                "name the axis next to the tool first, and then the one next to the part",
+                "`order` does not name both rotary axes".to_owned(),
+                format!("\"{first}\" and \"{second}\" are expected"),
+                "name the axis next to the tool first, then the axis next to the part",
             );
             None
         }
@@ -354,9 +359,9 @@ impl LibraryReader<'_> {
             Some(text) => {
                 self.fault(
                     self.span(text),
-                    format!("the planning of speeds by `{}` is not known", text.get_ref()),
-                    format!("\"{LINUXCNC}\" is the one that exists"),
-                    "leave the line out for a control that looks ahead and keeps the limits of every joint",
+                    format!("the value `{}` of `planning` is not known", text.get_ref()),
+                    format!("only \"{LINUXCNC}\" is known"),
+                    "remove the line for a control with look-ahead that keeps the limits of every joint",
                 );
                 Planning::Joints
             }
@@ -382,9 +387,9 @@ impl LibraryReader<'_> {
             other => {
                 self.fault(
                     self.span(&table.sense),
-                    format!("`{other}` is no sense of a rotary word"),
-                    "\"iso\" or \"opposite\" is due".to_owned(),
-                    "write \"iso\" where a positive word turns the tool right-handed relative to the part",
+                    format!("`{other}` is not a sense of a rotary axis"),
+                    "\"iso\" or \"opposite\" is expected".to_owned(),
+                    "write \"iso\" if a positive word turns the tool right-handed relative to the part, otherwise \"opposite\"",
                 );
                 true
             }
@@ -417,9 +422,9 @@ fn base(due: Dimension) -> &'static str {
 fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
     let span = Span::new(source, error.span().unwrap_or(0..0));
     let message = error.message().lines().next().unwrap_or("unreadable").to_owned();
-    Diag::error(codes::LIBRARY, format!("the library file {name} cannot be understood"))
+    Diag::error(codes::LIBRARY, format!("the library file {name} has a fault"))
         .label(span, message)
-        .help("compare it with the files in jobs/_lib; `impellerc explain IMP0217` lists the keys")
+        .help("compare the file with those in jobs/_lib; `impellerc explain IMP0217` lists the keys")
 }
 
 /// The diagnostic for a machine without exactly two rotary axes.
@@ -431,9 +436,8 @@ fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
         [one] => format!("the rotary axis {one} alone"),
         more => format!("the rotary axes {}", more.join(", ")),
     };
-    Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has {count}")).help(format!(
-        "five-axis milling needs two rotary axes, such as [axes.A] and [axes.C] in {file}; or use another machine",
-    ))
+    Diag::error(codes::NO_ROTARY_AXIS, format!("the machine `{name}` has {count}"))
+        .help(format!("add two rotary axes, such as [axes.A] and [axes.C], to {file}, or use another machine",))
 }
 
 /// Names the axes whose entries in the file have no jerk.
@@ -560,7 +564,7 @@ fn library_tool(
                 "flat, ball, bull with `corner`, tapered-ball with `angle`, barrel with `barrel` and `tip`, all with \
                  `flute`, and lollipop with `neck` exist"
                     .to_owned(),
-                "correct the kind or the properties that only some kinds have",
+                "correct the kind, or the properties that do not belong to it",
             );
             return None;
         }
@@ -599,10 +603,14 @@ fn library_tool(
 pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
     let radius = tool.diameter.get() / 2.0;
     let fault = match tool.kind {
-        CutterKind::Bull(corner) if corner.get() >= radius => "the corner radius must be below half of the diameter",
-        CutterKind::Barrel { tip, .. } if tip.get() >= radius => "the tip radius must be below half of the diameter",
+        CutterKind::Bull(corner) if corner.get() >= radius => {
+            "the corner radius must be smaller than half of the diameter"
+        }
+        CutterKind::Barrel { tip, .. } if tip.get() >= radius => {
+            "the tip radius must be smaller than half of the diameter"
+        }
         CutterKind::Barrel { barrel, .. } if barrel.get() <= radius => {
-            "the barrel radius must be above half of the diameter; a ball has both equal"
+            "the barrel radius must be larger than half of the diameter; if both are equal, use a ball"
         }
         CutterKind::Lollipop { neck, .. } if neck.get() >= tool.diameter.get() => {
             "the neck must be thinner than the ball"
@@ -620,7 +628,7 @@ pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
     }
     let (least, what) = tool.kind.least_flute(tool.diameter);
     if tool.flute.get() < least {
-        return Some(format!("the flutes must go up to the {what}, {} mm over the tip", trim(least, 3)));
+        return Some(format!("the flutes must reach the {what}, {} mm above the tip", trim(least, 3)));
     }
     if tool.reach.get() < tool.flute.get() {
         return Some("the reach, from the tip to the holder, must be at least the flute length".to_owned());

@@ -98,7 +98,7 @@ fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Conte
                     Diag::error(codes::GIVEN_TWICE, format!("two operations are called `{}`", name.text))
                         .label(name.span, "the second one")
                         .label(*first, "the first one")
-                        .help("give the second one another name"),
+                        .help("give the second operation another name"),
                 );
             }
             name.text.clone()
@@ -222,7 +222,7 @@ impl OperationReader<'_> {
                 Diag::error(codes::WRONG_TOOL, format!("operation {} cannot use a {has} tool", self.name))
                     .label(word.span, format!("`{}` is a {has} tool", word.text))
                     .label(declared.name.span, "declared here")
-                    .help(format!("operation {} takes a tool of the kind {}", kind.text, needed.join(", "))),
+                    .help(format!("operation {} needs a tool of the kind {}", kind.text, needed.join(", "))),
             );
             return None;
         }
@@ -252,7 +252,7 @@ impl OperationReader<'_> {
                 Diag::error(codes::MACHINE_RANGE, format!("the spindle of {name} does not turn at {}", Rpm(rpm)))
                     .label(
                         expr.span,
-                        format!("{} to {} rpm are possible", min.get().max(limits::LEAST_SPINDLE), max.get()),
+                        format!("the range is {} to {} rpm", min.get().max(limits::LEAST_SPINDLE), max.get()),
                     )
                     .help("choose a speed within the range of the spindle"),
             );
@@ -291,9 +291,12 @@ impl OperationReader<'_> {
             return Some(MmPerMin(feed));
         }
         p.sink.push(
-            Diag::error(codes::MACHINE_RANGE, format!("the `{name}` of operation {} is beyond the machine", self.name))
-                .label(span, format!("its slowest linear axis makes {fastest} mm/min"))
-                .help("choose a lower feed"),
+            Diag::error(
+                codes::MACHINE_RANGE,
+                format!("the `{name}` of operation {} is too fast for the machine", self.name),
+            )
+            .label(span, format!("its slowest linear axis reaches {fastest} mm/min"))
+            .help("choose a lower feed"),
         );
         None
     }
@@ -313,9 +316,12 @@ impl OperationReader<'_> {
         let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST)?;
         if self.first {
             p.sink.push(
-                Diag::error(codes::NO_REST_BEFORE, format!("`{}` has no operation before it", self.name))
-                    .label(Span { end: expr.span.end, ..label.span }, "a rest is what earlier operations leave")
-                    .help("take `rest` out of the first operation"),
+                Diag::error(
+                    codes::NO_REST_BEFORE,
+                    format!("`{}` uses `rest over`, but no operation comes before it", self.name),
+                )
+                .label(Span { end: expr.span.end, ..label.span }, "earlier operations leave the rest")
+                .help("remove `rest` from the first operation"),
             );
             return None;
         }
@@ -371,12 +377,9 @@ impl OperationReader<'_> {
                 let lines = named(p, "lines", all, Lines::name);
                 if spiral && surfaces.as_ref().is_some_and(|s: &Vec<SurfaceKind>| s.len() < 2) {
                     p.sink.push(
-                        Diag::error(
-                            codes::WRONG_FORM,
-                            format!("`lines spiral` of {} runs round both faces", self.name),
-                        )
-                        .label(kind.span, "one face alone is finished here")
-                        .help("name both, `faces pressure, suction`, or choose `lines zigzag`"),
+                        Diag::error(codes::WRONG_FORM, format!("`lines spiral` of {} needs both faces", self.name))
+                            .label(kind.span, "this operation finishes one face only")
+                            .help("name both faces, `faces pressure, suction`, or use `lines zigzag`"),
                     );
                     return None;
                 }
@@ -465,10 +468,12 @@ fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Axi
             p.sink.push(
                 Diag::error(
                     codes::WRONG_FORM,
-                    format!("`method {method}` turns the tool about the middle of its ball"),
+                    format!(
+                        "`method {method}` needs a tool with a ball: it tilts the tool about the centre of the ball"
+                    ),
                 )
-                .label(span, "the tool of this operation does not cut with a ball")
-                .help("choose `method blend`, which keeps one tilt a line, or a ball"),
+                .label(span, "the tool of this operation has no ball")
+                .help("use `method blend`, which keeps one tilt angle for each line, or a tool with a ball"),
             );
             return None;
         }
@@ -515,9 +520,9 @@ fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
         if p.has(property) && !optimised {
             let span = p.words(property, property)?.first()?.span;
             p.sink.push(
-                Diag::error(codes::WRONG_FORM, format!("`{property}` is a choice of `method minimax` alone"))
-                    .label(span, format!("`method {}` places every ruling by itself", method.name()))
-                    .help(format!("take `{property}` out, or choose `method minimax`")),
+                Diag::error(codes::WRONG_FORM, format!("only `method minimax` has the property `{property}`"))
+                    .label(span, format!("`method {}` places each ruling separately", method.name()))
+                    .help(format!("remove `{property}`, or use `method minimax`")),
             );
             return None;
         }

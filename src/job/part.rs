@@ -62,7 +62,7 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
                 Diag::error(codes::GIVEN_TWICE, format!("two blades are called `{}`", name.text))
                     .label(name.span, "the same name again")
                     .label(first.span, "first given here")
-                    .help("give each blade a name of its own"),
+                    .help("give each blade its own name"),
             );
         }
         names.push(name);
@@ -148,9 +148,9 @@ fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
         Some(n) => Some((n, expr.span)),
         _ => {
             p.sink.push(
-                Diag::error(geometry::VANE_COUNT, "the number of vanes makes no impeller")
-                    .label(expr.span, format!("a whole number from 2 to {MAX_VANES} is due"))
-                    .help("count the vanes of one full turn: a channel lies between two of them"),
+                Diag::error(geometry::VANE_COUNT, "the number of vanes is impossible")
+                    .label(expr.span, format!("a whole number from 2 to {MAX_VANES} is expected"))
+                    .help("give the number of vanes of the whole impeller"),
             );
             None
         }
@@ -180,8 +180,8 @@ fn curve_ref(path: &Path, vane: &Name, cx: &mut Context<'_>) -> Option<CurveRef>
         [("vane", &[vane.text.as_str()]), ("face", &FaceId::NAMES), ("curve", &end_names)];
     if path.names.len() != allowed.len() {
         cx.sink.push(
-            Diag::error(codes::WRONG_FORM, format!("`{}` names no curve", path.text()))
-                .label(path.span, "vane, face and curve are due")
+            Diag::error(codes::WRONG_FORM, format!("`{}` is not a curve", path.text()))
+                .label(path.span, "vane, face and curve are expected")
                 .help(format!("write `{}.pressure.root`", vane.text)),
         );
         return None;
@@ -208,7 +208,7 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
     let [Value::Block(Some(kind), block)] = values else {
         cx.sink.push(
             Diag::error(codes::WRONG_FORM, format!("`{}` takes a kind of face and a block", word.text))
-                .label(word.span, "`ruled { }` is due")
+                .label(word.span, "`ruled { }` is expected")
                 .help(format!("write it like `{example}`")),
         );
         return None;
@@ -274,9 +274,9 @@ fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
     };
     if points.len() > MAX_POINTS {
         cx.sink.push(
-            Diag::error(geometry::POINTS, format!("the curve has more than the {MAX_POINTS} points that are taken"))
+            Diag::error(geometry::POINTS, format!("the curve has more than {MAX_POINTS} points, the limit"))
                 .label(spline.span, "this curve")
-                .help("thin the points out; a smooth vane needs some tens"),
+                .help("use fewer points; a smooth vane needs fewer than 100"),
         );
         return None;
     }
@@ -290,8 +290,8 @@ fn unit_scale(spline: &Spline, cx: &mut Context<'_>) -> Option<f64> {
         let at = Span { start: spline.span.end, ..spline.span };
         cx.sink.push(
             Diag::error(codes::NO_UNIT, "the points of the spline need a unit")
-                .label(at, "a unit is due here")
-                .help("write `mm` after the points; it holds for all of them")
+                .label(at, "a unit is expected here")
+                .help("write `mm` behind the list; the unit applies to all points")
                 .fix(at, " mm"),
         );
         return None;
@@ -300,8 +300,8 @@ fn unit_scale(spline: &Spline, cx: &mut Context<'_>) -> Option<f64> {
         Some(q) if q.dimension == Dimension::LENGTH => Some(q.value),
         Some(q) => {
             cx.sink.push(
-                Diag::error(codes::WRONG_DIMENSION, format!("coordinates are lengths, not {}", q.dimension))
-                    .label(unit.span, "a unit of length is due")
+                Diag::error(codes::WRONG_DIMENSION, format!("coordinates must be lengths, not {}", q.dimension))
+                    .label(unit.span, "a unit of length is expected")
                     .help("write `mm`"),
             );
             None
@@ -322,7 +322,7 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
         let [x, y, z] = point.coordinates.as_slice() else {
             cx.sink.push(
                 Diag::error(codes::WRONG_FORM, format!("a point has 3 coordinates, not {}", point.coordinates.len()))
-                    .label(point.span, "x, y and z are due")
+                    .label(point.span, "x, y and z are expected")
                     .help("write it like `(15.0578, -38.5221, 0)`"),
             );
             good = false;
@@ -332,8 +332,8 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
             let value = cx.scope.value(e, cx.sink)?;
             if value.dimension != Dimension::NONE {
                 cx.sink.push(
-                    Diag::error(codes::WRONG_DIMENSION, "coordinates have the unit that stands after the list")
-                        .label(e.span, "a plain number is due")
+                    Diag::error(codes::WRONG_DIMENSION, "the unit behind the list applies to the coordinates")
+                        .label(e.span, "a plain number is expected")
                         .help("remove the unit here"),
                 );
                 return None;
@@ -357,7 +357,7 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<PointsIn
         Err(missing) => {
             let (code, help) = match missing.fault {
                 Fault::Outside => {
-                    (file_codes::OUTSIDE, "put it below the job's folder, or name its folder by `--curves`")
+                    (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")
                 }
                 _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
             };
@@ -377,9 +377,9 @@ fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<PointsIn
     cx.looked_up += cx.sources.get(source).map_or(0, |file| file.text.len());
     if cx.looked_up > MOST_LOOKED_UP {
         cx.sink.push(
-            Diag::error(codes::CURVE_FILE, "the curves of the job are looked up in too much text")
-                .label(file.span, "this is one lookup too many")
-                .help("put the curves of the part into a file that holds nothing else"),
+            Diag::error(codes::CURVE_FILE, "the curve files of the job are too large for so many curves")
+                .label(file.span, "this curve exceeds the limit")
+                .help("put the curves of this part into a file without other curves"),
         );
         return None;
     }

@@ -136,7 +136,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         if !self.damaged {
             self.sink.push(
                 Diag::error(codes::MISSING_PROPERTY, format!("{} needs `{name}`", self.owner))
-                    .label(self.head, format!("without `{name}`"))
+                    .label(self.head, format!("`{name}` is missing"))
                     .help(format!("add `{example}`")),
             );
         }
@@ -145,8 +145,8 @@ impl<'a, 'c> Properties<'a, 'c> {
     /// Reports a value of the wrong form.
     pub(super) fn wrong_form(&mut self, span: Span, name: &str, due: &str, example: &str) {
         self.sink.push(
-            Diag::error(codes::WRONG_FORM, format!("`{name}` of {} takes {due}", self.owner))
-                .label(span, format!("{due} is due"))
+            Diag::error(codes::WRONG_FORM, format!("`{name}` of {} needs {due}", self.owner))
+                .label(span, format!("{due} is expected"))
                 .help(format!("write it like `{example}`")),
         );
     }

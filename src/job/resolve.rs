@@ -68,7 +68,7 @@ fn single<'f, T>(
                 Diag::error(codes::GIVEN_TWICE, format!("the job has a second {what}"))
                     .label(head, "given again")
                     .label(*first, "first given here")
-                    .help("a job has one; remove the other"),
+                    .help("keep one of them"),
             );
         } else {
             found = Some((value, head));
@@ -80,7 +80,7 @@ fn single<'f, T>(
             // The label stands on the line of the last item, before its line end.
             let text = cx.sources.get(last.span.source).map_or("", |f| f.text.as_str());
             let before = text.get(..last.span.range().end).map_or(last.span.range().end, |t| t.trim_end().len());
-            diag = diag.label(Span::new(last.span.source, before..before), "the job ends without it");
+            diag = diag.label(Span::new(last.span.source, before..before), "the job ends here");
         }
         cx.sink.push(diag.help(format!("add `{example}`")));
     }
@@ -92,8 +92,8 @@ fn edition(file: &File, cx: &mut Context<'_>) {
     let Some((name, _)) = single(file, "edition", "edition 2026", pick, cx) else { return };
     if name.text != EDITION {
         cx.sink.push(
-            Diag::error(codes::EDITION, format!("edition {} is not known", name.text))
-                .label(name.span, "not known to this compiler")
+            Diag::error(codes::EDITION, format!("edition {} is unknown", name.text))
+                .label(name.span, "unknown to this compiler")
                 .help(format!("write `edition {EDITION}`"))
                 .fix(name.span, EDITION),
         );
@@ -213,7 +213,7 @@ fn clamping_of(word: &Name, values: &[&Value], back: Mm, cx: &mut Context<'_>) -
     let [Value::Block(None, block)] = values else {
         cx.sink.push(
             Diag::error(codes::WRONG_FORM, "`clamping` of the stock takes a block")
-                .label(word.span, "a block is due")
+                .label(word.span, "a block is expected")
                 .help(format!("write it like `{example}`")),
         );
         return None;
@@ -242,8 +242,8 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
         for value in values {
             let Value::Labelled(label, expr) = value else {
                 cx.sink.push(
-                    Diag::error(codes::WRONG_FORM, "a tolerance names what it is for")
-                        .label(value.span(), "a label and a length are due")
+                    Diag::error(codes::WRONG_FORM, "a tolerance needs a label")
+                        .label(value.span(), "a label and a length are expected")
                         .help("write `tolerance chord 1 um, rough 10 um`"),
                 );
                 continue;
@@ -295,7 +295,7 @@ fn post(file: &File, cx: &mut Context<'_>) -> Option<(String, Span)> {
             cx.sink.push(
                 Diag::error(codes::NOT_IN_LANGUAGE, format!("posts have no property `{}`", entry.name.text))
                     .label(entry.name.span, "not in the language")
-                    .help("posts have no properties yet; paths are written as straight moves"),
+                    .help("remove the property; posts have no properties yet"),
             );
         }
     }

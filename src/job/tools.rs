@@ -33,7 +33,7 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
                 Diag::error(codes::GIVEN_TWICE, format!("the tool `{}` is declared twice", name.text))
                     .label(name.span, "declared again")
                     .label(*first, "first declared here")
-                    .help("give the second one another name"),
+                    .help("give the second tool another name"),
             );
             continue;
         }
@@ -70,7 +70,7 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
                 Diag::error(codes::GIVEN_TWICE, format!("two tools have the number {}", spec.number))
                     .label(name.span, format!("number {}", spec.number))
                     .label(other, "the same number")
-                    .help("give each tool its own place in the magazine: `number 7`"),
+                    .help("give each tool its own number: `number 7`"),
             );
         }
         tools.push(Declared { name: name.clone(), spec });
@@ -92,7 +92,7 @@ pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink
             sink.push(
                 Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
                     .label(tool.name.span, "declared here")
-                    .help("remove it, or use it in an operation"),
+                    .help("remove the tool, or use it in an operation"),
             );
         }
     }
@@ -219,10 +219,10 @@ fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<
         p.sink.push(
             Diag::error(
                 codes::UNKNOWN_PROPERTY,
-                format!("the flutes of a lollipop end at its neck; {} gives them", name.text),
+                format!("{} has `flute`, but the flutes of a lollipop end at its neck", name.text),
             )
             .label(word.span, "not for a lollipop")
-            .help("remove it; `neck` says where the ball ends"),
+            .help("remove `flute`; `neck` determines where the ball ends"),
         );
     }
     Some(None)

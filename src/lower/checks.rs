@@ -58,8 +58,8 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
         if wrong {
             sink.push(
                 Diag::error(codes::ROOT_AND_TIP, format!("the {what} is revolved from a {due} curve"))
-                    .label(reference.span, format!("a {due} curve is due"))
-                    .help("the hub carries the roots of the vanes, the shroud covers their tips"),
+                    .label(reference.span, format!("a {due} curve is expected"))
+                    .help("revolve the hub from a root curve and the shroud from a tip curve"),
             );
         }
     }
@@ -75,11 +75,11 @@ pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(),
             sink.push(
                 Diag::error(
                     codes::AXIS,
-                    format!("the {name} curve comes within {} of the axis", length(meridian(&p).x)),
+                    format!("the {name} curve is only {} away from the axis", length(meridian(&p).x)),
                 )
                 .label(text.span, "this curve")
                 .place(format!("{name} curve"), p)
-                .help("Z is the axis of rotation; check the coordinates, and that the axis is Z"),
+                .help("check the coordinates, and that Z is the axis of rotation"),
             );
         }
     }
@@ -96,7 +96,7 @@ pub(super) fn directions(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<()
                 Diag::error(codes::DIRECTION, format!("the {name} curve does not run outward"))
                     .label(text.span, format!("radius {:.3} to {:.3} mm", meridian(&first).x, meridian(&last).x))
                     .place("its first point", first)
-                    .help("give the points from inlet to outlet, the outlet being farther from the axis"),
+                    .help("give the points from inlet to outlet; the outlet is farther from the axis"),
             );
         }
     }
@@ -123,14 +123,14 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
         let message = if swapped {
             format!("the {} tip curve begins nearer to the axis than the root curve", name)
         } else {
-            format!("the {} tip curve does not stay above the hub", name)
+            format!("the {} tip curve goes below the hub", name)
         };
         sink.push(
             Diag::error(codes::ROOT_AND_TIP, message)
                 .label(text.tip.span, "tip: the curve at the shroud")
                 .label(text.root.span, "root: the curve at the hub")
                 .place(format!("{} tip curve", name), place)
-                .help("`root` lies on the hub, `tip` at the shroud; swap them if they changed places"),
+                .help("`root` is the curve on the hub, `tip` the curve at the shroud; exchange them if necessary"),
         );
     }
     done(sink, before)
@@ -161,7 +161,7 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
                 .label(suction.0.root.span, "suction side")
                 .label(pressure.0.root.span, "pressure side")
                 .place(format!("{} face, u = {u:.2}, v = {v:.2}", pressure.1), blade.faces[0].surface.point(u, v))
-                .help("every point of the suction side lies on the same side of the pressure side; check the points"),
+                .help("check the points: the suction face must lie on one side of the pressure face everywhere"),
         );
     }
     for side in part.faces() {
@@ -169,11 +169,11 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
         if let Some((u, v)) = fold(surface) {
             let (text, name) = (face_spec(spec, part, side), name_of(spec, part, side));
             sink.push(
-                Diag::error(codes::RULINGS_FOLD, format!("the rulings of the {} face fold over", name))
+                Diag::error(codes::RULINGS_FOLD, format!("the rulings of the {} face cross each other", name))
                     .label(text.root.span, "root")
                     .label(text.tip.span, "tip")
                     .place(format!("{} face, u = {u:.2}, v = {v:.2}", name), surface.point(u, v))
-                    .help("root and tip points of the same number belong together; spread both alike along the vane"),
+                    .help("give root and tip points in pairs of one ruling, spread in the same way along the vane"),
             );
         }
     }
@@ -204,7 +204,7 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     if let Some((thickness, u, v)) = thickest.filter(|t| t.0 >= part.pitch()) {
         let most = (2..=spec.vanes.0).rev().find(|n| std::f64::consts::TAU / f64::from(*n) > thickness);
         let help = match most {
-            Some(most) => format!("at most {most} vanes of this thickness have room"),
+            Some(most) => format!("at most {most} vanes of this thickness fit"),
             None => "make the vane thinner".to_owned(),
         };
         sink.push(
@@ -212,7 +212,7 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
                 .label(
                     spec.vanes.1,
                     format!(
-                        "a pitch of {:.3} deg; the vane is {:.3} deg thick",
+                        "the pitch is {:.3} deg; the vane is {:.3} deg thick",
                         part.pitch().to_degrees(),
                         thickness.to_degrees()
                     ),
@@ -260,7 +260,7 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
                 .label(blade.map_or(spec.span, |b| b.span), "this splitter")
                 .place(format!("{name} face, u = {u:.2}, v = {v:.2}"), p)
                 .help(format!(
-                    "a splitter stands between a vane and the next one, which is {:.3} deg ahead; check its `angle` and its curves",
+                    "a splitter must stand between a vane and the next vane, {:.3} deg ahead; check its `angle` and its curves",
                     part.pitch().to_degrees()
                 )),
         );
@@ -285,11 +285,11 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
             sink.push(
                 Diag::remark(
                     codes::OFF_HUB,
-                    format!("the {name} curve lies up to {:.0} um off the {what}", distance.abs() * 1000.0),
+                    format!("the {name} curve is up to {:.0} um away from the {what}", distance.abs() * 1000.0),
                 )
                 .label(if tip { text.tip.span } else { text.root.span }, "this curve")
                 .place(format!("{name} curve"), p)
-                .help(format!("the face is extended or trimmed along its rulings to end on the {what}")),
+                .help(format!("the compiler extends or trims the face along its rulings to end on the {what}")),
             );
         }
     }
@@ -311,7 +311,7 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
             Diag::error(codes::STOCK, "the clamping reaches into the stock")
                 .label(span, format!("it goes up to {}", job.stock.clamping.below))
                 .label(job.stock.span, format!("the back of the stock is at {}", job.stock.back))
-                .help("`below` at the back of the stock or lower; without it the clamping begins at the back"),
+                .help("put `below` at the back of the stock or lower; without `below` the clamping begins at the back"),
         );
     }
     let narrowest = (0..=STATIONS).map(|i| part.hub.meridian(u(i)).point.x).fold(f64::INFINITY, f64::min);

@@ -22,7 +22,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
         if point.iter().any(|x| !x.is_finite() || x.abs() > MAX_COORDINATE) {
             sink.push(
                 Diag::error(codes::COORDINATE, format!("a point of the {name} curve lies beyond 10 m"))
-                    .label(*span, "coordinates are in the unit after the list")
+                    .label(*span, "the unit behind the list applies to all coordinates")
                     .help("correct the coordinate, or the unit of the list"),
             );
         }
@@ -34,7 +34,7 @@ pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<Nur
         if (Point3::from(pair[0]) - Point3::from(pair[1])).norm() < SAME_POINT {
             let mut diag =
                 Diag::error(codes::POINTS, format!("points {} and {} of the {name} curve coincide", i + 1, i + 2));
-            for (at, text) in [(i + 1, "the same place again"), (i, "the first of the two")] {
+            for (at, text) in [(i + 1, "the same point again"), (i, "the first of the two")] {
                 if let Some(span) = spec.spans.get(at) {
                     diag = diag.label(*span, text);
                 }
@@ -92,7 +92,7 @@ fn crossing(curve: &NurbsCurve, spec: &CurveSpec, name: &str, sink: &mut Sink) {
                             ),
                             space[i],
                         )
-                        .help("give the points in order from inlet to outlet; look for two that changed places"),
+                        .help("give the points in order from inlet to outlet; check whether two points are exchanged"),
                 );
                 return;
             }

@@ -148,11 +148,15 @@ impl<'a> FaceCurves<'a> {
                         .label(self.spec.root.span, "root: the first of them")
                         .note(match fault {
                             GeomError::CoincidentPoints(k) => {
-                                format!("curves {} and {} of root, sections and tip coincide", k + 1, k + 2)
+                                format!(
+                                    "two neighbouring curves of root, sections and tip coincide: {} and {}",
+                                    k + 1,
+                                    k + 2
+                                )
                             }
                             other => other.to_string(),
                         })
-                        .help("give the sections in order from the root to the tip, each in another place"),
+                        .help("give the sections in order from root to tip, each at another height"),
                     );
                 }
                 lofted.ok().map(FaceSurface::from)
@@ -268,7 +272,7 @@ fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
             (format!("the axes {first} and {second} are parallel"), "correct `direction` of one of them")
         }
         Err(ChainFault::AlongTool) => (
-            format!("axis {first}, next to the tool, turns the tool about itself"),
+            format!("axis {first}, next to the tool, is parallel to the tool"),
             "correct its `direction`, or name the other axis first in `order`",
         ),
         Err(ChainFault::Order) => (

@@ -121,7 +121,7 @@ fn end(signal: i32, tell: bool) {
             (done, _) => format!("{} written", done.join(", ")),
         };
         if let Some(streaming) = &unfinished.streaming {
-            done.push_str(&format!("; {streaming} may have got a part of its text"));
+            done.push_str(&format!("; {streaming} may have received a part of its text"));
         }
         let _ = writeln!(std::io::stderr(), "\nended by {name}: {}", crate::diag::printable(&done));
     }

@@ -97,11 +97,11 @@ fn followed(path: &Path) -> Result<PathBuf, String> {
         // Such a link is an open file of a process, for example `/dev/stdout` and `/dev/fd/3`. The process continues
         // with the open file, not with a file that takes its place.
         if folder(&at).canonicalize().is_ok_and(|f| f.starts_with("/proc")) {
-            return Err("it is a file that is open already".to_owned());
+            return Err("the file is already open".to_owned());
         }
         at = folder(&at).join(to);
     }
-    Err("its symbolic links lead in a circle".to_owned())
+    Err("its symbolic links form a loop".to_owned())
 }
 
 /// Whether names in a folder are distinguished by case: tests whether the name in capitals leads to the same file.
@@ -130,7 +130,7 @@ impl OutputTarget {
         let ends_open =
             path.as_os_str().as_encoded_bytes().last().is_some_and(|b| std::path::is_separator(char::from(*b)));
         let Some(name) = file.file_name().filter(|_| !ends_open).map(OsString::from) else {
-            return Err("it names a folder".to_owned());
+            return Err("the path is that of a folder".to_owned());
         };
         let identity =
             Identity { existing: FileNode::of(path), folder: FileNode::of(folder(&file)), name, case_matters: true };
@@ -168,10 +168,10 @@ fn writable(file: &Path) -> Result<(), String> {
 pub(super) fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "there is no such folder".to_owned(),
-        ErrorKind::PermissionDenied => "the folder may not be written to".to_owned(),
+        ErrorKind::PermissionDenied => "you may not write to this folder".to_owned(),
         ErrorKind::StorageFull => "the disk is full".to_owned(),
-        ErrorKind::FileTooLarge => "it is larger than a file may be".to_owned(),
-        ErrorKind::QuotaExceeded => "your share of the disk is used up".to_owned(),
+        ErrorKind::FileTooLarge => "it is larger than the largest file of this disk".to_owned(),
+        ErrorKind::QuotaExceeded => "your quota of the disk is full".to_owned(),
         ErrorKind::ReadOnlyFilesystem => "the disk is read-only".to_owned(),
         kind => kind.to_string(),
     }
@@ -194,7 +194,7 @@ fn special(metadata: &Metadata) -> Result<Kind, String> {
 
 #[cfg(not(unix))]
 fn special(_metadata: &Metadata) -> Result<Kind, String> {
-    Err("it is no regular file".to_owned())
+    Err("it is not a regular file".to_owned())
 }
 
 /// The files of standard output and standard error, with their names. Devices other than a terminal are left out: two

@@ -69,7 +69,7 @@ pub fn motion_of(
                 post::NC_OPERATIONS,
                 section.moves.first().map_or(section.start.line, |m| m.line),
                 format!("the text has {} operations; the job has {}", sections.len(), operations.len()),
-                "take out what the job does not ask for, or add the operation to the job",
+                "remove the additional operations from the text, or add them to the job",
             );
             break;
         };
@@ -86,7 +86,7 @@ pub fn motion_of(
             post::NC_OPERATIONS,
             line,
             format!("after this block the text ends without the operations {}", missing.join(", ")),
-            "give the whole program: every operation of the job, in its order",
+            "give the whole program: all operations of the job in their order",
         );
     }
     reader.sound.then_some(result)
@@ -154,7 +154,7 @@ impl Interpreter<'_> {
                 post::NC_OPERATIONS,
                 wrong.line,
                 text,
-                "bring tools, speeds and order of the operations of text and job together",
+                "make tools, speeds and order of the operations equal in text and job",
             )
             .label(span, "the operation of the job");
         self.tell(diag);
@@ -214,7 +214,7 @@ impl Interpreter<'_> {
                 None => {
                     let names = machine.names();
                     let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
-                    self.fatal(post::NC_POSITIONING, m.line, text, "a direction that the rotary axes reach");
+                    self.fatal(post::NC_POSITIONING, m.line, text, "use a direction that the rotary axes reach");
                     before
                 }
             },
@@ -222,8 +222,8 @@ impl Interpreter<'_> {
     }
 
     fn tell_standstill(&mut self, m: &NcMove) {
-        let text = "a block at feed turns the tool without moving its tip".to_owned();
-        let help = "move the tip with the turn, or turn at rapid outside of the stock";
+        let text = "a block at feed moves only rotary axes, not the tip".to_owned();
+        let help = "move the tip too, or turn the axes at rapid outside the stock";
         let diag = self.fault(post::STANDSTILL, m.line, text, help);
         self.tell(diag);
     }
@@ -232,7 +232,7 @@ impl Interpreter<'_> {
     fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles) {
         let names = self.program.machine.names();
         if first && most_turn(before, to) > PARKED {
-            let text = "the table turns while the tool comes down to the first position".to_owned();
+            let text = "the table turns during the approach to the first target".to_owned();
             let help = format!(
                 "turn {} and {} to the positions of the first move before the transformation is switched on",
                 names[3], names[4]
@@ -245,7 +245,7 @@ impl Interpreter<'_> {
             let turn = (to[1] - before[1]).to_degrees().abs();
             let [.., first, second] = names;
             let text = format!("this direction turns {second} by {turn:.1} deg in one block, or runs through the pole");
-            let help = format!("more blocks between the directions, or {first}= {second}= at rapid");
+            let help = format!("use more blocks between the directions, or {first}= {second}= at rapid");
             let diag = self
                 .fault(post::AMBIGUOUS_VECTOR, m.line, text, &help)
                 .note("a direction vector fits two rotary positions; the control takes the nearer one");
@@ -260,11 +260,16 @@ impl Interpreter<'_> {
         // Half a step of the word.
         if m.smoothing > allowed + 0.51e-4 {
             let text = format!(
-                "the control may leave the path by {} mm from here on; the job allows {} mm",
+                "from here the control may deviate from the path by {} mm; the job allows {} mm",
                 m.smoothing, allowed
             );
             let diag = self
-                .fault(post::NC_SMOOTHING, m.line, text, "smooth within the chord tolerance of the job")
+                .fault(
+                    post::NC_SMOOTHING,
+                    m.line,
+                    text,
+                    "use a smoothing tolerance within the chord tolerance of the job",
+                )
                 .label(operation.span, "the operation of the job");
             self.tell(diag);
         }
@@ -288,7 +293,7 @@ impl Interpreter<'_> {
                 post::NC_POSITIONING,
                 m.line,
                 format!("`{}` begins with a move at feed", operation.name),
-                "begin with a rapid to a place outside of the stock",
+                "begin with a rapid to a place outside the stock",
             );
         }
         if feed <= operation.feed.get() * (1.0 + ROUNDING) {

@@ -56,7 +56,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, 
             compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
             // After the last move the transformation is switched off, at rest.
             if meant.stop && read.smoothing > 0.0 && i + 3 < operation.moves.len() {
-                return Err(differs(read.line, "the control does not stop where it is meant to".to_owned()));
+                return Err(differs(read.line, "an exact stop is missing".to_owned()));
             }
             if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
                 return Err(differs(read.line, format!("tool {} at {} rpm", read.tool, read.speed)));
@@ -89,11 +89,11 @@ fn stations(
     meant.z += length;
     let off = (section.start.xyz - meant).amax();
     if off > half_step(LENGTH_DECIMALS) {
-        return Err((false, format!("the axes stand {off:.6} mm beside the first station")));
+        return Err((false, format!("the axes are {off:.6} mm away from the first station")));
     }
     let turned = most_turn(section.start.rotary, first.joints.rotary).to_degrees();
     if turned > half_step(ANGLE_DECIMALS) {
-        return Err((false, format!("a rotary axis stands {turned:.7} deg beside the first station")));
+        return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
     }
     let off = (height - last.joints.xyz.z - length).abs();
     if off > half_step(LENGTH_DECIMALS) {
@@ -104,7 +104,7 @@ fn stations(
     let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
     if beside > half_step(LENGTH_DECIMALS) || turned > 0.0 {
-        return Err((true, "the last station does not stand over the last target".to_owned()));
+        return Err((true, "the last station is not above the last target".to_owned()));
     }
     Ok(())
 }
@@ -117,7 +117,7 @@ pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
 }
 
 fn differs(line: usize, why: String) -> Diag {
-    Diag::error(post::TEXT_DIFFERS, format!("line {line} of the NC text does not say what the motion means: {why}"))
+    Diag::error(post::TEXT_DIFFERS, format!("line {line} of the NC text does not agree with the motion: {why}"))
         .note("nothing was written")
         .help("report the job file: this is a fault of the compiler")
 }
@@ -126,7 +126,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     let pose = program.machine.forward(&meant.joints);
     let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
     if !inverse && read.rapid != (meant.kind == MoveKind::Rapid) {
-        return Err("rapid and feed are confused".to_owned());
+        return Err("rapid and feed are exchanged".to_owned());
     }
     let tip = (read.tip - pose.tip).amax();
     if tip > half_step(LENGTH_DECIMALS) {
@@ -158,15 +158,11 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         // One step of F, and the shortest time that is written.
         let longest = meant.time * (1.0 + meant.time / 60.0 * 10f64.powi(-INVERSE_DECIMALS)) + 1e-3;
         let fits = time >= meant.time * (1.0 - ROUNDING) && time <= longest;
-        return if fits {
-            Ok(())
-        } else {
-            Err(format!("a way at rapid takes {time} s where {} s are meant", meant.time))
-        };
+        return if fits { Ok(()) } else { Err(format!("a rapid takes {time} s instead of {} s", meant.time)) };
     }
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
         (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(FEED_DECIMALS) && r <= m + 1e-8 => Ok(()),
-        (m, r) => Err(format!("the feed is {r:?} where {m:?} is meant")),
+        (m, r) => Err(format!("the feed is {r:?} instead of {m:?}")),
     }
 }

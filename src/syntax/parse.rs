@@ -26,7 +26,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         sink.push(
             Diag::error(
                 codes::TOO_LARGE,
-                format!("the job has {} MB; at most {} are read", text.len() >> 20, MAX_BYTES >> 20),
+                format!("the job has {} MB; the limit is {} MB", text.len() >> 20, MAX_BYTES >> 20),
             )
             .help("put long lists of points into a file and read them with `spline from \"file.csv\" curve NAME mm`"),
         );
@@ -36,7 +36,7 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         sink.push(
             Diag::error(codes::NOT_TEXT, "the job is not a text file")
                 .label(Span::new(source, at..at + c.len_utf8()), format!("control character U+{:04X}", u32::from(c)))
-                .help("give the job file itself, a text like jobs/wei2021/wei2021.imp"),
+                .help("give the job file itself, a text file such as jobs/wei2021/wei2021.imp"),
         );
         return broken;
     }
@@ -44,9 +44,11 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
     let Some((pieces, comments)) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(
-            Diag::error(codes::EMPTY, "the job is empty").label(Span::new(source, 0..0), "no item from here on").help(
-                "a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post",
-            ),
+            Diag::error(codes::EMPTY, "the job is empty")
+                .label(Span::new(source, 0..0), "no item behind this place")
+                .help(
+                    "a job begins with `edition 2026` and has a machine, a part, a stock, tools, operations and a post",
+                ),
         );
         return broken;
     }
@@ -107,13 +109,13 @@ fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> 
     let start = piece.range.start;
     let length = if word.is_empty() { slice.chars().next().map_or(0, char::len_utf8) } else { word.len() };
     let shown = &slice[..length];
-    let diag = Diag::error(codes::UNKNOWN_ITEM, format!("no item of a job begins with `{shown}`"));
+    let diag = Diag::error(codes::UNKNOWN_ITEM, format!("`{shown}` is not the name of an item"));
     let span = Span::new(source, start..start + length);
     match ITEMS.iter().map(|i| (strsim::damerau_levenshtein(word, i), i)).min() {
         Some((distance, item)) if distance <= 2 && !word.is_empty() => {
             diag.label(span, format!("did you mean `{item}`?")).help(format!("write `{item}`")).fix(span, *item)
         }
-        _ => diag.label(span, "an item is due here").help(format!("items are {}", ITEMS.join(", "))),
+        _ => diag.label(span, "an item is expected here").help(format!("items are {}", ITEMS.join(", "))),
     }
 }
 
@@ -193,8 +195,8 @@ impl Builder<'_> {
         let mut diag = Diag::error(codes::UNEXPECTED, format!("{found} is not expected here"));
         let due = match words.as_slice() {
             [] => "unexpected".to_owned(),
-            [one] => format!("{one} is due"),
-            [first @ .., last] => format!("{} or {last} is due", first.join(", ")),
+            [one] => format!("{one} is expected"),
+            [first @ .., last] => format!("{} or {last} is expected", first.join(", ")),
         };
         diag = diag.label(self.range(at + base..at + base + length), due);
         diag = diag.help(if rest.starts_with('.') {
@@ -202,7 +204,7 @@ impl Builder<'_> {
         } else if words.as_slice() == ["the end"] {
             "begin each item on its own line"
         } else {
-            "an entry is a name and its value, such as `depth 1.5 mm`; commas stand only between values of one entry"
+            "write an entry as a name and its values, such as `depth 1.5 mm`; a comma separates values of one entry"
         });
         self.sink.push(diag);
     }

@@ -86,7 +86,7 @@ impl Scanner<'_> {
                     self.finish(i);
                     self.start = Some(i);
                     if self.pieces.len() == MAX_ITEMS {
-                        let help = "a job has some tens of items; divide it into several jobs";
+                        let help = "divide the job into several jobs; usual jobs have fewer than 100 items";
                         self.too_many(i, format!("more than {MAX_ITEMS} items"), help);
                         return false;
                     }
@@ -165,7 +165,7 @@ impl Scanner<'_> {
         }
         self.sink.push(
             Diag::error(codes::TEXT_NOT_CLOSED, "a quoted text is not closed on its line")
-                .label(self.span(i..end), "it begins here")
+                .label(self.span(i..end), "the text begins here")
                 .help("add the closing quote"),
         );
         self.damaged = true;
@@ -188,8 +188,8 @@ impl Scanner<'_> {
             }
             Some((right, at)) => {
                 self.sink.push(
-                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` closes nothing here; `{right}` is due"))
-                        .label(self.span(i..i + 1), format!("`{right}` is due before this"))
+                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` does not match; `{right}` is expected"))
+                        .label(self.span(i..i + 1), format!("`{right}` is expected before this"))
                         .label(self.span(at..at + 1), "opened here")
                         .help(format!("close the inner bracket with `{right}` first, or remove one of the two")),
                 );
@@ -202,9 +202,9 @@ impl Scanner<'_> {
             }
             None => {
                 self.sink.push(
-                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` closes nothing"))
+                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` has no opening bracket"))
                         .label(self.span(i..i + 1), "no bracket is open here")
-                        .help("remove it, or add the bracket that it should close"),
+                        .help("remove the bracket, or add its opening bracket"),
                 );
                 self.damaged = true;
                 self.unreadable = true;
@@ -224,10 +224,10 @@ impl Scanner<'_> {
     fn too_deep(&mut self, i: usize) {
         let outer = self.open.first().map_or(i, |(_, at)| *at);
         self.sink.push(
-            Diag::error(codes::NESTING, format!("brackets are nested more than {MAX_DEPTH} deep"))
+            Diag::error(codes::NESTING, format!("brackets are nested deeper than {MAX_DEPTH} levels"))
                 .label(self.span(i..i + 1), "one too many")
                 .label(self.span(outer..outer + 1), "the outermost one")
-                .help("a job needs no more than 5; close the brackets that are open"),
+                .help("close the open brackets; no job needs more than 5 levels"),
         );
     }
 

@@ -94,17 +94,17 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
         true => format!("goes {} into", length(-value)),
         false => format!("comes within {} of", length(value)),
     };
-    let help = "larger allowances (`allowance vane 0.2 mm, hub 0.5 mm`), or a smaller `tolerance rough`";
+    let help = "use larger allowances (`allowance vane 0.2 mm, hub 0.5 mm`), or a smaller `tolerance rough`";
     let Some(n) = &found.nearest else {
         let text = format!(
-            "roughing is proved to stay {} outside of the finished part only, where the control may add {tolerance}",
+            "the proved distance of roughing from the finished part is only {}; the control may deviate by {tolerance}",
             length(found.bound)
         );
         sink.push(Diag::error(verification::ROUGH_TOLERANCE, text).help(help));
         return;
     };
     let text = format!(
-        "roughing {} the {}; the control may add {tolerance} (`tolerance rough`)",
+        "roughing {} the {}; the control may deviate by {tolerance} (`tolerance rough`)",
         left(n.place.value),
         n.surface
     );

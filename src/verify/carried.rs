@@ -80,8 +80,8 @@ pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink:
                 .label(span, "in this operation")
                 .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
                 .block(c.at.operation, c.at.index)
-                .note("the depth counts the spacing of the samples of the solid in, at most half a millimetre of small ones")
-                .help("a longer reach, tool axes that lean less, or a part that stands higher over the table"),
+                .note("the depth includes the spacing of the samples, at most 0.5 mm on small solids")
+                .help("use a longer reach, smaller tilt angles, or mount the part higher above the table"),
         );
     }
 }

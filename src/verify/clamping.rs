@@ -169,12 +169,10 @@ pub fn report(program: &Program, motion: &Motion, found: &ClampingReport, sink: 
         .block(at.operation, at.index)
         .note(format!("the clamping is {}", found.space()));
     if found.by_default {
-        diag = diag.note(
-            "the job does not say what holds the part, so that all below the back face of the stock is kept free",
-        );
+        diag = diag.note("the job has no `clamping`, so no tool may go below the back face of the stock");
     }
     sink.push(diag.help(
-        "a shorter lead, a longer reach, tool axes that lean less, or the true height and diameter of the chuck in the stock: \
+        "use a shorter lead, a longer reach, smaller tilt angles, or state the true height and diameter of the chuck in the stock: \
          `clamping { below -42 mm  diameter 60 mm }`",
     ));
 }

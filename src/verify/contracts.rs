@@ -122,14 +122,14 @@ impl Judge<'_> {
         let scope = self.scope_text(&allowed.scope);
         if !excuses {
             let found =
-                figure.as_ref().map_or_else(String::new, |f| format!("; it finds {}", amount(allowed.kind, f.value)));
+                figure.as_ref().map_or_else(String::new, |f| format!("; measured {}", amount(allowed.kind, f.value)));
             sink.push(
                 Diag::remark(
                     verification::NEEDLESS_ALLOW,
-                    format!("`allow {name}{scope}` excuses nothing: every contract would hold without it{found}"),
+                    format!("`allow {name}{scope}` has no effect: all contracts hold without it{found}"),
                 )
                 .label(allowed.span, "not needed")
-                .help("remove it, so that the contracts speak about more"),
+                .help("remove the `allow`, so that the contracts cover more"),
             );
         }
         AllowedReport {
@@ -165,7 +165,7 @@ impl Judge<'_> {
         let diag = Diag::error(code, text);
         let mut diag = match contract.default {
             true => diag.note(format!(
-                "the job requires nothing of this: the default contract is {} {} {}",
+                "the job has no such contract; the default is {} {} {}",
                 contract.kind.name(),
                 contract.kind.relation().sign(),
                 contract.bound.figure()
@@ -173,7 +173,7 @@ impl Judge<'_> {
             false => diag.label(contract.span, "this contract fails"),
         }
         .note(format!(
-            "{}{scope}: found {}, wanted {side} {}",
+            "{}{scope}: found {}, required {side} {}",
             contract.kind.name(),
             amount(contract.kind, found.value),
             bound.figure()
@@ -181,7 +181,7 @@ impl Judge<'_> {
         .help(help);
         if let Some(least) = found.found {
             diag = diag.note(format!(
-                "the nearest point that was looked at is {} away; the bound counts what may lie beside it",
+                "the nearest sample is {} away; the bound includes the surface between samples",
                 contract.kind.bound(least).figure()
             ));
         }
@@ -216,7 +216,7 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
         ContractKind::Gouge => (
             verification::GOUGE,
             format!("a cutter cuts {is} deep into {what} (allowed gouge {wanted})"),
-            "more strips, a thinner tool, a finer chord tolerance, or a wider contract",
+            "use more strips, a thinner tool, a finer chord tolerance, or a wider contract",
         ),
         ContractKind::Excess => (
             verification::EXCESS,
@@ -225,58 +225,58 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             } else {
                 format!("{what}: {is} of material left (allowed excess {wanted})")
             },
-            "a smaller scallop, more strips, a tool that reaches the place, or all sectors",
+            "use a smaller scallop, more strips, a tool that reaches the place, or all sectors",
         ),
         ContractKind::Clearance(Guarded::Tool) => (
             verification::CLEARANCE,
             format!("the {what} comes within {is} of the stock; required clearance {wanted}"),
-            "a longer lead-in or lead-out, so that passes begin and end farther from the stock",
+            "use a longer lead-in or lead-out, so that passes begin and end farther from the stock",
         ),
         ContractKind::Clearance(_) => (
             verification::CLEARANCE,
             format!("the {what} comes within {is} of the part; required clearance {wanted}"),
-            "a longer reach, a slimmer holder, or a thinner shank",
+            "use a longer reach, a slimmer holder, or a thinner shank",
         ),
         ContractKind::Rest => (
             verification::REST,
-            format!("roughing leaves {is} ({what}); {wanted} are allowed"),
-            "smaller `depth` or `residual`, smaller allowances, or another roughing tool that reaches the place",
+            format!("roughing leaves {is} ({what}); allowed {wanted}"),
+            "use a smaller `depth` or `residual`, smaller allowances, or another roughing tool that reaches the place",
         ),
         ContractKind::Time => (
             verification::TIME,
-            format!("the program takes {is} ({what}); {wanted} are allowed"),
-            "larger steps (`depth`, `residual`, `scallop`), higher feeds, or a larger tool in the longest operation",
+            format!("the program takes {is} ({what}); allowed {wanted}"),
+            "use larger steps (`depth`, `residual`, `scallop`), higher feeds, or a larger tool in the longest operation",
         ),
         ContractKind::AxisSpeed => (
             verification::AXIS_SHARE,
-            format!("{what} uses {is} of its speed; {wanted} are allowed"),
-            "a lower `feed` or `link-feed` in this operation, or tool axes that keep away from the pole",
+            format!("{what} uses {is} of its speed; allowed {wanted}"),
+            "use a lower `feed` or `link-feed` in this operation, or tool axes farther from the pole",
         ),
         ContractKind::ContourError => (
             verification::CONTOUR_ERROR,
-            format!("tip or flutes leave the verified motion by {is} ({what}); {wanted} are allowed"),
-            "a smaller `tolerance chord` (`rough` for roughing), to which the control rounds corners; a lower `feed` where \
-             the control cycle matters",
+            format!("tip or flutes deviate from the verified motion by {is} ({what}); allowed {wanted}"),
+            "use a smaller `tolerance chord` (`rough` for roughing), within which the control rounds corners, or a lower `feed` \
+             if the control cycle causes the deviation",
         ),
         ContractKind::OrientationError => (
             verification::ORIENTATION_ERROR,
-            format!("the tool axis leaves the verified motion by {is} ({what}); {wanted} are allowed"),
-            "a smaller `tolerance chord` (`rough` for roughing), to which the control rounds corners, or a lower `feed`",
+            format!("the tool axis deviates from the verified motion by {is} ({what}); allowed {wanted}"),
+            "use a smaller `tolerance chord` (`rough` for roughing), within which the control rounds corners, or a lower `feed`",
         ),
         ContractKind::Air => (
             verification::AIR,
-            format!("{is} of the time at feed cuts air ({what}); {wanted} are allowed"),
-            "shorter leads, a higher `link-feed`, or roughing that leaves less for the same passes",
+            format!("{is} of the time at feed is air cut ({what}); allowed {wanted}"),
+            "use shorter leads, a higher `link-feed`, or passes that begin at the stock",
         ),
         ContractKind::RemovalRate => (
             verification::REMOVAL_RATE,
-            format!("a cutter removes {is} ({what}); {wanted} are allowed"),
-            "a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
+            format!("the removal rate is {is} ({what}); allowed {wanted}"),
+            "use a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
         ),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
-            format!("{is} of stock stay outside of the part ({what}); {wanted} are allowed"),
-            "operations for all faces and sectors, smaller steps, or a tool that reaches what stays",
+            format!("the rest volume is {is} ({what}); allowed {wanted}"),
+            "use operations for all faces and sectors, smaller steps, or a tool that reaches the material",
         ),
     };
     (code, text, help.to_owned())
@@ -287,11 +287,11 @@ fn unmeasured(contract: &Contract, reason: Unmeasured) -> Diag {
     let (why, help) = match reason {
         Unmeasured::NeedsStock => ("it needs the stock simulation, which did not run", "remove the contract"),
         Unmeasured::NoRoughing => {
-            ("no roughing operation leaves anything there", "ask for `excess`, or add a groove or expand operation")
+            ("no roughing operation applies to this place", "require `excess`, or add a groove or expand operation")
         }
         Unmeasured::NoSolid => (
-            "the surfaces of the part enclose no volume, as a fillet does not reach from inlet to outlet",
-            "a smaller fillet, or `require excess` on surfaces",
+            "the surfaces of the part enclose no volume: a fillet does not reach from inlet to outlet",
+            "use a smaller fillet, or `require excess` on surfaces",
         ),
     };
     Diag::error(verification::NOT_MEASURED, format!("`require {name}` cannot be judged: {why}"))

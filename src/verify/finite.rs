@@ -25,9 +25,9 @@ pub fn report(program: &Program, motion: &Motion, certificate: &Certificate, sin
     let name = operation.map_or(String::new(), |o| format!(" of `{}`", program.operations[o.operation].name));
     let mut diag = Diag::error(
         verification::NOT_A_NUMBER,
-        format!("`{}`{name} cannot be computed: it is no finite number", first.join(".")),
+        format!("`{}`{name} cannot be computed: it is not a finite number", first.join(".")),
     )
-    .help("check feeds and sizes against the limits of the machine; if they are usual ones, report the job file");
+    .help("compare feeds and sizes with the limits of the machine; if they are usual, report the job file");
     if unknown.len() > 1 {
         diag = diag.note(format!("{} further figures of the certificate are no numbers", unknown.len() - 1));
     }

@@ -204,13 +204,13 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, s
         let (surface, allowed) = (&s.worst_on, length(found.allowed));
         let text = if s.gouge.depth > found.allowed {
             format!(
-                "a cutter goes {} deep into the {surface}, which is kept; {allowed} are allowed",
+                "a cutter goes {} deep into the {surface}, a kept surface; allowed {allowed}",
                 length(s.gouge.depth)
             )
         } else {
             format!(
-                "no cutter is found deeper than {} in the {surface}, which is kept, but only {} are proved; {allowed} are \
-                 allowed",
+                "the deepest cut found in the {surface}, a kept surface, is {}, but the proved bound is {}; allowed \
+                 {allowed}",
                 length(s.gouge.depth),
                 length(s.gouge_bound)
             )
@@ -224,8 +224,8 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, s
             }
         }
         sink.push(
-            diag.note("no operation makes this surface: it is as the lathe left it, within the strictest contract on gouge")
-                .help("leads and links that stay clear of it, or a thinner tool; for an edge of the vanes an `edge` operation"),
+            diag.note("no operation mills this surface; the strictest contract on gouge applies")
+                .help("use leads and links clear of this surface, or a thinner tool; for an edge of the vanes use an `edge` operation"),
         );
     }
 }

@@ -113,10 +113,14 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<(), 
     }
     let mut diag = Diag::error(
         verification::OVER_MEMORY,
-        format!("the check needs about {}; it may take {}", units::bytes(needed), units::bytes(program.memory)),
+        format!(
+            "the check needs about {} of memory; the limit is {}",
+            units::bytes(needed),
+            units::bytes(program.memory)
+        ),
     )
     .help(format!(
-        "fewer blocks, turns of the table and changes of direction; or allow more: `--memory {}GB`",
+        "use fewer blocks, turns of the table and changes of direction, or more memory: `--memory {}GB`",
         (1.2 * needed / 1e9).ceil()
     ));
     let size = |counted: &Counted| counted.kept() + counted.run();

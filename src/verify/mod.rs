@@ -339,7 +339,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
         } else {
             (
                 verification::AXIS_TRAVEL,
-                format!("axis {} goes to {:.3}, beyond its travel to {:.3}", f.axis, f.value, f.bound),
+                format!("axis {} goes to {:.3}; its travel ends at {:.3}", f.axis, f.value, f.bound),
             )
         };
         let mut diag = Diag::error(code, text)
@@ -359,7 +359,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
             )
             .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
             .block(c.at.operation, c.at.index)
-            .help("a longer lead-in or lead-out, so that passes begin and end outside of the stock"),
+            .help("use a longer lead-in or lead-out, so that passes begin and end outside the stock"),
         );
     }
     let missed: f64 = certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area).sum();
@@ -367,9 +367,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
     if missed > 0.0 && !asked {
         sink.push(Diag::remark(
             verification::NOT_REACHED,
-            format!(
-                "surfaces of {missed:.0} mm2 have places that no cutter reaches; no `require excess` asks for them"
-            ),
+            format!("surfaces of {missed:.0} mm2 have places that no cutter reaches; the job has no `require excess`"),
         ));
     }
 }

@@ -70,7 +70,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
         Diag::error(
             verification::RETRACT_TOO_LOW,
             format!(
-                "the tip of {} stands {} over the height that the {} can reach while X, Y, {first} and {second} move; required {}",
+                "while X, Y, {first} and {second} move, the tip of {} is {} above the height that the {} can reach; required {}",
                 tool.name,
                 length(found.clearance),
                 found.highest,
@@ -79,7 +79,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
         )
         .label(declared.span, "before or after this operation")
         .place(
-            if at.index == 0 { "way to the first target" } else { "retract after the last move" },
+            if at.index == 0 { "approach to the first target" } else { "retract after the last move" },
             program.machine.forward(&station.joints).tip,
         )
         .block(at.operation, at.index)
@@ -91,7 +91,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
             found.height
         ))
         .help(format!(
-            "a retract {} higher, a shorter tool or holder, or a part that stands lower or nearer to the axis of {first}",
+            "use a retract height {} higher, a shorter tool or holder, or mount the part lower or nearer to the {first} axis",
             length(missing)
         )),
     );

@@ -24,7 +24,7 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
     let wanted: Vec<_> = program.operations.ids().collect();
     let found: Vec<_> = motion.operations.iter().map(|o| o.operation).collect();
     if wanted != found {
-        fault(format!("the motion has {} operations where the job has {}", found.len(), wanted.len()));
+        fault(format!("the motion has {} operations, the job has {}", found.len(), wanted.len()));
         return false;
     }
     for operation in &motion.operations {

@@ -222,7 +222,7 @@ fn explain_prints_pages_and_refuses_unknown_codes() {
     let explain = |code: &str| Command::new(env!("CARGO_BIN_EXE_impellerc")).args(["explain", code]).output().unwrap();
     let page = explain("imp0206");
     assert_eq!(page.status.code(), Some(0));
-    assert!(String::from_utf8_lossy(&page.stdout).contains("Way out:"));
+    assert!(String::from_utf8_lossy(&page.stdout).contains("Remedy:"));
     assert_eq!(explain("IMP9999").status.code(), Some(2));
 }
 

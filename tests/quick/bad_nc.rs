@@ -148,8 +148,8 @@ fn values_beyond_all_measure() {
     refused("siemens-840d", "A=30", "A=99999", "out of range: the travel of the axis is -100 to 100 deg");
     refused("linuxcnc", "C-20", "C-99999", "out of range");
     refused("linuxcnc", "A-31", "A100.1", "the travel of the axis is -100 to 100 deg");
-    refused("siemens-840d", "SUPA G0 X50", "SUPA G0 X400.1", "its travel is -400 to 400");
-    refused("linuxcnc", "G53 G0 Z350", "G53 G0 Z350.1", "its travel is -350 to 350");
+    refused("siemens-840d", "SUPA G0 X50", "SUPA G0 X400.1", "outside its travel of -400 to 400");
+    refused("linuxcnc", "G53 G0 Z350", "G53 G0 Z350.1", "outside its travel of -350 to 350");
     for dialect in ["siemens-840d", "linuxcnc"] {
         refused(dialect, "F1000", "F0", "feed");
         refused(dialect, "F1000", "F-5", "feed");
@@ -192,10 +192,10 @@ fn the_way_to_the_first_target_is_known() {
     );
     refused_at("siemens-840d", "A=30 C=20 D0", "A=30 D0", 11, "unknown C");
     refused_at("siemens-840d", "X50 Y-40 D0", "X50 D0", 11, "unknown Y");
-    refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 Z-50 D0", "changed and axes move at Z350");
+    refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 Z-50 D0", "retract height of the machine file is Z350");
     refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 X0 Z350 D0", "X and Z move together");
     refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G1 Z350 D0", "at feed with the transformation off");
-    refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 Z350", "whether a tool length acts is not known");
+    refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 Z350", "a tool length may still be active");
     refused("siemens-840d", "SUPA G0 Z350 D0", "G0 Z350 D0", "in the work frame with the transformation off");
     refused("siemens-840d", "SUPA G0 Z350 D0", "SUPA G0 A=0 D0", "at an unknown height");
     refused_at("siemens-840d", "N160 TRAFOOF\n", "", 17, "with the transformation on");
@@ -205,7 +205,7 @@ fn the_way_to_the_first_target_is_known() {
     refused_at("linuxcnc", "G53 G0 Z350\n", "", 8, "a tool change before");
     refused_at("linuxcnc", "G53 G0 A-30 C-20\n", "", 14, "unknown A");
     refused_at("linuxcnc", "G53 G0 X50 Y-40\n", "", 14, "unknown X");
-    refused("linuxcnc", "G53 G0 Z350", "G53 G0 Z0", "goes to Z0 of the machine; the machine file says");
+    refused("linuxcnc", "G53 G0 Z350", "G53 G0 Z0", "goes to Z0 of the machine, but the retract height");
     refused("linuxcnc", "G53 G0 Z350", "G0 Z350", "in the work frame");
     refused("linuxcnc", "G53 G0 Z350\n", "G53 G0 X0\nG53 G0 Z350\n", "unknown height");
     refused_at("linuxcnc", "M428\n", "", 15, "in the work frame with the transformation off");
@@ -239,14 +239,8 @@ fn what_a_program_leaves_behind_is_judged() {
 /// Each modal group that a move needs: dropped, and set to another value.
 #[test]
 fn what_a_move_needs_is_said_before_it() {
-    refused_at(
-        "siemens-840d",
-        "G710 ",
-        "",
-        4,
-        "no block before this move says lengths in mm, of feeds too: write G710",
-    );
-    refused_at("siemens-840d", "G710 ", "G700 ", 4, "a move with G700, which line 2 sets: lengths in mm");
+    refused_at("siemens-840d", "G710 ", "", 4, "no block before this move ensures lengths and feeds in mm: write G710");
+    refused_at("siemens-840d", "G710 ", "G700 ", 4, "a move with G700, which line 2 sets: lengths and feeds in mm");
     refused_at("siemens-840d", "G710 ", "G71 ", 4, "G71");
     refused_at("siemens-840d", "G90 ", "", 4, "absolute");
     refused_at("siemens-840d", "G90 ", "G91 ", 4, "G91");
@@ -254,9 +248,9 @@ fn what_a_move_needs_is_said_before_it() {
     refused_at("siemens-840d", " G40", " G41", 4, "G41");
     refused_at("siemens-840d", "G17 ", "", 13, "the plane");
     refused_at("siemens-840d", "G17 ", "G18 ", 13, "G18");
-    refused_at("siemens-840d", "G94 ", "", 14, "feed a minute");
+    refused_at("siemens-840d", "G94 ", "", 14, "feed per minute");
     refused_at("siemens-840d", "G94 ", "G95 ", 14, "G95");
-    refused_at("siemens-840d", "N110 G54 ", "N110 ", 13, "the work offset, which TRAORI and TRAFOOF drop");
+    refused_at("siemens-840d", "N110 G54 ", "N110 ", 13, "the work offset, which TRAORI and TRAFOOF reset");
     refused_at("siemens-840d", "N110 G54 ", "N110 G55 ", 13, "G55");
     refused_at("siemens-840d", "ORIWKS", "ORIMKS", 13, "ORIMKS");
     refused_at("siemens-840d", " ORIWKS", "", 13, "ORIWKS");
@@ -284,10 +278,10 @@ fn what_a_move_needs_is_said_before_it() {
     refused_at("linuxcnc", "G17 ", "G19 ", 16, "G19");
     refused_at("linuxcnc", " G54", "", 16, "G54");
     refused_at("linuxcnc", " G54", " G59.3", 16, "G59.3");
-    refused_at("linuxcnc", "G92.1\n", "", 15, "left over: write G92.1");
+    refused_at("linuxcnc", "G92.1\n", "", 15, "G92 or G52: write G92.1");
     refused_at("linuxcnc", "G92.1", "G92.3", 16, "G92.3");
     refused_at("linuxcnc", "G10 L2 P1 R0\n", "", 15, "rotation of the work offset");
-    refused_at("linuxcnc", "G94 ", "", 17, "feed a minute");
+    refused_at("linuxcnc", "G94 ", "", 17, "feed per minute");
     refused_at("linuxcnc", "G97 ", "G96 ", 17, "G96");
     refused_at("linuxcnc", " M3", "", 17, "write M3");
     refused_at("linuxcnc", "M8\n", "", 16, "write M8");
@@ -302,16 +296,16 @@ fn what_a_move_needs_is_said_before_it() {
 fn edits_with_which_the_control_does_something_else() {
     let siemens = |from: &str, to: &str, line, words: &str| refused_at("siemens-840d", from, to, line, words);
     // Without a tolerance, or with smoothing off, the control takes its own; a wide one for the axis tilts the flutes.
-    siemens("N90 CYCLE832(0.0010,_ORI_FINISH,0.1)\n", "", 13, "how far the control may leave the path");
-    siemens("0.0010,_ORI_FINISH,0.1", "0,_OFF,1", 14, "leaves the path as it likes");
-    siemens("0.0010,_ORI_FINISH,0.1", "0,_ORI_FINISH,0.1", 10, "is not none");
-    siemens("_ORI_FINISH,0.1", "_ORI_FINISH,0.11", 10, "lean by 0.11 deg");
-    siemens("_ORI_FINISH,0.1", "_ORI_ROUGH,5", 10, "lean by 5 deg");
-    siemens("N110 G54", "N105 G64\nN110 G54", 15, "with G64 the control leaves the path");
+    siemens("N90 CYCLE832(0.0010,_ORI_FINISH,0.1)\n", "", 13, "the tolerance of the path is unknown");
+    siemens("0.0010,_ORI_FINISH,0.1", "0,_OFF,1", 14, "deviate from the path without a limit");
+    siemens("0.0010,_ORI_FINISH,0.1", "0,_ORI_FINISH,0.1", 10, "makes the control use its own tolerance");
+    siemens("_ORI_FINISH,0.1", "_ORI_FINISH,0.11", 10, "a tilt error of 0.11 deg");
+    siemens("_ORI_FINISH,0.1", "_ORI_ROUGH,5", 10, "a tilt error of 5 deg");
+    siemens("N110 G54", "N105 G64\nN110 G54", 15, "with G64 the control may deviate from the path");
     siemens("CYCLE832(0.0010,_ORI_FINISH,0.1)", "CYCLE832(0.0010,_ORI_FINISH,0.1) M8", 10, "alone in its block");
     // The length of a tool acts, or is that of another edge.
-    siemens("SUPA G0 Z350 D0 M9", "SUPA G0 Z350 M9", 18, "the tool length still acts");
-    siemens("SUPA G0 Z350 D0 M9", "SUPA G0 Z350 D1 M9", 18, "the tool length still acts");
+    siemens("SUPA G0 Z350 D0 M9", "SUPA G0 Z350 M9", 18, "the tool length is still active");
+    siemens("SUPA G0 Z350 D0 M9", "SUPA G0 Z350 D1 M9", 18, "the tool length is still active");
     siemens("SUPA G0 Z350 D0", "G53 G0 Z350 D0", 4, "write SUPA");
     // A vector word that lost its sign is no angle.
     siemens("G0 A=30 C=20", "G0 A3 C=20", 7, "`=` is missing");
@@ -337,29 +331,29 @@ fn edits_with_which_the_control_does_something_else() {
     siemens("X29", "X 29", 15, "a number is missing");
 
     let linuxcnc = |from: &str, to: &str, line, words: &str| refused_at("linuxcnc", from, to, line, words);
-    linuxcnc("G64 P0.001 Q0\n", "", 16, "how far the control may leave the path");
+    linuxcnc("G64 P0.001 Q0\n", "", 16, "the tolerance of the path is unknown");
     linuxcnc("G64 P0.001 Q0", "G64", 17, "with G64 without P");
-    linuxcnc("G64 P0.001 Q0", "G64 P0 Q0", 17, "with G64 P0 the control leaves");
+    linuxcnc("G64 P0.001 Q0", "G64 P0 Q0", 17, "with G64 P0 the control may deviate");
     linuxcnc("Q0", "Q10.5", 6, "Q of G64");
     linuxcnc("Q0", "Q-1", 6, "Q of G64");
-    linuxcnc("G64 P0.001 Q0", "G61 G64 P0.001", 6, "how the path is followed");
+    linuxcnc("G64 P0.001 Q0", "G61 G64 P0.001", 6, "set the path mode");
     linuxcnc("G92.1", "G92 X5", 4, "shifts the work frame");
-    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "turns the work offset");
+    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "rotates the work offset");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P2 R0", 5, "only G10 L2 P1 R0");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P1 X5 R0", 5, "changes the work offset");
     linuxcnc("T2 M6", "T M6", 9, "`T`: a number is missing");
     linuxcnc("T2 M6", "T2", 15, "length of another tool");
     linuxcnc("G43 H2", "G43 H", 13, "`H`: a number is missing");
     linuxcnc("G43 H2", "G43 H3", 15, "tool 2 is in the spindle with the length of another tool, 3");
-    linuxcnc("G43 H2", "G43 H0", 13, "takes no length");
+    linuxcnc("G43 H2", "G43 H0", 13, "sets no length");
     linuxcnc("T2 M6", "T1 M6", 15, "length of another tool");
     linuxcnc("G1 X29", "G49 G1 X29", 18, "tool length changes");
     linuxcnc("G1 X29", "G80\nX29", 19, "before any G0 or G1");
     linuxcnc("G1 X29", "M2 G1 X29", 18, "ends with the transformation on");
     linuxcnc("G53 G0 Z350\nM9", "G0 Z350\nM9", 22, "work frame with the transformation off");
     linuxcnc("Y-18", "Y\u{2212}18", 18, "`Y`: a number is missing");
-    linuxcnc("Y-18", "\u{0423}-18", 18, "`<U+0423>` where a word begins");
-    linuxcnc("X29 ", "X29\u{a0}", 18, "`<U+00A0>` where a word begins");
+    linuxcnc("Y-18", "\u{0423}-18", 18, "`<U+0423>` is not understood at the beginning of a word");
+    linuxcnc("X29 ", "X29\u{a0}", 18, "`<U+00A0>` is not understood at the beginning of a word");
     linuxcnc("G1 X29", "G81 X29", 18, "cycles are not read");
     linuxcnc("G1 X29", "G28 X29", 18, "set at the control");
 }
@@ -379,7 +373,7 @@ fn comments_that_are_orders() {
         "(abort,now)",
         "; PY,x",
     ] {
-        refused("linuxcnc", "(flank)", order, "is no comment: the control executes");
+        refused("linuxcnc", "(flank)", order, "is not a comment: the control executes");
     }
     for comment in ["(MSG,tool 2)", "(python)", "(log of changes)", "(axis of the tool)", "; printed"] {
         assert!(read("linuxcnc", &LINUXCNC.replacen("(flank)", comment, 1)).is_ok(), "{comment}");
@@ -622,7 +616,7 @@ fn a_text_that_would_take_too_much_memory_is_refused() {
     // A tip at rest under a turn, in inverse time or not, is the fault of the text and is told as such.
     let (status, said) = verify(&with_blocks(&text, [(0.0, 10.0), (0.0, 0.0)].into_iter()));
     assert_eq!(status, Some(2), "{said}");
-    assert!(said.contains("without moving its tip") && !said.contains("malformed"), "{said}");
+    assert!(said.contains("moves only rotary axes") && !said.contains("malformed"), "{said}");
 }
 
 #[test]
@@ -651,7 +645,7 @@ fn files_that_are_no_text_or_too_large_or_missing() {
     // The job's dialect is the other one: the text is recognised, and its machine is none of LinuxCNC; as an unknown one it is
     // read as the job's.
     std::fs::write(&path, LINUXCNC).unwrap();
-    fails("IMP0808", "LinuxCNC has the opposite");
+    fails("IMP0808", "LinuxCNC needs");
     std::fs::write(&path, "O1\nG91 G28 Z0\n").unwrap();
     fails("IMP0821", "line 1: `O1` is not understood");
     std::fs::write(&path, SIEMENS.replace("Z350", "Z650")).unwrap();

@@ -291,7 +291,7 @@ fn a_failed_contract_tells_found_wanted_where_and_the_way_out() {
     assert!(!contract.holds);
     let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).expect("an error");
     assert_eq!(diag.severity, Severity::Error);
-    assert_eq!(diag.notes, [format!("gouge on hub: found {:.2} um, wanted at most 0.10 um", contract.found * 1e3)]);
+    assert_eq!(diag.notes, [format!("gouge on hub: found {:.2} um, required at most 0.10 um", contract.found * 1e3)]);
     assert!(diag.message.contains("hub of channel"), "{}", diag.message);
     assert!(diag.help.is_some() && diag.labels.len() == 2);
     let place = diag.place.as_ref().unwrap();
@@ -305,7 +305,7 @@ fn a_failed_rest_volume_tells_stock_and_part() {
     let contract = &certificate.contracts[1];
     assert!(!contract.holds && contract.found == asked(ContractKind::RestVolume, &[], &[]));
     let diag = sink.diags().iter().find(|d| d.code == verification::REST_VOLUME).expect("an error");
-    assert_eq!(diag.notes, [format!("rest-volume: found {:.1} mm3, wanted at most 500.0 mm3", contract.found)]);
+    assert_eq!(diag.notes, [format!("rest-volume: found {:.1} mm3, required at most 500.0 mm3", contract.found)]);
     assert!(diag.message.contains("of stock after channel") && diag.message.contains("of part"), "{}", diag.message);
     assert!(diag.help.is_some() && diag.labels.len() == 2);
 }
@@ -374,7 +374,7 @@ fn a_default_holds_where_no_other_contract_speaks() {
     let (certificate, sink) = judged(std::slice::from_ref(&default), &[]);
     assert!(!certificate.contracts[0].holds && certificate.contracts[0].default);
     let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).unwrap();
-    assert!(diag.notes.iter().any(|n| n.contains("default contract")), "{:?}", diag.notes);
+    assert!(diag.notes.iter().any(|n| n.contains("the default is")), "{:?}", diag.notes);
     assert!(certificate.text(&PLANNED.0, &PLANNED.1).contains("; the default"));
     // On the faces another contract speaks: there it decides.
     let stated = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet]);

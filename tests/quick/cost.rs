@@ -32,7 +32,7 @@ fn estimated(text: &str, memory: Option<f64>) -> Outcome {
 fn fitting(outcome: &Outcome) -> String {
     let error = outcome.sink.diags().iter().find(|d| d.code == planning::OVER_MEMORY).expect("refused for its memory");
     let help = error.help.clone().unwrap();
-    help.split('`').nth(1).filter(|_| help.contains("or more would fit")).expect("a value that fits").to_owned()
+    help.split('`').nth(1).filter(|_| help.contains("or more, fewer")).expect("a value that fits").to_owned()
 }
 
 /// Estimated memory of a job beside the curves of the small one, bytes.
@@ -152,5 +152,5 @@ fn the_command_line_takes_sizes() {
     }
     let (code, text) = run("1.5 GB");
     assert_eq!(code, Some(2));
-    assert!(text.contains("IMP0420") && text.contains("it may take 1.5 GB"), "{text}");
+    assert!(text.contains("IMP0420") && text.contains("the limit is 1.5 GB"), "{text}");
 }

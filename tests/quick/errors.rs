@@ -89,7 +89,7 @@ fn each_code_has_a_page_and_a_number_of_its_own() {
         assert!(code.id().len() == 7 && code.id().starts_with("IMP"), "{code} is no code");
         assert!(!code.0.title.is_empty());
         assert!(code.0.page.len() > 80, "the page of {code} says too little");
-        assert!(code.0.page.contains("Way out:"), "the page of {code} shows no way out");
+        assert!(code.0.page.contains("Remedy:"), "the page of {code} shows no remedy");
     }
 }
 

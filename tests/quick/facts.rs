@@ -145,7 +145,7 @@ fn the_rougher_of_the_paper_does_not_fit() {
     let e = errors[0];
     assert_eq!(e.code.id(), "IMP0450");
     assert!(e.message.contains("10 mm flat") && e.message.contains("8.98 mm"), "{}", e.message);
-    assert!(e.notes.iter().any(|n| n.contains("0.2 mm off both vanes")));
+    assert!(e.notes.iter().any(|n| n.contains("0.2 mm from both vanes")));
     assert!(e.notes.iter().any(|n| n.contains("10.35 mm")));
     assert_eq!(e.labels[0].span.start, 100, "the tool's declaration comes first");
     assert_eq!(e.place.as_ref().unwrap().what, "pressure root at u = 0.084");
@@ -362,13 +362,13 @@ fn the_published_job_fails_with_this_message() {
     lines.extend(e.help.clone());
     lines.extend(e.place.as_ref().map(|p| p.what.clone()));
     let expected = [
-        "IMP0450 the 10 mm flat tool is too large to reach the floor of the channel: \
-         the vanes stand 8.98 mm apart at the narrowest place",
+        "IMP0450 the 10 mm flat tool is too large to reach the hub: \
+         the throat of the channel is 8.98 mm",
         "tool t1: 10 mm in diameter",
         "operation groove: `groove` uses `t1`",
         "operation expand: `expand` uses `t1`",
-        "it has to keep 0.2 mm off both vanes and 0.5 mm off the hub",
-        "at that height it has room for 8.90 mm, allowances taken off",
+        "the tool must keep a distance of 0.2 mm from both vanes and 0.5 mm from the hub",
+        "at that height 8.90 mm are free between the vanes after subtraction of the allowances",
         "formula 8 of Wei 2021 measures arcs and gives 10.35 mm",
         "use a flat tool of at most 8.89 mm",
         "pressure root at u = 0.084",

@@ -246,11 +246,11 @@ fn load_is_judged_by_tool_and_feed() {
     motion.operations[0].moves[2].feed = Some(8000.0);
     let found = told(&program, &motion);
     assert!(found.iter().any(|f| f.1 && f.2.contains("full material")), "{found:?}");
-    assert!(found.iter().any(|f| !f.1 && f.2.contains("chip")), "{found:?}");
+    assert!(found.iter().any(|f| !f.1 && f.2.contains("feed per tooth")), "{found:?}");
     // A chip of a millimetre breaks it anywhere.
     motion.operations[0].moves[2].feed = Some(32000.0);
     let found = told(&program, &motion);
-    assert!(found.iter().any(|f| f.0 == "IMP0739" && f.1 && f.2.contains("chip")), "{found:?}");
+    assert!(found.iter().any(|f| f.0 == "IMP0739" && f.1 && f.2.contains("feed per tooth")), "{found:?}");
     // At link feed it is no cut: a link that removes anything here removes more than any cut.
     let (program, motion) = line(MoveKind::Link);
     let found = told(&program, &motion);

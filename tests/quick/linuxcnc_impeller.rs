@@ -54,8 +54,8 @@ const FAULTS: [(usize, &str, &str); 7] = [
     (
         8,
         "the plane: write G17; lengths in mm: write G21; absolute coordinates: write G90; X as a coordinate, not as a \
-         diameter: write G8; no cutter radius compensation: write G40; the work offset: write G54; no offset of G92 or G52 \
-         left over: write G92.1; no rotation of the work offset: write G10 L2 P1 R0",
+         diameter: write G8; no cutter radius compensation: write G40; the work offset: write G54; no remaining offset of G92 \
+         or G52: write G92.1; no rotation of the work offset: write G10 L2 P1 R0",
         "G20, G7, G92 and the rotation outlive M2; G18, G91, G41 and G55 an abort",
     ),
     (

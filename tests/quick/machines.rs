@@ -231,13 +231,10 @@ fn kinds_that_are_not_planned_say_so() {
 #[test]
 fn machine_files_that_cannot_direct_the_tool_are_refused() {
     let cases: [(&[(&str, &str)], &str); 6] = [
-        (&[("\"table-table\"", "\"hexapod\"")], "`hexapod` is no kind of machine"),
+        (&[("\"table-table\"", "\"hexapod\"")], "`hexapod` is not a kind of machine"),
         (&[("[axes.A]", "[axes.A]\ndirection = [0, 0, 2]")], "the axes A and C are parallel"),
         (&[("[axes.A]", "[axes.A]\ndirection = [0, 0, 0]")], "axis A has no direction"),
-        (
-            &[("kind = \"table-table\"", "kind = \"table-table\"\norder = [\"C\", \"A\"]")],
-            "turns the tool about itself",
-        ),
+        (&[("kind = \"table-table\"", "kind = \"table-table\"\norder = [\"C\", \"A\"]")], "is parallel to the tool"),
         (
             &[("kind = \"table-table\"", "kind = \"table-table\"\norder = [\"B\", \"C\"]")],
             "does not name both rotary axes",

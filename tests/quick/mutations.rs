@@ -280,7 +280,7 @@ fn compare(text: &str, nc: &str) -> Result<(), TestCaseError> {
         }
         // Where in the text, or which field.
         Err(reason) => prop_assert!(
-            ["line ", "field", "format", "version", "form is broken", "does not hold"]
+            ["line ", "field", "format", "version", "form is wrong", "does not hold"]
                 .iter()
                 .any(|w| reason.contains(w)),
             "{}",

@@ -153,7 +153,7 @@ fn no_output_is_an_input() {
         ["--stock", "sub/stock"],
     ] {
         let run = place.run(&[&["job.imp"], &arguments[..]].concat());
-        let run = run.fails(2, &["IMP0904", "would destroy an input", "nothing was written"]);
+        let run = run.fails(2, &["IMP0904", "would replace an input", "nothing was written"]);
         assert!(run.out.is_empty(), "{arguments:?}: {}", run.out);
         assert_eq!(place.state(), before, "{arguments:?}");
     }
@@ -186,7 +186,7 @@ fn no_output_is_another_one() {
     assert_eq!(run.code, Some(2));
     assert!(std::fs::read_to_string(place.at("log")).unwrap().contains("IMP0904"));
     let run = place.shell("$0 job.imp -o /dev/stdout > log");
-    assert_eq!((run.code, run.flat().contains("open already")), (Some(3), true), "{}", run.err);
+    assert_eq!((run.code, run.flat().contains("already open")), (Some(3), true), "{}", run.err);
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn what_is_verified_is_no_output() {
     for (report, name) in [("part.nc", "part.nc"), ("part.json", "the certificate"), ("job.imp", "job.imp")] {
         let run =
             place.run(&["verify", "part.nc", "--job", "job.imp", "--certificate", "part.json", "--report", report]);
-        run.fails(2, &["IMP0904", "would destroy an input", name]);
+        run.fails(2, &["IMP0904", "would replace an input", name]);
         assert_eq!(place.state(), before, "{report}");
     }
 }
@@ -253,8 +253,8 @@ fn what_is_write_protected_is_not_replaced() {
         (["--report", "part.nc"], "it is read-only"),
         (["-o", "socket"], "it is a socket"),
         (["-o", "_lib"], "it is a folder"),
-        (["-o", "new/"], "it names a folder"),
-        (["--stock", "job.imp"], "a file is in its place"),
+        (["-o", "new/"], "the path is that of a folder"),
+        (["--stock", "job.imp"], "a file has this path"),
     ] {
         place.run(&[&["job.imp"], &arguments[..]].concat()).fails(3, &["IMP0903", words]);
         assert_eq!(place.state(), before, "{arguments:?}");
@@ -402,7 +402,7 @@ fn a_signal_between_two_outputs_leaves_no_half() {
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.signal(), Some(15), "{said}");
-    assert!(said.contains("no file was written; fifo may have got a part of its text"), "{said}");
+    assert!(said.contains("no file was written; fifo may have received a part of its text"), "{said}");
     assert_eq!(place.state(), before);
 }
 
@@ -438,7 +438,7 @@ fn curves_come_from_the_folder_of_the_job() {
     for path in ["/proc/self/environ", "inside.csv", "folder/secret", &absolute, "folder/curves.csv"] {
         with_curves(&place, path);
         let run = Command::new(PROGRAM).arg(place.at("job.imp")).env("SECRET", secret).output();
-        let run = Run::new(run).fails(3, &["IMP0905", "outside of the job's folder", "--curves"]);
+        let run = Run::new(run).fails(3, &["IMP0905", "outside the folder of the job", "--curves"]);
         assert!(!run.err.contains("do-not-show"), "{}", run.err);
     }
     // Named on the command line it may be read, with any path that leads there; nothing else may.
@@ -453,7 +453,7 @@ fn curves_come_from_the_folder_of_the_job() {
     // No regular file: a FIFO without a writer would be waited for, a device has no end.
     assert!(Command::new("mkfifo").arg(place.at("fifo")).status().unwrap().success());
     with_curves(&place, "fifo");
-    place.run(&["job.imp"]).fails(3, &["IMP0901", "it is no regular file"]);
+    place.run(&["job.imp"]).fails(3, &["IMP0901", "it is not a regular file"]);
 }
 
 /// A file that is no table is not quoted, wherever it lies; a table with a fault is, without what steers a terminal.
@@ -467,7 +467,7 @@ fn messages_quote_no_file_that_is_no_table() {
         "a,1,1,1,1\nb\u{1b}[2J,1,1,1,1\ndo-not-show-this\n",
     ] {
         place.file("vane_curves.csv", text);
-        let run = place.run(&["job.imp"]).fails(2, &["IMP0220", "is no table of points"]);
+        let run = place.run(&["job.imp"]).fails(2, &["IMP0220", "is not a table of points"]);
         assert!(!run.err.contains("do-not-show") && !run.err.contains('\u{1b}'), "{}", run.err);
     }
     place.file("vane_curves.csv", CURVES.replacen(",1,", ",1O,", 1));
@@ -553,7 +553,7 @@ fn a_library_is_there_and_is_named() {
     let place = Place::new();
     place.file("shop/machines/5mc850-c.toml", MACHINE);
     std::fs::remove_dir_all(place.at("_lib")).unwrap();
-    for (library, words) in [("no such", "there is no such folder"), ("job.imp", "it is no folder")] {
+    for (library, words) in [("no such", "there is no such folder"), ("job.imp", "it is not a folder")] {
         for more in [vec!["job.imp"], vec!["verify", "job.imp", "--job", "job.imp"]] {
             place.run(&[&more[..], &["--library", library]].concat()).fails(3, &["IMP0901", "--library", words]);
         }

@@ -258,12 +258,9 @@ fn faults_of_splitters_and_sections_are_named() {
     let second = "  splitter third {\n    angle 10 deg\n    pressure ruled { tip spline [(0, -17.583, -5.4944) (-2.9424, -23.4536, -9.8)] mm  root spline [(-0.9243, -13.1354, -11.4546) (-3.2121, -23.4182, -13)] mm }\n    suction ruled { tip spline [(1.2401, -17.5422, -5.4944) (-1.711, -23.5755, -9.8)] mm  root spline [(0.465, -13.0994, -11.4261) (-1.5707, -23.5852, -13)] mm }\n  }\n  hub ";
     let many = "  splitter a { }\n".repeat(9) + "  hub ";
     for (changes, found) in [
-        (vec![], "IMP0313: the part has the splitter `half`: programs for such parts are not planned"),
+        (vec![], "IMP0313: the part has the splitter `half`; such parts are not supported yet"),
         // Another splitter beside it, without a fillet, and one inside of it.
-        (
-            vec![("  hub ", second)],
-            "IMP0313: the part has the splitter `third`: programs for such parts are not planned",
-        ),
+        (vec![("  hub ", second)], "IMP0313: the part has the splitter `third`; such parts are not supported yet"),
         (
             vec![("angle 22.5 deg", "angle 4 deg")],
             "IMP0302: the half pressure face reaches into the suction face beside it",
@@ -279,7 +276,7 @@ fn faults_of_splitters_and_sections_are_named() {
         (vec![("splitter half", "splitter main")], "IMP0202: two blades are called `main`"),
         (
             vec![("sections spline", "sections 3 mm, spline")],
-            "IMP0210: `sections` of the suction face takes a list of splines",
+            "IMP0210: `sections` of the suction face needs a list of splines",
         ),
         (vec![("suction lofted", "suction loft")], "IMP0211: faces of the kind `loft` are not in the language"),
         (vec![("  hub ", many.as_str())], "IMP0209: `splitter` of part splitter must be given at most 8 times"),

@@ -125,7 +125,7 @@ fn a_half_cut_floor_is_cut_on_from_where_it_ends() {
         told,
         [
             ("channel, rest stock".to_owned(), passes[0], passes[0], false),
-            ("channel2, look for rest".to_owned(), passes[1], passes[1], false)
+            ("channel2, find rest".to_owned(), passes[1], passes[1], false)
         ]
     );
     let [first, second] = [&cl.operations[0].passes, &less.operations[1].passes];

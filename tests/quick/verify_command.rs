@@ -407,13 +407,13 @@ fn text_and_certificate_belong_together_or_not() {
             original.lines().filter(|l| !l.contains(word)).map(|l| format!("{l}\n")).collect()
         };
         for word in ["inputs sha256", "body sha256", "certificate sha256"] {
-            refused(&dropped(word), &certificate(dialect), &format!("does not name its {word}"));
+            refused(&dropped(word), &certificate(dialect), &format!("the head of the text lacks {word}"));
         }
         let at = original.find("body sha256 ").unwrap() + "body sha256 ".len();
         let other = if original[at..].starts_with('0') { "1" } else { "0" };
         let mut head = original.clone();
         head.replace_range(at..=at, other);
-        refused(&head, &certificate(dialect), "its own head names");
+        refused(&head, &certificate(dialect), "differs from the one in its head");
         let nameless = dropped("certificate sha256");
         let mut forged = json(&certificate(dialect));
         forged["nc"]["body_sha256"] = Value::from("0".repeat(64));
@@ -438,7 +438,7 @@ fn text_and_certificate_belong_together_or_not() {
         ("", "not JSON"),
         ("{}", "format"),
         ("{\"format\": \"impellerc-certificate\", \"version\": 7}", "version 7"),
-        ("{\"format\": \"impellerc-certificate\", \"version\": 2}", "broken"),
+        ("{\"format\": \"impellerc-certificate\", \"version\": 2}", "form is wrong"),
     ] {
         let file = edited(text);
         let (ok, _, err) = belongs(&nc, &file.path, &[]);
@@ -479,7 +479,7 @@ fn a_certificate_is_compared_with_job_and_measurement() {
         &edited(&more.to_string()).path,
         &["--job", JOB, machine[0], machine[1], "--error-format", "json"],
     );
-    assert!(!ok && said.contains("asks for no such contract"), "{said}");
+    assert!(!ok && said.contains("the job has no such contract"), "{said}");
     let all = diagnostics(&err);
     let changed = all.iter().find(|d| d["message"].as_str().unwrap().contains("another job")).unwrap();
     assert_eq!(changed["notes"][0], "`reduced.imp` was changed", "{changed}");
@@ -510,7 +510,7 @@ fn wrong_files_are_told_apart() {
         ),
         (vec!["verify", nc, "--job", JOB, "--post", "heidenhain"], "IMP0807", "siemens-840d, linuxcnc"),
         (vec!["verify", nc, "--job", JOB, "--machine", "5mc850-d"], "IMP0902", "5mc850-c, 5mc850-c-linuxcnc"),
-        (vec!["verify", nc, "--job", "jobs/small/small.imp"], "IMP0822", "bring tools, speeds and order"),
+        (vec!["verify", nc, "--job", "jobs/small/small.imp"], "IMP0822", "make tools, speeds and order"),
     ] {
         let run = impellerc(&arguments);
         let text = String::from_utf8_lossy(&run.stderr).into_owned();

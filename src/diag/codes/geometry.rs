@@ -3,29 +3,29 @@
 crate::codes! {
     VANE_COUNT = "IMP0301", "impossible number of vanes", include_str!("pages/IMP0301.md");
     VANES_OVERLAP = "IMP0302", "vanes overlap", include_str!("pages/IMP0302.md");
-    POINTS = "IMP0303", "points that make no curve", include_str!("pages/IMP0303.md");
-    COORDINATE = "IMP0304", "coordinate beyond all measure", include_str!("pages/IMP0304.md");
+    POINTS = "IMP0303", "points that give no curve", include_str!("pages/IMP0303.md");
+    COORDINATE = "IMP0304", "coordinate beyond 10 m", include_str!("pages/IMP0304.md");
     CURVE_CROSSES = "IMP0305", "curve crosses itself", include_str!("pages/IMP0305.md");
     ROOT_AND_TIP = "IMP0306", "root curve not below the tip curve", include_str!("pages/IMP0306.md");
     FACES_CROSS = "IMP0307", "pressure and suction side cross", include_str!("pages/IMP0307.md");
     RULINGS_FOLD = "IMP0308", "rulings of a face fold over", include_str!("pages/IMP0308.md");
     STOCK = "IMP0309", "stock does not hold the part", include_str!("pages/IMP0309.md");
-    DIRECTION = "IMP0310", "curve runs the wrong way", include_str!("pages/IMP0310.md");
+    DIRECTION = "IMP0310", "curve runs from outlet to inlet", include_str!("pages/IMP0310.md");
     AXIS = "IMP0311", "curve too near to the axis of rotation", include_str!("pages/IMP0311.md");
     OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
     PART_NOT_PLANNED = "IMP0313", "programs for this kind of part are not planned",
-        "A part may have splitters beside its vanes, and faces that are lofted through sections. Their surfaces are made and \
-sampled, but planning and verification are built for one vane a sector with two ruled faces. Operations do not yet know two \
-passages a sector, edges of splitters, which only milling can make, and faces without straight lines.\n\n\
-Example: `splitter half { pressure ruled { ... } suction lofted { ... } angle 22.5 deg }`.\n\n\
-Way out: give vanes with ruled faces and no splitters; `--emit ir` prints any part.";
-    OUTLIER = "IMP0350", "data point breaks the pattern of the others", include_str!("pages/IMP0350.md");
-    THROAT = "IMP0351", "width of the channel", include_str!("pages/IMP0351.md");
+        "A part may have splitters beside its vanes, and faces that are lofted through sections. The compiler reads \
+such parts and models their surfaces. Planning and verification support one vane in each sector with two ruled faces. \
+Operations do not yet support two passages in a sector, edges of splitters, which only milling can make, and faces \
+without straight rulings.\n\nExample: `splitter half { pressure ruled { ... } suction lofted { ... } angle 22.5 deg \
+}`.\n\nRemedy: use vanes with ruled faces and no splitters. `--emit ir` prints any part.";
+    OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
+    THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",
-        "The error that flank milling leaves on a face at best, with one, two and three strips: that of the swept cutter \
-against the face, as much on the side of gouge as on that of excess, the floor and the neighbouring vane being left alone. \
-Whether a face is ruled says little about it: the turn of the normal along the cutter decides.\n\n\
-Way out: none is needed where the error suits the contracts; else more `strips`, a smaller cutter, or, where three strips \
-are still too few, point milling.";
+        "The least error that flank milling leaves on a face, with one, two and three strips. The error is the \
+deviation of the swept cutter from the face, shared evenly between gouge and excess; the hub and the neighbouring \
+vane are not considered. A ruled face can have a large error, because the error depends on the twist of the \
+face.\n\nRemedy: none is needed if the contracts allow the error. Otherwise use more `strips` or a smaller cutter; if \
+three strips are not enough, use point milling.";
     TWIST = "IMP0352", "twist of a face", include_str!("pages/IMP0352.md");
 }

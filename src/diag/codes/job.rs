@@ -21,6 +21,6 @@ crate::codes! {
     NO_ROTARY_AXIS = "IMP0218", "machine without the axes for five-axis work", include_str!("pages/IMP0218.md");
     UNUSED = "IMP0219", "unused name", include_str!("pages/IMP0219.md");
     CURVE_FILE = "IMP0220", "fault in a curve file", include_str!("pages/IMP0220.md");
-    NOTHING_LEFT = "IMP0221", "contract with nothing left to hold on", include_str!("pages/IMP0221.md");
+    NOTHING_LEFT = "IMP0221", "contract without anything to check", include_str!("pages/IMP0221.md");
     NO_REST_BEFORE = "IMP0222", "rest machining without an operation before it", include_str!("pages/IMP0222.md");
 }

@@ -81,7 +81,9 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             }
         }
         if steepest > 0.0 {
-            oriented.notes.push(format!("axes lean away from the nearer wall by up to {steepest} deg at the wall"));
+            oriented
+                .notes
+                .push(format!("tool axes tilt away from the nearer wall by up to {steepest} deg at the wall"));
         }
     }
     if failed { Err(Aborted) } else { Ok(()) }
@@ -103,7 +105,7 @@ fn clear_axes(
 ) -> Result<(), Aborted> {
     let program = cx.program;
     let clear = ClearAxes::new(program, cx.obstacles, operation);
-    let work = cx.progress.begin(format!("{}, clear axes", operation.name), planned.passes.len());
+    let work = cx.progress.begin(format!("{}, collision-free axes", operation.name), planned.passes.len());
     let (passes, planned) = (&oriented.passes, &planned.passes);
     let chosen = if method == AxisMethod::Xu {
         sequence::greedy_axes(&clear, &program.machine.chain, planned, passes)

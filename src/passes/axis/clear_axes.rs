@@ -124,8 +124,8 @@ impl<'a> ClearAxes<'a> {
         Diag::error(
             orientation::NO_AXIS,
             format!(
-                "`{operation}`: no tool axis within 41 deg of the channel's direction keeps {tool} clear of the part: \
-                 {side} mm to the side of the cutter, {shank} mm to the shank, {holder} mm to the holder"
+                "`{operation}`: no tool axis within 41 deg of the channel's direction keeps {tool} clear of the part; required \
+                 clearance {side} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder"
             ),
         )
         .help(self.remedy(at, about))

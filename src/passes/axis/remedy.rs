@@ -62,10 +62,13 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         })
     });
     if let Some(share) = smaller {
-        ways.push(format!("a cutter of {:.1} mm diameter with a shank as thin", 2.0 * solid.radius() * share));
+        ways.push(format!("a cutter and shank of {:.1} mm diameter", 2.0 * solid.radius() * share));
     }
     match ways.as_slice() {
-        [] => "no longer reach, slimmer holder or smaller cutter alone is enough; open the channel".to_owned(),
+        [] => {
+            "neither a longer reach nor a slimmer holder nor a smaller cutter is enough by itself; use a wider channel"
+                .to_owned()
+        }
         ways => format!("any one of these changes is enough: {}", ways.join("; or ")),
     }
 }

@@ -79,7 +79,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .map(|pass| turning(&program.machine.chain, &pass.points))
             .fold([0.0_f64; 2], |m, t| [m[0].max(t[0]), m[1].max(t[1])]);
         oriented.notes.push(format!(
-            "axes by corridor: {} turns by at most {:.2} deg a mm, {} by at most {:.2}; clear between stations by proof",
+            "tool axes by corridor: {} turns by at most {:.2} deg/mm, {} by at most {:.2} deg/mm; proved collision-free between stations",
             program.machine.rotary[0].name,
             peak[0].to_degrees(),
             program.machine.rotary[1].name,
@@ -198,19 +198,19 @@ fn report(
         Fault::NoRun(_, residual) => Diag::error(
             orientation::NOT_SMOOTH,
             format!(
-                "`{}`: no smooth run of the rotary axes stays among the clear axes: at {:.2} times the width of its \
-                 cone after the last round, which changed angles by {:.4} deg",
+                "`{}`: no smooth motion of the rotary axes remains collision-free: in the last round an axis is at {:.2} times \
+                 the half angle of its cone, and angles changed by {:.4} deg",
                 operation.name,
                 residual.level,
                 residual.change.to_degrees()
             ),
         )
-        .help("a slimmer tool or a longer reach leaves wider cones; `method blend` asks for less distance"),
+        .help("use a slimmer tool or a longer reach, which gives wider cones, or `method blend`, which requires less distance"),
         Fault::NotProved(_) => Diag::error(
             orientation::NOT_SMOOTH,
             format!("`{}`: the clearance of {} is not proved between stations", operation.name, tool.name),
         )
-        .help("a slimmer tool or a longer reach leaves more room between stations"),
+        .help("use a slimmer tool or a longer reach, which gives more clearance between stations"),
     };
     cx.sink
         .push(diag.place(label, place).label(operation.span, "in this operation").label(tool.span, "with this tool"));

@@ -113,7 +113,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
-                format!("a ball of radius {rolling} mm touches hub and vane nowhere along a ruling"),
+                format!("at a ruling no ball of radius {rolling} mm touches hub and vane together"),
             )
             .label(operation.span, "this operation ends at the fillets")
             .help(what_would_do(part, rolling)),
@@ -151,16 +151,16 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         Diag::error(
             planning::TOO_HOLLOW,
             format!(
-                "the ball of {} (radius {radius} mm) is bigger than the hollow of the hub (radius {hollow_radius:.3} mm)",
+                "the ball of {} (radius {radius} mm) is larger than the concave radius of the hub ({hollow_radius:.3} mm)",
                 tool.name
             ),
         )
         .label(operation.span, "this operation finishes the hub")
-        .label(tool.span, "this ball would touch it beside the line that it is to cut")
+        .label(tool.span, "this ball would gouge the hub beside its line")
         .place(format!("hub at u = {worst:.3}"), at)
         .help(part.main().fillet.map_or_else(
             || what_would_do(part, radius),
-            |f| format!("take a ball of less than {:.2} mm diameter", (200.0 * hollow_radius.min(f.get())).floor() / 100.0),
+            |f| format!("use a ball of less than {:.2} mm diameter", (200.0 * hollow_radius.min(f.get())).floor() / 100.0),
         )),
     );
     Err(Aborted)
@@ -170,7 +170,11 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
 fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &ChannelFloor<'_>) -> Result<(), Aborted> {
     let part = floor.part;
     let tool = &cx.program.tools[operation.tool];
-    check_fillet(cx, operation, ["this operation goes up to the fillets", "this ball would cut into the vanes there"])?;
+    check_fillet(
+        cx,
+        operation,
+        ["the lines of this operation end at the fillets", "this ball would cut into the vanes there"],
+    )?;
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let place = |u: f64| {
         let (a, angle) = floor.walls(u);
@@ -186,9 +190,9 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &ChannelFlo
     cx.sink.push(
         Diag::error(
             planning::TOOL_TOO_LARGE,
-            format!("balls of radius {most} mm that roll along both walls leave no floor between them"),
+            format!("balls of radius {most} mm that roll along both walls leave no hub surface between them"),
         )
-        .label(operation.span, "this operation finishes the floor")
+        .label(operation.span, "this operation finishes the hub")
         .label(tool.span, format!("{} mm in diameter", 2.0 * floor.radius))
         .note(format!("they overlap by {:.3} mm along the hub", -width(narrow)))
         .place(name, at)
@@ -222,11 +226,11 @@ fn what_would_do(part: &Part, below: f64) -> String {
     }
     let radius = f64::from(low) * RADIUS_STEP;
     match (low, part.main().fillet) {
-        (0, _) => "no ball rolls along both walls of this channel: correct the faces, or take fewer vanes".to_owned(),
-        (_, None) => format!("take a ball of at most {:.2} mm diameter", 2.0 * radius),
+        (0, _) => "no ball fits along both walls of this channel: correct the faces, or use fewer vanes".to_owned(),
+        (_, None) => format!("use a ball of at most {:.2} mm diameter", 2.0 * radius),
         (_, Some(_)) => {
             format!(
-                "declare a fillet of at most {radius:.3} mm, and take a ball of at most {:.2} mm diameter",
+                "declare a fillet of at most {radius:.3} mm, and use a ball of at most {:.2} mm diameter",
                 2.0 * radius
             )
         }
@@ -280,7 +284,7 @@ fn equal_division(
         })
         .collect();
     let notes = vec![format!(
-        "{} lines a channel (13) for a scallop of {:.4} mm: widest at u = {:.3}, arc {:.3} mm, exact step {:.4} mm; formula (9) would step {:.4} mm",
+        "{} lines per channel (13) for a scallop of {:.4} mm: widest at u = {:.3}, arc {:.3} mm, exact step {:.4} mm; formula (9) gives {:.4} mm",
         lines.len(),
         height,
         place.0,

@@ -21,7 +21,7 @@ pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Abort
         Diag::error(
             planning::TOO_LARGE,
             format!(
-                "a part of {outlet:.0} mm radius needs {samples:.1e} samples; at most {:.1e} are made",
+                "a part of {outlet:.0} mm radius needs {samples:.1e} samples; the limit is {:.1e}",
                 sample::MOST_SAMPLES
             ),
         )
@@ -50,12 +50,12 @@ pub(crate) fn check_memory(
         return Ok(());
     }
     let (needed, most) = (units::bytes(needed), units::bytes(cx.program.memory));
-    let mut diag = Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed}; it may take {most}"));
+    let mut diag =
+        Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed} of memory; the limit is {most}"));
     if let Some(operation) = operation {
         diag = diag.label(operation.span, "planned up to this operation");
     }
-    let help =
-        "a bigger `depth`, `residual` or `scallop`, fewer `sectors` or operations a job; or allow more: `--memory`";
+    let help = "use a larger `depth`, `residual` or `scallop`, fewer `sectors` or operations in one job, or more memory: `--memory`";
     cx.sink.push(diag.help(help));
     Err(Aborted)
 }
@@ -73,11 +73,11 @@ pub(crate) fn check_fillet(
     cx.sink.push(
         Diag::error(
             planning::BALL_TOO_BIG,
-            format!("the ball of {} (radius {radius} mm) is bigger than the fillet ({fillet})", tool.name),
+            format!("the ball of {} (radius {radius} mm) is larger than the fillet ({fillet})", tool.name),
         )
         .label(operation.span, at_operation)
         .label(tool.span, at_tool)
-        .help(format!("take a ball of at most {} mm diameter, or declare the bigger fillet", 2.0 * fillet.get())),
+        .help(format!("use a ball of at most {} mm diameter, or declare a larger fillet", 2.0 * fillet.get())),
     );
     Err(Aborted)
 }

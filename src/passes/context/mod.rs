@@ -56,7 +56,7 @@ impl PassContext<'_> {
         }
         validate(self.program).map_err(|malformed| {
             self.sink.push(
-                Diag::error(files::INTERNAL, format!("`{pass}` made a malformed value: {malformed}"))
+                Diag::error(files::INTERNAL, format!("the stage `{pass}` gave a malformed value: {malformed}"))
                     .note("this is a fault of the compiler, not of the job")
                     .help("report the job file"),
             );

@@ -195,7 +195,7 @@ fn optimised(
             .iter()
             .fold([0.0_f64; 3], |w, s| [w[0].max(s.error[0]), w[1].max(s.error[1]), w[2].max(s.violation)]);
         notes.push(format!(
-            "{} face: {strips} strip{} by minimax, planned within {} of gouge and {} of excess",
+            "{} face: {strips} strip{} by minimax, planned with gouge <= {} and excess <= {}",
             side.name(),
             if strips == 1 { "" } else { "s" },
             length(worst[0]),
@@ -208,7 +208,7 @@ fn optimised(
             let blocked = sweeps.iter().filter(|s| s.blocked[end]).count();
             if blocked > 0 {
                 notes.push(format!(
-                    "{} face: {blocked} of the leads at the {name} clear the part in no direction and go straight on",
+                    "{} face: {blocked} of the leads at the {name} are straight: no direction is collision-free",
                     side.name()
                 ));
             }
@@ -292,6 +292,6 @@ fn by_ruling(
         FlankMethod::OnePoint => "one-point offsets along the rulings",
         _ => "two-point offsets (formulas 10 to 12)",
     };
-    let notes = vec![format!("{strips} strips a face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
+    let notes = vec![format!("{strips} strips per face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
     Ok((planned, notes))
 }

@@ -25,10 +25,10 @@ pub(crate) fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: Fac
     cx.sink.push(
         Diag::error(
             planning::NO_FILLET,
-            format!("a ball of radius {rolling} mm touches hub and {} face nowhere along a ruling", side.name()),
+            format!("at a ruling no ball of radius {rolling} mm touches hub and {} face together", side.name()),
         )
         .label(operation.span, "this operation rolls the ball in the fillet")
-        .help("take a smaller ball, or a smaller fillet"),
+        .help("use a smaller ball, or a smaller fillet"),
     );
     Aborted
 }
@@ -38,11 +38,11 @@ fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
     let size = |(strips, share): &(u32, Option<f64>)| {
         // Rounded down to tenths of a millimetre.
         let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
-        Some(format!("{diameter} mm of diameter in {strips} strip{}", if *strips == 1 { "" } else { "s" }))
+        Some(format!("{diameter} mm diameter with {strips} strip{}", if *strips == 1 { "" } else { "s" }))
     };
     let all: Vec<String> = fitting.iter().filter_map(size).collect();
     (!all.is_empty())
-        .then(|| format!("a {} cutter of this shape keeps them with at most {}", cutter.keyword(), all.join(", or ")))
+        .then(|| format!("use a {} cutter of this shape of at most {}", cutter.keyword(), all.join(", or ")))
 }
 
 /// Reports that no number of strips keeps the contracts.
@@ -64,7 +64,7 @@ pub(crate) fn never(
     let diag = Diag::error(
         planning::NOT_FLANK_MILLABLE,
         format!(
-            "{MOST_STRIPS} strips with {} leave {} on the {} face; the bounds leave {} to the plan on each side",
+            "{MOST_STRIPS} strips with {} leave a deviation of {} on the {} face; the tolerance budget is {} on each side",
             tool.name,
             length(worst.error),
             side.name(),
@@ -75,11 +75,12 @@ pub(crate) fn never(
     .label(tool.span, "with this cutter")
     .place(place, worst.placed.target.point)
     .note(LAW)
-    .note(format!("of each bound {} are kept: the chord tolerance, and room for the proof", length(kept(program))));
+    .note(format!("each bound is reduced by {}: the chord tolerance, and a reserve for the proof", length(kept(program))));
     let help = match sizes(&tool.solid.cutter, fitting) {
-        Some(sizes) => format!("{sizes}; or wider contracts on this face, or point milling"),
-        None if needed < SLACK => "a finer `tolerance chord`, or wider contracts on this face".to_owned(),
-        None => "wider contracts on this face, or point milling; no smaller cutter of this shape keeps them".to_owned(),
+        Some(sizes) => format!("{sizes}; or use wider contracts on this face, or point milling"),
+        None if needed < SLACK => "use a finer `tolerance chord`, or wider contracts on this face".to_owned(),
+        None => "use wider contracts on this face, or point milling; no smaller cutter of this shape is sufficient"
+            .to_owned(),
     };
     cx.sink.push(diag.help(help));
 }
@@ -99,19 +100,19 @@ pub(crate) fn out_of_tolerance(
     let found = task
         .budget(SurfaceKind::Face(side), side)
         .map(|[below, above]| fitting(around, side, cutter, &[strips], 0.5 * (below + above)));
-    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("a smaller cutter".to_owned(), |s| s);
+    let sizes = found.and_then(|f| sizes(&cutter, &f)).map_or("use a smaller cutter".to_owned(), |s| s);
     cx.sink.push(
         Diag::warning(
             planning::NOT_FLANK_MILLABLE,
             format!(
-                "{strips} strip{} with {} miss the bounds on the {} face by {}",
+                "{strips} strip{} with {}: the deviation on the {} face exceeds the tolerance budget by {}",
                 if strips == 1 { "" } else { "s" },
                 tool.name,
                 side.name(),
                 length(violation)
             ),
         )
-        .help(format!("more strips (`strips auto` finds how many); {sizes}; or wider contracts on this face"))
+        .help(format!("use more strips (`strips auto` finds the number); {sizes}; or use wider contracts on this face"))
         .label(operation.span, "in this operation")
         .label(tool.span, "with this cutter")
         .note(LAW),

@@ -168,7 +168,7 @@ pub(crate) fn constant_scallop(
     } else {
         vec![
             format!(
-                "{count} lines {name}, {partial} of them only where it is wide, for a scallop of {height:.4} mm, of which {left:.4} mm is left to the chord"
+                "{count} lines {name}, {partial} of them only where the surface is wide, for a scallop of {height:.4} mm including {left:.4} mm for the chord"
             ),
             format!(
                 "{length:.1} mm of contact {name}, {:.1} % over the lower bound {least:.1} mm (area over the larger step)",
@@ -251,11 +251,11 @@ fn lay(
         tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8)
     };
     let Some(tracks) = tracks else {
-        let message = format!("the lines of `{}` do not fill the {}", operation.name, surface.name());
+        let message = format!("the lines of `{}` do not cover the {}", operation.name, surface.name());
         cx.sink.push(
             Diag::error(planning::TOO_FINE, message)
-                .label(operation.span, "this operation steps too finely")
-                .help("a bigger `scallop`"),
+                .label(operation.span, "the step of this operation is too small")
+                .help("use a larger `scallop`"),
         );
         return Err(Aborted);
     };

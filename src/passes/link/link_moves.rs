@@ -213,7 +213,7 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[LinkMove], m
         Diag::error(
             kinematics::OUT_OF_TRAVEL,
             format!(
-                "`{}` needs {} = {:.3} {unit}; the axis of {} goes from {:.3} to {:.3} {unit}",
+                "`{}` needs {} = {:.3} {unit}; the travel of this axis of {} is {:.3} to {:.3} {unit}",
                 declared.name,
                 miss.axis,
                 miss.value,
@@ -226,6 +226,6 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[LinkMove], m
         .label(declared.span, "in this operation")
         .place(label, tip)
         .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
-        .help("take a machine with more travel, or mount the part elsewhere on the table"),
+        .help("use a machine with more travel, or mount the part at another position of the table"),
     );
 }

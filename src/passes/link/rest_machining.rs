@@ -46,7 +46,7 @@ pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut S
     for (i, planned) in cl.operations.iter_mut().enumerate().take(last + 1) {
         let operation = &program.operations[planned.operation];
         if let Some(thickness) = operation.rest {
-            let work = progress.begin(format!("{}, look for rest", operation.name), planned.passes.len());
+            let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
             failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
         }
         if i < last {
@@ -67,18 +67,18 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     Field::turned(&program.stock.profile, cell.min(MOST_CELL)).map_err(|error| {
         let reason = match error {
             FieldError::TooFine { rays, least_cell } => {
-                format!("cells of {cell:.3} mm are {rays:.1e} rays; {least_cell:.3} mm are possible on this stock")
+                format!("cells of {cell:.3} mm need {rays:.1e} rays; on this stock {least_cell:.3} mm are possible")
             }
             FieldError::BadCell | FieldError::BadProfile => "the stock has no inside".to_owned(),
         };
         sink.push(
             Diag::error(
                 planning::REST_TOO_FINE,
-                format!("the rest stock before `{}` cannot be simulated as finely as it asks", operation.name),
+                format!("the rest stock before `{}` cannot be simulated with the required cells", operation.name),
             )
             .label(operation.span, "rest machining required here")
             .note(reason)
-            .help("a bigger thickness after `rest over`, or none"),
+            .help("use a larger thickness after `rest over`, or remove `rest`"),
         );
         Aborted
     })
@@ -230,9 +230,9 @@ fn reduce(
                 planning::NO_REST,
                 format!("`{}` finds no stock thicker than {} mm to cut", operation.name, trim(thickness, 3)),
             )
-            .label(operation.span, "nothing is left for this operation")
-            .note("the operations before it have already cut all its passes")
-            .help("take the operation out, or give a smaller thickness after `rest over`"),
+            .label(operation.span, "this operation has nothing to cut")
+            .note("earlier operations have already cut all its passes")
+            .help("remove the operation, or give a smaller thickness after `rest over`"),
         );
         return Err(Aborted);
     }

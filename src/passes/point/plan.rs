@@ -38,7 +38,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     // An edge ends at the fillets, but the space in front of it is free: a ball of any size fits there.
     let beside = surfaces.iter().find_map(|kind| match kind {
         SurfaceKind::Face(_) => {
-            Some(["this operation goes down to the fillets", "this ball would cut into the hub there"])
+            Some(["the lines of this operation end at the fillets", "this ball would cut into the hub there"])
         }
         SurfaceKind::Fillet(_) => {
             Some(["this operation cuts the fillets", "this ball would cut into hub and vane beside them"])
@@ -120,7 +120,7 @@ fn spiral(
     let length: f64 = laid.turns.iter().flatten().map(lines::SurfaceLine::length).sum();
     let least: f64 = pair.iter().map(|g| g.least_length(height)).sum();
     let note = format!(
-        "a spiral of {} turns a vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \
+        "a spiral of {} turns per vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \
          lower bound {least:.1} mm (area over the larger step)",
         laid.turns[0].len(),
         100.0 * (length / least - 1.0)
@@ -132,7 +132,7 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
     cx.sink.push(
         Diag::error(planning::NO_FILLET_TO_FINISH, format!("`{}` finds no fillet on the part", operation.name))
             .label(operation.span, "this operation finishes fillets")
-            .help("declare the radius in the part, `fillet 3 mm`, or take the operation out"),
+            .help("declare the radius in the part, `fillet 3 mm`, or remove the operation"),
     );
     Aborted
 }
@@ -151,19 +151,19 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
         Diag::error(
             planning::TOO_HOLLOW,
             format!(
-                "{} is bigger than the hollow of the {}, whose radius is {}",
+                "the radius of {} is larger than the concave radius of the {}, {}",
                 tool.name,
                 surface.name(),
                 length(hollow_radius)
             ),
         )
         .label(operation.span, "in this operation")
-        .label(tool.span, "this cutter would touch it beside the line that it is to cut")
+        .label(tool.span, "this cutter would gouge the surface beside its line")
         .place(
             format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
             place.position,
         )
-        .help(format!("take a ball of less than {:.2} mm diameter", (200.0 * hollow_radius).floor() / 100.0)),
+        .help(format!("use a ball of less than {:.2} mm diameter", (200.0 * hollow_radius).floor() / 100.0)),
     );
     Err(Aborted)
 }

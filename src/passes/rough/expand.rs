@@ -38,7 +38,7 @@ pub(crate) fn plan(
         let count = work.step(v_lines(&roughing, layer, step, &mut lines));
         if layer.number == layers.len() {
             notes.push(format!(
-                "formula (9): {count} V lines a layer, {step:.3} mm apart; the exact law for {:.3} mm left by a ball gives {:.3} mm",
+                "formula (9): {count} V lines per layer, {step:.3} mm apart; exact step of a ball for a residual of {:.3} mm: {:.3} mm",
                 residual.get(),
                 scallop::flat_step(solid.radius(), residual.get())
             ));

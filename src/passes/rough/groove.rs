@@ -40,7 +40,7 @@ pub(crate) fn plan(
         line_lengths += points.len();
         lines.push((format!("layer {}", layer.number), work.step(points)));
     }
-    notes.push(format!("{line_lengths} stations a channel by the step law (6), {} lines", lines.len()));
+    notes.push(format!("{line_lengths} stations per channel by the step law (6), {} lines", lines.len()));
     Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
 }
 
@@ -60,16 +60,16 @@ pub(crate) fn check_room(
                 Diag::error(
                     planning::NO_ROOM,
                     format!(
-                        "tool {} has no room in the first layer of `{}`, {:.1} % over the hub",
+                        "tool {} does not fit into the first layer of `{}`, {:.1} % of the height above the hub",
                         tool.name,
                         operation.name,
                         level * 100.0
                     ),
                 )
                 .label(operation.span, "this operation starts there")
-                .label(tool.span, "this tool is too big for it")
+                .label(tool.span, "this tool is too large there")
                 .place(format!("channel at u = {u:.3}, from level {top:.3}"), place)
-                .help("take a thinner tool, a longer reach, or smaller allowances"),
+                .help("use a thinner tool, a longer reach, or smaller allowances"),
             );
         }
         return Err(Aborted);

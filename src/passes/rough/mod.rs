@@ -23,7 +23,7 @@ pub(crate) fn roughing<'a>(cx: &mut PassContext<'a>, operation: &Operation) -> R
     roughing.ok_or_else(|| {
         cx.sink.push(Diag::error(
             planning::NO_ROOM,
-            format!("`{}` has no layers: it is no roughing operation", operation.name),
+            format!("`{}` has no layers: it is not a roughing operation", operation.name),
         ));
         Aborted
     })
@@ -44,12 +44,12 @@ fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> R
         Diag::error(
             planning::TOO_FINE,
             format!(
-                "the layers of `{}` take {looks:.1e} looks at the part; at most {MOST_LOOKS:.1e} are made",
+                "the layers of `{}` need {looks:.1e} distance queries; the limit is {MOST_LOOKS:.1e}",
                 operation.name
             ),
         )
-        .label(operation.span, "this operation steps too finely")
-        .help("a bigger `depth`"),
+        .label(operation.span, "the step down of this operation is too small")
+        .help("use a larger `depth`"),
     );
     Err(Aborted)
 }

@@ -188,7 +188,7 @@ pub(super) struct NcBlock {
 
 /// Stores a value of which a block may hold only one.
 pub(super) fn once<T>(slot: &mut Option<T>, address: &str, value: T) -> Result<(), String> {
-    if slot.replace(value).is_some() { Err(format!("`{address}` stands twice in one block")) } else { Ok(()) }
+    if slot.replace(value).is_some() { Err(format!("`{address}` occurs twice in one block")) } else { Ok(()) }
 }
 
 fn store(slot: &mut Option<f64>, address: &str, value: f64, limit: f64) -> Result<(), String> {

@@ -54,7 +54,7 @@ const LINUXCNC: Control = Control {
         },
         Modal {
             group: ModalGroup::FeedMode,
-            what: "feed a minute",
+            what: "feed per minute",
             right: &["G94", "G93"],
             wrong: &["G95"],
             needed: Needed::AtFeed,
@@ -82,7 +82,7 @@ const LINUXCNC: Control = Control {
         },
         Modal {
             group: ModalGroup::Shift,
-            what: "no offset of G92 or G52 left over",
+            what: "no remaining offset of G92 or G52",
             right: &["G92.1", "G92.2"],
             wrong: &["G92.3"],
             needed: Needed::InWorkFrame,
@@ -196,7 +196,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
                 Tape::Start => None,
                 Tape::Open => Some(end),
                 Tape::None => {
-                    faults.push("`%` after blocks: it stands in the first line and in the last, or nowhere".to_owned());
+                    faults.push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
                     Some(end)
                 }
             };
@@ -225,7 +225,7 @@ fn without_comments(line: &str) -> Result<String, String> {
                 inside = None;
             }
             (Some(_), '(') => return Err("a comment inside a comment".to_owned()),
-            (None, ')') => return Err("a comment ends that did not begin".to_owned()),
+            (None, ')') => return Err("a comment has an end, but no beginning".to_owned()),
             (None, ' ' | '\t') => {}
             (None, c) => code.push(c.to_ascii_uppercase()),
             (Some(_), _) => {}
@@ -245,7 +245,7 @@ fn harmless(comment: &str) -> Result<(), String> {
     });
     match order {
         Some(order) => Err(format!(
-            "`({})` is no comment: the control executes what follows `{}`",
+            "`({})` is not a comment: the control executes the text behind `{}`",
             shown(comment.trim(), 30),
             order.trim_end_matches(',')
         )),
@@ -262,7 +262,7 @@ fn first_word(code: &str) -> Result<(char, &str, &str), String> {
             '#' | '[' | '<' => ": parameters and expressions are not read",
             _ => "",
         };
-        return Err(format!("`{}` where a word begins is not understood{why}", shown(code, 1)));
+        return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(code, 1)));
     }
     let tail = &code[1..];
     let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
@@ -322,15 +322,15 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
         Some("G64") => {
             let Some(p) = p else {
                 block.smoothing = Some(Smoothing::Left("G64 without P"));
-                return q.map_or(Ok(()), |_| Err("G64 Q without P: how far corners are cut is not known".to_owned()));
+                return q.map_or(Ok(()), |_| Err("G64 Q without P: the tolerance of corners is unknown".to_owned()));
             };
             used = [true, true];
             if p == 0.0 {
                 block.smoothing = Some(Smoothing::Left("G64 P0"));
             } else if !good(p) {
-                return Err(format!("the tolerance P of G64 is out of range: more than 0 and at most {WIDEST}"));
+                return Err(format!("the tolerance P of G64 must be above 0 and at most {WIDEST}"));
             } else if q.is_some_and(|q| q != 0.0 && !good(q)) {
-                return Err(format!("the tolerance Q of G64 is out of range: at most {WIDEST}"));
+                return Err(format!("the tolerance Q of G64 must be at most {WIDEST}"));
             } else {
                 // P is the tolerance of blending at corners. Before blending, moves nearly in line are joined within Q;
                 // without Q the interpreter uses P.
@@ -343,21 +343,21 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
     if parameters.data {
         used[0] = true;
         if parameters.l != Some(2) || p != Some(1.0) || parameters.r.is_none() {
-            return Err(format!("of G10 only {NO_ROTATION} is understood: offsets are set at the machine"));
+            return Err(format!("of G10 only {NO_ROTATION} is understood; set offsets at the machine"));
         }
         if parameters.r != Some(0.0) {
-            return Err("G10 turns the work offset: with R0 it does not".to_owned());
+            return Err("G10 rotates the work offset: write R0".to_owned());
         }
         if block.tip != [None; 3] || block.rotary != [None; 2] {
-            return Err("G10 with axis words changes the work offset: offsets are set at the machine".to_owned());
+            return Err("G10 with axis words changes the work offset: set offsets at the machine".to_owned());
         }
         block.modal[ModalGroup::Rotation as usize] = Some(NO_ROTATION);
     }
     if block.wait == Some("G4") {
         used[0] = true;
         match p {
-            None => return Err("G4 without P: how long the program waits is not known".to_owned()),
-            Some(p) if p < 0.0 => return Err("G4 waits for less than no time".to_owned()),
+            None => return Err("G4 without P: the waiting time is unknown".to_owned()),
+            Some(p) if p < 0.0 => return Err("the waiting time of G4 is negative".to_owned()),
             Some(_) => {}
         }
     }
@@ -370,7 +370,7 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
     block.length = match (parameters.length, parameters.h) {
         (None, None) => None,
         (Some(true), None) => Some(LengthWord::OfSpindle),
-        (Some(true), Some(0)) => return Err("G43 H0 takes no length: write the number of the tool".to_owned()),
+        (Some(true), Some(0)) => return Err("G43 H0 sets no length: write the number of the tool".to_owned()),
         (Some(true), Some(h)) => Some(LengthWord::Of(h)),
         (Some(false), None) => Some(LengthWord::Off),
         (_, Some(_)) => return Err("H without G43".to_owned()),
@@ -387,7 +387,7 @@ fn count(text: &str) -> Result<u32, String> {
     if value.fract() == 0.0 && (0.0..=1e9).contains(&value) {
         Ok(value as u32)
     } else {
-        Err(format!("`{}` is not a count", shown(text, 20)))
+        Err(format!("`{}` is not a whole number", shown(text, 20)))
     }
 }
 
@@ -418,7 +418,7 @@ fn word(
         'R' => once(&mut parameters.r, "R", value()?),
         'G' => preparatory(&code_name('G', value()?), block, parameters),
         'M' => miscellaneous(&code_name('M', value()?), block),
-        'N' => Err(format!("`N{}`: a block number stands at the start of its block", shown(text, 20))),
+        'N' => Err(format!("`N{}`: a block number must be at the start of its block", shown(text, 20))),
         'O' => Err("O words (subroutines, loops) are not read".to_owned()),
         _ => Err(format!("`{letter}{}` is not understood", shown(text, 20))),
     }
@@ -443,14 +443,14 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
         return done;
     }
     let mut path = |word| match parameters.path.replace(word) {
-        Some(before) => Err(format!("`{before}` and `{word}` in one block both set how the path is followed")),
+        Some(before) => Err(format!("`{before}` and `{word}` in one block both set the path mode")),
         None => Ok(()),
     };
     match code {
         "G0" => motion(block, MotionWord::Rapid),
         "G1" => motion(block, MotionWord::Feed),
         "G80" => motion(block, MotionWord::Cancelled),
-        "G53" if block.machine_frame => Err("`G53` stands twice in one block".to_owned()),
+        "G53" if block.machine_frame => Err("`G53` occurs twice in one block".to_owned()),
         "G53" => {
             block.machine_frame = true;
             Ok(())
@@ -471,7 +471,7 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
             Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
         }
         "G28" | "G30" => Err(format!(
-            "`{code}` is not understood: it goes to a place that is set at the control; write \
+            "`{code}` is not understood: its target is set at the control; write \
                                       `G53 G0 Z...`"
         )),
         "G52" | "G92" => Err(format!("`{code}` is not understood: it shifts the work frame")),
@@ -503,7 +503,7 @@ fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
         "M30" => once(&mut block.end, "M2 or M30", "M30"),
         "M0" => once(&mut block.wait, "M0 or M1", "M0"),
         "M1" => once(&mut block.wait, "M0 or M1", "M1"),
-        "M6" if block.change => Err("`M6` stands twice in one block".to_owned()),
+        "M6" if block.change => Err("`M6` occurs twice in one block".to_owned()),
         "M6" => {
             block.change = true;
             Ok(())

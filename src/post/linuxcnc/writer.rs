@@ -22,11 +22,11 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
         sink.push(
             Diag::error(
                 post::CONTROL,
-                format!("the machine {} does not say that LinuxCNC plans its speeds", machine.name),
+                format!("the file of machine {} has no `planning = \"linuxcnc-2.9\"`", machine.name),
             )
-            .note("speeds of joints, times and departures from the path would be those of another control")
+            .note("joint speeds, times and path deviations would be those of another control")
             .help(
-                "a machine file that says `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post",
+                "use a machine file with `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post",
             ),
         );
     }
@@ -40,7 +40,7 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
                     machine.name
                 ),
             )
-            .help("a machine file whose table tilts about A and turns about C, or another post"),
+            .help("use a machine file whose table tilts about A and turns about C, or another post"),
         );
     }
     for axis in &machine.rotary {
@@ -49,10 +49,10 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
             sink.push(
                 Diag::error(
                     post::SENSE,
-                    format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC has the opposite", machine.name),
+                    format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC needs \"opposite\"", machine.name),
                 )
                 .note("under xyzac-trt kinematics a positive word turns the work right-handed")
-                .help("a machine file that says `sense = \"opposite\"` for both rotary axes, as it is at the machine, or another post"),
+                .help("use a machine file with `sense = \"opposite\"` for both rotary axes if the machine turns so, or another post"),
             );
         }
     }

@@ -24,14 +24,14 @@ const SINUMERIK: Control = Control {
     modal: &[
         Modal {
             group: ModalGroup::Plane,
-            what: "the plane, on which the tool length stands",
+            what: "the plane, which determines the direction of the tool length",
             right: &["G17"],
             wrong: &["G18", "G19"],
             needed: Needed::Transformed,
         },
         Modal {
             group: ModalGroup::Units,
-            what: "lengths in mm, of feeds too",
+            what: "lengths and feeds in mm",
             right: &["G710"],
             wrong: &["G71", "G70", "G700"],
             needed: Needed::Always,
@@ -45,7 +45,7 @@ const SINUMERIK: Control = Control {
         },
         Modal {
             group: ModalGroup::FeedMode,
-            what: "feed a minute",
+            what: "feed per minute",
             right: &["G94", "G93"],
             wrong: &["G95", "G96", "G97", "G961", "G962", "G971"],
             needed: Needed::AtFeed,
@@ -59,7 +59,7 @@ const SINUMERIK: Control = Control {
         },
         Modal {
             group: ModalGroup::WorkOffset,
-            what: "the work offset, which TRAORI and TRAFOOF drop",
+            what: "the work offset, which TRAORI and TRAFOOF reset",
             right: &["G54"],
             wrong: &["G500", "G55", "G56", "G57"],
             needed: Needed::InWorkFrame,
@@ -73,14 +73,14 @@ const SINUMERIK: Control = Control {
         },
         Modal {
             group: ModalGroup::VectorFrame,
-            what: "in which frame directions are",
+            what: "the frame of tool directions",
             right: &["ORIWKS"],
             wrong: &["ORIMKS"],
             needed: Needed::Transformed,
         },
         Modal {
             group: ModalGroup::Turning,
-            what: "how the tool turns between two directions",
+            what: "the interpolation of the tool direction",
             right: &["ORIAXES"],
             wrong: &[
                 "ORIVECT",
@@ -265,7 +265,7 @@ impl BlockReader<'_> {
                 self.alone = Some("TRAFOOF");
                 once(&mut self.block.transformation, "TRAORI or TRAFOOF", false)
             }
-            "SUPA" if self.block.machine_frame => Err("`SUPA` stands twice in one block".to_owned()),
+            "SUPA" if self.block.machine_frame => Err("`SUPA` occurs twice in one block".to_owned()),
             "SUPA" => {
                 self.block.machine_frame = true;
                 Ok(())
@@ -277,9 +277,7 @@ impl BlockReader<'_> {
             "ATRANS" | "AROT" | "ASCALE" | "AMIRROR" => {
                 Err(format!("`{name}` is not understood: it shifts or turns the work frame"))
             }
-            "BRISK" | "DRIVE" => {
-                Err(format!("`{name}` is not understood: the axes would run without their limit of jerk"))
-            }
+            "BRISK" | "DRIVE" => Err(format!("`{name}` is not understood: the axes would move without jerk limit")),
             _ if HARMLESS.contains(&name) => Ok(()),
             _ => Err(format!("`{}` is not understood", shown(name, 40))),
         }
@@ -305,7 +303,7 @@ impl BlockReader<'_> {
                 let code = format!("{name}{}", count(text).map_err(named)?);
                 self.code(&code)
             }
-            "N" => Err("a block number stands at the start of its block".to_owned()),
+            "N" => Err("a block number must be at the start of its block".to_owned()),
             _ => Err(format!("`{}{}` is not understood", shown(name, 20), shown(text, 20))),
         }
     }
@@ -323,7 +321,7 @@ impl BlockReader<'_> {
         match code {
             "G0" => motion(block, MotionWord::Rapid),
             "G1" => motion(block, MotionWord::Feed),
-            "M6" if block.change => Err("`M6` stands twice in one block".to_owned()),
+            "M6" if block.change => Err("`M6` occurs twice in one block".to_owned()),
             "M6" => {
                 block.change = true;
                 Ok(())
@@ -335,15 +333,15 @@ impl BlockReader<'_> {
             "G4" => once(&mut block.wait, "G4", "G4"),
             "G64" => once(&mut block.smoothing, "G64", Smoothing::Left("G64")),
             "G641" => once(&mut block.smoothing, "G641", Smoothing::Left("G641")),
-            "G53" | "G153" => {
-                Err(format!("`{code}` is not understood: it leaves offsets of the handwheel and others in; write SUPA"))
-            }
+            "G53" | "G153" => Err(format!(
+                "`{code}` is not understood: offsets such as those of the handwheel remain active; write SUPA"
+            )),
             "G2" | "G3" | "G33" | "G5" => {
                 Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
             }
-            "G74" | "G75" => Err(format!(
-                "`{code}` is not understood: it goes to a place that is set at the control; write SUPA G0 Z"
-            )),
+            "G74" | "G75" => {
+                Err(format!("`{code}` is not understood: its target is set at the control; write SUPA G0 Z"))
+            }
             _ if HARMLESS.contains(&code) => Ok(()),
             _ => Err(format!("`{code}` is not understood")),
         }
@@ -356,10 +354,10 @@ impl BlockReader<'_> {
             // F and S in a block of G4 are the time of the dwell.
             let time = (block.feed.take(), block.speed.take());
             if time == (None, None) {
-                return Err("G4 without F or S: how long the program waits is not known".to_owned());
+                return Err("G4 without F or S: the waiting time is unknown".to_owned());
             }
             if block.has_axis_words() {
-                return Err("G4 stands alone in its block".to_owned());
+                return Err("G4 must be alone in its block".to_owned());
             }
         }
         match self.edge {
@@ -367,17 +365,19 @@ impl BlockReader<'_> {
             Some(0) => block.length = Some(LengthWord::Off),
             Some(1) => block.length = Some(LengthWord::OfSpindle),
             Some(edge) => {
-                return Err(format!("D{edge} takes the length of another cutting edge: the job's tool is D1"));
+                return Err(format!("D{edge} selects another cutting edge: the tool of the job is D1"));
             }
         }
         if let Some(frame) = self.frame {
             if self.words > 1 {
-                return Err(format!("{frame} with other words shifts or turns the work frame: alone it takes it back"));
+                return Err(format!(
+                    "{frame} with other words shifts or turns the work frame; write {frame} alone to reset it"
+                ));
             }
             block.modal[ModalGroup::Shift as usize] = Some("TRANS");
         }
         match self.alone {
-            Some(word) if self.words > 1 => Err(format!("{word} stands alone in its block")),
+            Some(word) if self.words > 1 => Err(format!("{word} must be alone in its block")),
             _ => Ok(()),
         }
     }
@@ -388,12 +388,12 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     let letter = text.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
         let why = match letter {
-            '/' => ": whether a block behind it runs depends on a switch at the control",
-            '(' => ": brackets hold no comment here",
-            '%' => ": it stands in the first line of a transferred file only",
+            '/' => ": a switch at the control decides whether this block runs",
+            '(' => ": brackets are not comments in this dialect",
+            '%' => ": only the first line of a transferred file may have it",
             _ => "",
         };
-        return Err(format!("`{}` where a word begins is not understood{why}", shown(text, 1)));
+        return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(text, 1)));
     }
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let second = text[1..].chars().next().unwrap_or(' ');
@@ -433,7 +433,7 @@ fn after_equals(text: &str) -> Option<&str> {
 /// The value at the start of a text, and the rest.
 fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
     if let Some(inside) = text.strip_prefix('"') {
-        let end = inside.find('"').ok_or("a text in quotes does not end")?;
+        let end = inside.find('"').ok_or("a quoted text is not closed")?;
         return Ok((WordValue::Quoted(&inside[..end]), &inside[end + 1..]));
     }
     let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
@@ -487,15 +487,15 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
     };
     let (tolerance, turn) = (number(tolerance)?, number(turn)?);
     if !(0.0..=WIDEST).contains(&tolerance) || !(0.0..=WIDEST).contains(&turn) {
-        return Err(format!("a tolerance of CYCLE832 beyond 0..{WIDEST}"));
+        return Err(format!("a tolerance of CYCLE832 is outside 0..{WIDEST}"));
     }
     match &*upper(mode) {
         "_OFF" => Ok(Smoothing::Left("CYCLE832 with _OFF")),
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if turn > WIDEST_TURN => {
-            Err(format!("CYCLE832 lets the tool lean by {turn} deg; at most {WIDEST_TURN} deg is accepted"))
+            Err(format!("CYCLE832 allows a tilt error of {turn} deg; the limit is {WIDEST_TURN} deg"))
         }
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if tolerance == 0.0 || turn == 0.0 => {
-            Err("a tolerance of 0 in CYCLE832 is not none: the control takes its own".to_owned())
+            Err("a tolerance of 0 in CYCLE832 makes the control use its own tolerance".to_owned())
         }
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" => Ok(Smoothing::Within(tolerance)),
         _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode, 40))),

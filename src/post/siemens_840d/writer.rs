@@ -33,7 +33,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
                 .label(declared.span, "in this operation")
                 .place(label, program.machine.forward(&m[1].joints).tip)
                 .note("a direction vector fits two rotary positions; the control takes the nearer one")
-                .help("a finer chord tolerance, or a tool axis that keeps away from the pole"),
+                .help("use a finer chord tolerance, or tool axes farther from the pole"),
             );
         }
     }

@@ -41,10 +41,10 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);
     let removes = format!("at link feed the cutter removes {}", rate(link.value));
     let (harms, text) = if link.value > most {
-        (true, format!("{removes}; no cut of it removes over {}", rate(most)))
+        (true, format!("{removes}; the largest removal rate of its cuts is {}", rate(most)))
     } else {
         let thick = chip > THICK_CHIP * 2.0 * tool.solid.cutter.nominal_radius();
-        (thick, format!("{removes}, each tooth a chip of {}", length(chip)))
+        (thick, format!("{removes}, with a feed per tooth of {}", length(chip)))
     };
     let new = if harms { Diag::error } else { Diag::remark };
     sink.push(
@@ -53,7 +53,7 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
             .place(describe(program, motion, Some(link.at)), Point3::from(link.tip))
             .block(link.at.operation, link.at.index)
             .note("a move at feed above `feed` of the operation is a link")
-            .help("the process feed in this block, or leads that begin and end outside of the stock"),
+            .help("use the process feed in this block, or leads that begin and end outside the stock"),
     );
 }
 
@@ -71,10 +71,10 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let tool = &program.tools[declared.tool];
     let diameter = 2.0 * tool.solid.cutter.nominal_radius();
     let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
-    let share = |mm: f64| format!("{:.1} % of the {diameter:.3} mm of diameter", 100.0 * mm / diameter);
+    let share = |mm: f64| format!("{:.1} % of the diameter of {diameter:.3} mm", 100.0 * mm / diameter);
     if let Some((chip, index)) = chip.filter(|(chip, _)| *chip > THICK_CHIP * diameter) {
         let text = match chip.is_finite() {
-            true => format!("each tooth of {} takes a chip of {}, {}", tool.name, length(chip), share(chip)),
+            true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(chip)),
             false => format!("{} cuts with a spindle that stands still", tool.name),
         };
         let breaks = chip > BREAKING_CHIP * diameter;
@@ -87,8 +87,8 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
                 .label(declared.span, "in this operation")
                 .place(describe(program, motion, Some(at)), tip)
                 .block(at.operation, at.index)
-                .note(format!("compared with {:.0} % of the diameter", 100.0 * limit))
-                .help("a lower `feed`, or a higher `speed`"),
+                .note(format!("the limit is {:.0} % of the diameter", 100.0 * limit))
+                .help("use a lower `feed`, or a higher `speed`"),
         );
     }
     let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
@@ -102,16 +102,16 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
         length(full.value),
         share(full.value)
     );
-    let chip = chip.map_or_else(String::new, |(chip, _)| format!("; each tooth takes up to {}", length(chip)));
+    let chip = chip.map_or_else(String::new, |(chip, _)| format!("; feed per tooth up to {}", length(chip)));
     sink.push(
         new(verification::TOOL_LOAD, text)
             .label(declared.span, "in this operation")
             .place(describe(program, motion, Some(full.at)), Point3::from(full.tip))
             .block(full.at.operation, full.at.index)
             .note(format!(
-                "engaged over {FULL_ARC:.0} deg and more, deeper than {:.0} % of the diameter{chip}",
+                "engaged over at least {FULL_ARC:.0} deg, deeper than {:.0} % of the diameter{chip}",
                 100.0 * if breaks { BREAKING_DEPTH } else { FULL_DEPTH }
             ))
-            .help("roughing that leaves less there: one more `expand`, or a smaller `residual`"),
+            .help("use roughing that leaves less stock there: one more `expand`, or a smaller `residual`"),
     );
 }

@@ -570,11 +570,11 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
         ),
         FieldError::BadProfile => (
             "the stock has no inside".to_owned(),
-            "see the declaration of the stock: its outside must enclose a room".to_owned(),
+            "check the declaration of the stock: its surface must enclose a volume".to_owned(),
         ),
         FieldError::TooFine { rays, least_cell } => (
-            format!("cells of {cell} mm would need {rays:.1e} rays through the stock, more than memory holds"),
-            format!("`--stock-cell {:.3}` or more", (least_cell * 1e3).ceil() / 1e3),
+            format!("cells of {cell} mm need {rays:.1e} rays through the stock, more than fit into memory"),
+            format!("use `--stock-cell {:.3}` or more", (least_cell * 1e3).ceil() / 1e3),
         ),
     };
     Diag::error(verification::STOCK_CELL, text).help(help)

@@ -16,7 +16,7 @@ fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink:
         Diag::error(
             verification::PART_CUT,
             format!(
-                "after {} {:.1} mm3 of the hub disc are gone, more than {} below its surface",
+                "after {}, {:.1} mm3 of the hub disc are missing deeper than {} below its surface",
                 declared.name,
                 missing.volume,
                 length(below_surface(program))
@@ -25,10 +25,10 @@ fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink:
         .label(declared.span, "in this operation")
         .place(declared.name.clone(), Point3::from(missing.point))
         .note(format!(
-            "by the simulated stock, whose rays lie {} mm apart; the proofs of the surfaces are apart from it",
+            "measured on the simulated stock with rays {} mm apart; the proofs of the surfaces are independent of it",
             stock.cell
         ))
-        .help("leads, links and passes that stay out of the part"),
+        .help("use leads, links and passes that stay outside the part"),
     );
 }
 
@@ -49,28 +49,31 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
             let (code, text, help) = match part {
                 "cutter at rapid" => (
                     verification::RAPID_THROUGH_STOCK,
-                    format!("at rapid the cutter is {depth} deep in stock that is still there"),
-                    "a longer lead-in or lead-out, or an operation before that clears the way",
+                    format!("at rapid the cutter is {depth} deep in remaining stock"),
+                    "use a longer lead-in or lead-out, or an earlier operation that removes this stock",
                 ),
                 "shank" if worst.height < first => (
                     verification::ABOVE_FLUTES,
                     format!(
-                        "the shank above the {} mm of flutes is {depth} deep in stock that is still there",
+                        "the shank above the {} mm of flutes is {depth} deep in remaining stock",
                         solid.flute_length
                     ),
-                    "longer flutes, a relieved shank, a smaller `depth`, or an operation before that opens the way",
+                    "use longer flutes, a thinner shank, a smaller `depth`, or an earlier operation that removes this stock",
                 ),
                 _ => (
                     verification::BODY_IN_STOCK,
-                    format!("the {part} is {depth} deep in stock that is still there"),
-                    "a longer reach, a slimmer holder, or an operation before that opens the way",
+                    format!("the {part} is {depth} deep in remaining stock"),
+                    "use a longer reach, a slimmer holder, or an earlier operation that removes this stock",
                 ),
             };
             let diag = Diag::error(code, text)
                 .label(declared.span, "in this operation")
                 .place(describe(program, motion, Some(worst.at)), Point3::from(worst.point))
                 .block(worst.at.operation, worst.at.index)
-                .note(format!("{count} moves of it do; this is the deepest, {:.2} mm over the tip", worst.height))
+                .note(format!(
+                    "{count} moves of the operation collide; this is the deepest place, {:.2} mm above the tip",
+                    worst.height
+                ))
                 .help(help);
             sink.push(diag);
         }

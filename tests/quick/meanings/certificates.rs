@@ -168,7 +168,7 @@ fn figures() -> Vec<Kind> {
         kind!(C, "allowed gouge of kept surfaces", Refused, ANOTHER, seen, |g| set(g, "/measured/kept/allowed", 5.0)),
         kind!(C, "length of an operation", Refused, ANOTHER, seen, |g| set(g, "/measured/operations/0/length/0", 1.0)),
         kind!(C, "axis travel", Refused, ANOTHER, seen, |g| set(g, "/measured/machine/axes/0/used/0", 0.0)),
-        kind!(C, "contracts under another name", Refused, "broken", "a field is missing", |g| {
+        kind!(C, "contracts under another name", Refused, "form is wrong", "a field is missing", |g| {
             edit(g, "\"measured\"", "\"contracts\"", "\"contract\"");
         }),
         kind!(C, "name of the part", Refused, ANOTHER, seen, |g| set(g, "/measured/name", "other")),
@@ -241,7 +241,7 @@ fn hashes() -> Vec<Kind> {
         kind!(C, "body in the certificate", Refused, "another text", "it is not that of the text", move |g| {
             set(g, "/nc/body_sha256", zeros());
         }),
-        kind!(C, "head in the certificate", Refused, "the head of the text is not", "not that of the text", move |g| {
+        kind!(C, "head in the certificate", Refused, "another head of the text", "not that of the text", move |g| {
             set(g, "/nc/head_sha256", zeros());
         }),
         kind!(C, "inputs in the certificate", Refused, "other inputs", "not those that the head names", move |g| {
@@ -268,25 +268,39 @@ fn hashes() -> Vec<Kind> {
         }),
         kind!(C, "lines of the body", Refused, ANOTHER, "the hash of the whole file", |g| set(g, "/nc/body_lines", 7)),
         kind!(C, "dialect", Refused, ANOTHER, "the hash of the whole file", |g| set(g, "/nc/post", "linuxcnc")),
-        kind!(C, "lines that are none", Refused, "broken", "a number of lines is not negative", |g| {
+        kind!(C, "lines that are none", Refused, "form is wrong", "a number of lines is not negative", |g| {
             set(g, "/nc/body_lines", -7);
         }),
         kind!(C, "inputs in the head", Refused, "other inputs", "not those of the certificate", |g| {
             other_digit(g, HEAD[0]);
         }),
-        kind!(C, "body in the head", Refused, "its own head names", "not that of the text", |g| other_digit(
-            g, HEAD[1]
-        )),
-        kind!(C, "certificate in the head", Refused, ANOTHER, "not that of the file", |g| other_digit(g, HEAD[2])),
-        kind!(C, "no inputs in the head", Refused, "does not name its inputs", "nobody could tell an edit", |g| {
-            g.nc = g.nc.replacen(&line_with(&g.nc, HEAD[0]), "", 1);
+        kind!(C, "body in the head", Refused, "differs from the one in its head", "not that of the text", |g| {
+            other_digit(g, HEAD[1])
         }),
-        kind!(C, "no body in the head", Refused, "does not name its body", "nobody could tell an edit", |g| {
+        kind!(C, "certificate in the head", Refused, ANOTHER, "not that of the file", |g| other_digit(g, HEAD[2])),
+        kind!(
+            C,
+            "no inputs in the head",
+            Refused,
+            "the head of the text lacks inputs",
+            "nobody could tell an edit",
+            |g| {
+                g.nc = g.nc.replacen(&line_with(&g.nc, HEAD[0]), "", 1);
+            }
+        ),
+        kind!(C, "no body in the head", Refused, "the head of the text lacks body", "nobody could tell an edit", |g| {
             g.nc = g.nc.replacen(&line_with(&g.nc, HEAD[1]), "", 1);
         }),
-        kind!(C, "no certificate in the head", Refused, "does not name its certificate", "nobody could tell", |g| {
-            g.nc = g.nc.replacen(&line_with(&g.nc, HEAD[2]), "", 1);
-        }),
+        kind!(
+            C,
+            "no certificate in the head",
+            Refused,
+            "the head of the text lacks certificate",
+            "nobody could tell",
+            |g| {
+                g.nc = g.nc.replacen(&line_with(&g.nc, HEAD[2]), "", 1);
+            }
+        ),
         kind!(C, "certificate named twice, the right one last", Refused, "IMP0827", of_head, |g| {
             let line = line_with(&g.nc, HEAD[2]);
             let hash = named(&g.nc, HEAD[2]).unwrap().to_owned();
@@ -299,7 +313,7 @@ fn hashes() -> Vec<Kind> {
             let wrong = line.replacen(&hash, &"0".repeat(64), 1);
             g.nc = g.nc.replacen(&line, &format!("{line}{wrong}"), 1);
         }),
-        kind!(C, "hash cut short", Refused, "does not name its certificate", "a hash has 64 digits", |g| {
+        kind!(C, "hash cut short", Refused, "the head of the text lacks certificate", "a hash has 64 digits", |g| {
             let hash = named(&g.nc, HEAD[2]).unwrap().to_owned();
             g.nc = g.nc.replacen(&hash, &hash[..60], 1);
         }),
@@ -307,22 +321,29 @@ fn hashes() -> Vec<Kind> {
             let hash = named(&g.nc, HEAD[2]).unwrap().to_owned();
             g.nc = g.nc.replacen(&hash, &hash.to_uppercase(), 1);
         }),
-        kind!(C, "hash behind the first block", Refused, "does not name its certificate", "the head ends there", |g| {
-            let line = line_with(&g.nc, HEAD[2]);
-            g.nc = g.nc.replacen(&line, "", 1);
-            let at = g.nc.find("G17").unwrap();
-            let end = at + g.nc[at..].find('\n').unwrap() + 1;
-            g.nc.insert_str(end, &line);
-        }),
-        kind!(C, "figure in the head", Refused, "the head of the text is not", of_head, |g| {
+        kind!(
+            C,
+            "hash behind the first block",
+            Refused,
+            "the head of the text lacks certificate",
+            "the head ends there",
+            |g| {
+                let line = line_with(&g.nc, HEAD[2]);
+                g.nc = g.nc.replacen(&line, "", 1);
+                let at = g.nc.find("G17").unwrap();
+                let end = at + g.nc[at..].find('\n').unwrap() + 1;
+                g.nc.insert_str(end, &line);
+            }
+        ),
+        kind!(C, "figure in the head", Refused, "another head of the text", of_head, |g| {
             let line = line_with(&g.nc, "; gouge ");
             g.nc = g.nc.replacen(&line, &line.replacen("um", "nm", 1), 1);
         }),
-        kind!(C, "length of a tool in the head", Refused, "the head of the text is not", of_head, |g| {
+        kind!(C, "length of a tool in the head", Refused, "another head of the text", of_head, |g| {
             let line = line_with(&g.nc, "tool t1 number");
             g.nc = g.nc.replacen(&line, &line.replacen("length 1", "length 2", 1), 1);
         }),
-        kind!(C, "a line more in the head", Refused, "the head of the text is not", of_head, |g| {
+        kind!(C, "a line more in the head", Refused, "another head of the text", of_head, |g| {
             g.nc.insert_str(0, "; approved\n");
         }),
         kind!(C, "a comment in the body", Refused, "another text", "the body is hashed as it is", |g| {
@@ -353,9 +374,9 @@ fn forms() -> Vec<Kind> {
     vec![
         kind!(C, "older", Refused, "version 1", "its fields had other meanings", version("1")),
         kind!(C, "newer", Refused, "version 3", "its fields are not known", version("3")),
-        kind!(C, "version in words", Refused, "does not say the version", "a number", version("\"2\"")),
-        kind!(C, "version null", Refused, "does not say the version", "a number", version("null")),
-        kind!(C, "version below zero", Refused, "does not say the version", "a number", version("-2")),
+        kind!(C, "version in words", Refused, "does not state the version", "a number", version("\"2\"")),
+        kind!(C, "version null", Refused, "does not state the version", "a number", version("null")),
+        kind!(C, "version below zero", Refused, "does not state the version", "a number", version("-2")),
         kind!(
             C,
             "version twice",
@@ -382,17 +403,17 @@ fn forms() -> Vec<Kind> {
         kind!(C, "key twice by its escape", Refused, "stands twice", "an escape is the same letter", |g| {
             edit(g, "\"contracts\"", "\"holds\": true", "\"h\\u006flds\": false, \"holds\": true");
         }),
-        kind!(C, "no measured", Refused, "broken", "a field is missing", |g| {
+        kind!(C, "no measured", Refused, "form is wrong", "a field is missing", |g| {
             let mut all: Value = serde_json::from_str(&g.certificate).unwrap();
             all.as_object_mut().unwrap().remove("measured");
             g.certificate = all.to_string();
         }),
-        kind!(C, "no nc", Refused, "broken", "a field is missing", |g| {
+        kind!(C, "no nc", Refused, "form is wrong", "a field is missing", |g| {
             let mut all: Value = serde_json::from_str(&g.certificate).unwrap();
             all.as_object_mut().unwrap().remove("nc");
             g.certificate = all.to_string();
         }),
-        kind!(C, "no inputs", Refused, "broken", "a field is missing", |g| {
+        kind!(C, "no inputs", Refused, "form is wrong", "a field is missing", |g| {
             let mut all: Value = serde_json::from_str(&g.certificate).unwrap();
             all.as_object_mut().unwrap().remove("inputs");
             g.certificate = all.to_string();
@@ -559,7 +580,7 @@ fn sealed_again() -> Vec<Kind> {
             C,
             "contract added",
             Found,
-            "asks for no such contract",
+            "the job has no such contract",
             "the job does not ask for it",
             forged(|g| {
                 let mut all: Value = serde_json::from_str(&g.certificate).unwrap();
@@ -595,7 +616,7 @@ fn sealed_again() -> Vec<Kind> {
             C,
             "surface taken out",
             Found,
-            "says nothing of",
+            "states nothing for",
             "the part has it",
             forged(|g| {
                 let mut all: Value = serde_json::from_str(&g.certificate).unwrap();

@@ -205,7 +205,7 @@ impl<'a> ControlState<'a> {
             ));
         }
         if self.ready.is_none() {
-            self.fault("M6 before any T: which tool comes into the spindle is not known");
+            self.fault("M6 before any T: the next tool is unknown");
         }
         self.tool = self.ready.clone().or(Some(NcTool::Number(0)));
         if self.control.change_drops_length {
@@ -239,7 +239,7 @@ impl<'a> ControlState<'a> {
                 Some(tool) => Length::Of(tool, self.line),
                 None => {
                     self.fault(format!(
-                        "the tool length before a tool change: which tool is in the spindle is not known \
+                        "the tool length before a tool change: the tool in the spindle is unknown \
                                         before {on}"
                     ));
                     Length::Unknown
@@ -286,7 +286,7 @@ impl<'a> ControlState<'a> {
             let Control { machine_frame, behind, .. } = self.control;
             let axis = self.machine.names()[k];
             self.fault(format!(
-                "the way to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
+                "the path to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
                  block, `{machine_frame} {axis}...{behind}`"
             ));
         }
@@ -298,14 +298,14 @@ impl<'a> ControlState<'a> {
                 Some(_) => self
                     .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
                 None => self.fault_apart(format!(
-                    "{word} before any tool change: which tool is in the spindle, and its length, are not known; write \
+                    "{word} before any tool change: the tool in the spindle and its length are unknown; write \
                      T and M6, then `{length}`, before this block"
                 )),
             }
             return self.begin();
         };
         if self.tool.as_ref() != Some(of) {
-            let tool = self.tool.as_ref().map_or("no known tool".to_owned(), |t| format!("tool {t}"));
+            let tool = self.tool.as_ref().map_or("an unknown tool".to_owned(), |t| format!("tool {t}"));
             let reason = format!(
                 "{tool} is in the spindle with the length of another tool, {of}: write `{}`",
                 self.control.length
@@ -355,7 +355,7 @@ impl<'a> ControlState<'a> {
             self.modal[modal.group as usize] = Setting::Reported;
         }
         if !unsaid.is_empty() {
-            self.fault_apart(format!("no block before this move says {}", unsaid.join("; ")));
+            self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
         }
     }
 
@@ -368,9 +368,7 @@ impl<'a> ControlState<'a> {
                 self.retract_words()
             )),
             Transformation::Unknown => {
-                self.fault(format!(
-                    "the program ends, and no block says whether the transformation is on: write {off}"
-                ));
+                self.fault(format!("the program ends, and no block has switched the transformation: write {off}"));
             }
             Transformation::Off if self.open => self.fault(format!(
                 "the program ends with the tool in the part: write {} after {off}",

@@ -48,19 +48,19 @@ impl ControlState<'_> {
             Some(MotionWord::Feed) => {
                 self.fault("a move at feed with the transformation off: here only rapids are understood, write G0");
             }
-            _ => self.fault("a move before any G0: whether it is a rapid is not known"),
+            _ => self.fault("a move before any G0: it may be a rapid or not"),
         }
         let linear = block.tip.iter().any(Option::is_some);
         if linear && !block.machine_frame {
             self.fault(format!(
-                "X, Y or Z in the work frame with the transformation off: where the axes go depends on offsets; write \
+                "X, Y or Z in the work frame with the transformation off: the target depends on offsets; write \
                  `{machine_frame} ...{behind}`"
             ));
         }
         if linear && !self.control.machine_frame_drops_length && self.length != Length::Off {
             let length = match &self.length {
-                Length::Of(..) => "the tool length still acts",
-                _ => "whether a tool length acts is not known",
+                Length::Of(..) => "the tool length is still active",
+                _ => "a tool length may still be active",
             };
             self.fault(format!("{machine_frame} without{behind}: {length}; write{behind} in this block"));
             self.length = Length::Off;
@@ -70,7 +70,7 @@ impl ControlState<'_> {
         let sideways = (0..5).find(|k| *k != 2 && words[*k].is_some());
         if let (Some(k), true) = (sideways, words[2].is_some()) {
             self.fault(format!(
-                "{} and Z move together with the transformation off: the way is not known to be clear; write {} in a block \
+                "{} and Z move together with the transformation off: the path may not be clear; write {} in a block \
                  before",
                 self.machine.names()[k],
                 self.retract_words()
@@ -87,8 +87,8 @@ impl ControlState<'_> {
         if let Some(z) = words[2] {
             if z < retract - ROUNDING.0 {
                 self.fault(format!(
-                    "with the transformation off the tool goes to Z{} of the machine; the machine file says that tools are \
-                     changed and axes move at Z{}: write {}",
+                    "with the transformation off the tool goes to Z{} of the machine, but the retract height of the machine \
+                     file is Z{}: write {}",
                     figure(z),
                     figure(retract),
                     self.retract_words()
@@ -112,7 +112,7 @@ impl ControlState<'_> {
             let Some(x) = *word else { continue };
             if x < axis.min - ROUNDING.0 || x > axis.max + ROUNDING.0 {
                 self.fault(format!(
-                    "{} goes to {} in the machine frame; its travel is {} to {}",
+                    "{} goes to {} in the machine frame, outside its travel of {} to {}",
                     machine.names()[k],
                     figure(x),
                     figure(axis.min),
@@ -175,7 +175,7 @@ impl ControlState<'_> {
         self.judge_modes(true, true, !rapid);
         let (feed, time) = if rapid { (None, None) } else { self.feed_of(block, before, &tip, &direction) };
         if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
-            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block says its speed");
+            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
         }
         let smoothing = match self.smoothing {
             Some(Smoothing::Within(smoothing)) => smoothing,
@@ -183,8 +183,10 @@ impl ControlState<'_> {
             left => {
                 let word = self.control.smoothing;
                 let why = match left {
-                    Some(Smoothing::Left(word)) => format!("with {word} the control leaves the path as it likes"),
-                    _ => "how far the control may leave the path is not known".to_owned(),
+                    Some(Smoothing::Left(word)) => {
+                        format!("with {word} the control may deviate from the path without a limit")
+                    }
+                    _ => "the tolerance of the path is unknown".to_owned(),
                 };
                 self.fault_once(
                     "smoothing",
@@ -194,7 +196,7 @@ impl ControlState<'_> {
             }
         };
         if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; split the program by operations"));
+            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
         }
         self.direction = direction;
         self.axes = [AxisPosition::Left; 5];
@@ -241,7 +243,7 @@ impl ControlState<'_> {
         if feed.max(turn) < SLOWEST_INVERSE {
             self.fault(format!(
                 "in inverse time (G93) the tip moves at less than {SLOWEST_INVERSE} mm/min: the control takes another time \
-                 than F says"
+                 than F states"
             ));
         }
         (Some(feed), time)
@@ -272,7 +274,7 @@ impl ControlState<'_> {
             _ => {
                 let [.., first, second] = self.machine.names();
                 self.fault(format!(
-                    "an incomplete direction: A3= B3= C3= must stand together, and not beside {first}= {second}="
+                    "an incomplete direction: write A3=, B3= and C3= together, without {first}= {second}="
                 ));
                 before
             }
