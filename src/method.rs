@@ -61,6 +61,53 @@ impl Lines {
     }
 }
 
+/// Surfaces on which the tip of a roughing tool runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Levels {
+    /// At constant heights over the hub. The top levels end where the vanes are lower.
+    Hub,
+    /// At constant depths under the shroud. The lowest levels end where they meet the hub; the hub is the last level.
+    Shroud,
+    /// At equal shares of the height from hub to shroud (Wei 3.1).
+    Morph,
+}
+
+impl Levels {
+    /// All of them, the default first.
+    pub const ALL: [Self; 3] = [Self::Hub, Self::Shroud, Self::Morph];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hub => "from-hub",
+            Self::Shroud => "from-shroud",
+            Self::Morph => "morph",
+        }
+    }
+}
+
+/// Sense in which the side of a cutter meets the material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Milling {
+    /// The teeth enter at the full chip: the material lies to the right of the motion of a tool that turns clockwise.
+    Climb,
+    /// The teeth leave at the full chip.
+    Conventional,
+}
+
+impl Milling {
+    /// Both, the default first.
+    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Climb => "climb",
+            Self::Conventional => "conventional",
+        }
+    }
+}
+
 /// How the tool axes of an operation are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisMethod {

@@ -1,6 +1,6 @@
 //! What an operation does: one type from the job to the paths, and its words in the job language.
 
-use crate::method::{AxisMethod, Flank, Lines, Spacing};
+use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Spacing};
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::units::Mm;
 
@@ -26,6 +26,21 @@ pub enum OperationKind {
         allowance_hub: Mm,
         /// Height between neighbouring lines (h of formula 9).
         residual: Mm,
+    },
+    /// The channel, level by level: a slot in the middle, then lines along both walls from the slot outward.
+    Rough {
+        /// Largest step between levels.
+        depth: Mm,
+        /// Largest distance between neighbouring lines.
+        stepover: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: Mm,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+        /// Form of the levels.
+        levels: Levels,
+        /// Sense of the lines beside the slot.
+        milling: Milling,
     },
     /// Vane faces, milled with the side of the cutter (Wei 3.2).
     Flank {
@@ -64,6 +79,7 @@ impl OperationKind {
         match self {
             Self::Groove { .. } => "groove",
             Self::Expand { .. } => "expand",
+            Self::Rough { .. } => "rough",
             Self::Flank { .. } => "flank",
             Self::Channel { .. } => "channel",
             Self::Point { surfaces, .. } => surfaces.first().and_then(|s| word(*s)).map_or("point", |w| w.0),
@@ -73,6 +89,16 @@ impl OperationKind {
     /// True for the operations that bring a surface to its final shape.
     pub fn finishes(&self) -> bool {
         matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
+    }
+
+    /// Largest step between levels, and the material that roughing leaves on vanes and on the hub; `None` for finishing.
+    pub fn roughing(&self) -> Option<[Mm; 3]> {
+        match *self {
+            Self::Groove { depth, allowance_vane, allowance_hub }
+            | Self::Expand { depth, allowance_vane, allowance_hub, .. }
+            | Self::Rough { depth, allowance_vane, allowance_hub, .. } => Some([depth, allowance_vane, allowance_hub]),
+            Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
+        }
     }
 
     /// Method for the tool axes, where the operation has this choice.

@@ -171,6 +171,11 @@ impl Sizes {
                 let pairs = (free / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);
                 of(layers(depth) * pairs, 2.0 * OF_V * length / ROUGHING_STATION, 1.0)
             }
+            OperationKind::Rough { depth, stepover, .. } => {
+                let free = (0.5 * self.width - radius).max(0.0);
+                let pairs = (free / stepover.get()).ceil() + 1.0;
+                of(layers(depth) * pairs, 2.0 * OF_V * length / ROUGHING_STATION, 1.0)
+            }
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)
             }
@@ -244,6 +249,7 @@ pub fn needed(program: &Program) -> f64 {
 enum Figure {
     Depth,
     Residual,
+    Stepover,
     Scallop,
 }
 
@@ -252,6 +258,7 @@ impl Figure {
         match self {
             Self::Depth => "depth",
             Self::Residual => "residual",
+            Self::Stepover => "stepover",
             Self::Scallop => "scallop",
         }
     }
@@ -259,7 +266,13 @@ impl Figure {
     /// The figure of an operation; `None` where the operation has no such figure.
     fn of(self, kind: &mut OperationKind) -> Option<&mut Mm> {
         match (self, kind) {
-            (Self::Depth, OperationKind::Groove { depth, .. } | OperationKind::Expand { depth, .. }) => Some(depth),
+            (
+                Self::Depth,
+                OperationKind::Groove { depth, .. }
+                | OperationKind::Expand { depth, .. }
+                | OperationKind::Rough { depth, .. },
+            ) => Some(depth),
+            (Self::Stepover, OperationKind::Rough { stepover, .. }) => Some(stepover),
             (Self::Residual, OperationKind::Expand { residual, .. }) => Some(residual),
             (Self::Scallop, OperationKind::Channel { scallop, .. } | OperationKind::Point { scallop, .. }) => {
                 Some(scallop)
@@ -323,7 +336,12 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
 fn fitting(program: &Program, operation: &Operation) -> Option<String> {
     let solid = &program.tools[operation.tool].solid;
     let radius = solid.cutter.nominal_radius();
-    let figures = [(Figure::Residual, radius), (Figure::Scallop, radius), (Figure::Depth, solid.flute_length)];
+    let figures = [
+        (Figure::Residual, radius),
+        (Figure::Stepover, 2.0 * radius),
+        (Figure::Scallop, radius),
+        (Figure::Depth, solid.flute_length),
+    ];
     figures.into_iter().find_map(|(figure, most)| {
         let now = figure.of(&mut operation.kind.clone())?.get();
         let usual = (-4..=2).flat_map(|e| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|m: f64| m * 10f64.powi(e)));

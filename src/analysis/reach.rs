@@ -32,13 +32,12 @@ pub struct Reach {
 
 /// Allowances on vane and hub; finishing leaves nothing. `None` where the width at the floor does not limit the tool.
 fn allowances(kind: &OperationKind) -> Option<[f64; 2]> {
+    if let Some([_, vane, hub]) = kind.roughing() {
+        return Some([vane.get(), hub.get()]);
+    }
     match kind {
-        OperationKind::Groove { allowance_vane, allowance_hub, .. }
-        | OperationKind::Expand { allowance_vane, allowance_hub, .. } => {
-            Some([allowance_vane.get(), allowance_hub.get()])
-        }
         OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some([0.0, 0.0]),
-        OperationKind::Point { .. } => None,
+        _ => None,
     }
 }
 

@@ -30,6 +30,10 @@ pub struct ClPass {
     pub sector: u32,
     /// Stations in cutting order.
     pub points: Vec<ClPoint>,
+    /// Indices of the stations that the tool reaches from the station before through air, at link feed; in order.
+    pub air: Vec<usize>,
+    /// True when the tool goes straight from the end of the pass before to the start of this one.
+    pub direct: bool,
 }
 
 /// Tip and axis of the tool, and its contact.

@@ -150,6 +150,12 @@ fn kind(kind: &OperationKind) -> String {
         OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
             format!("expand depth {depth} vane {allowance_vane} hub {allowance_hub} residual {residual}")
         }
+        OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels, milling } => {
+            let (levels, milling) = (levels.name(), milling.name());
+            format!(
+                "rough depth {depth} stepover {stepover} vane {allowance_vane} hub {allowance_hub} {levels} {milling}"
+            )
+        }
         OperationKind::Flank { faces, flank } => {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
             let (method, strips) = (flank.method.name(), flank.strips_text());

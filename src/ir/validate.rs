@@ -100,7 +100,10 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
             let at = || format!("pass `{}` of `{}`", pass.label, operation.name);
             check(pass.points.len() > 1, || format!("{} has {} points", at(), pass.points.len()))?;
             let driven = match (&operation.kind, pass.drive) {
-                (OperationKind::Groove { .. } | OperationKind::Expand { .. }, Drive::Channel)
+                (
+                    OperationKind::Groove { .. } | OperationKind::Expand { .. } | OperationKind::Rough { .. },
+                    Drive::Channel,
+                )
                 | (OperationKind::Channel { .. }, Drive::Hub)
                 | (OperationKind::Point { .. }, Drive::Round) => true,
                 (OperationKind::Flank { faces, .. }, Drive::Face { side, .. }) => faces.contains(&side),

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::eval::{suggest, unknown};
-use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationKind, OperationSpec};
+use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationSpec};
 use super::quantity::Dimension;
 use crate::contract::{Guarded, OfOperations, Region, Scope};
 use crate::diag::Diag;
@@ -264,7 +264,7 @@ impl ContractReader<'_, '_> {
 
     fn roughs(&self, operation: usize) -> bool {
         let kind = self.operations.get(operation).map(|o| &o.kind);
-        matches!(kind, Some(OperationKind::Groove { .. } | OperationKind::Expand { .. }))
+        kind.is_some_and(|kind| kind.roughing().is_some())
     }
 
     fn no_surface(&mut self, kind: ContractKind, surface: SurfaceClass, span: Span) {

@@ -14,6 +14,7 @@ pub mod print;
 mod properties;
 pub mod quantity;
 mod resolve;
+mod rough;
 mod tools;
 
 pub use files::{Fault, Files, InMemory, Missing};

@@ -13,16 +13,16 @@ use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, 
 use crate::operation::by_lines;
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::source::Span;
-use crate::syntax::ast::{File, Item, ItemKind, Name};
+use crate::syntax::ast::{Expr, File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-const KINDS: [&str; 7] = ["groove", "expand", "flank", "point", "fillet", "edge", "channel"];
+const KINDS: [&str; 8] = ["rough", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
 const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
 /// Least step down, mm: thinner chips are dust.
-const LEAST_DEPTH: f64 = 0.01;
+pub(super) const LEAST_DEPTH: f64 = 0.01;
 
 /// Least residual of roughing, mm.
 const LEAST_RESIDUAL: f64 = 0.001;
@@ -64,6 +64,14 @@ pub(super) fn resolve(
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
         let first = used.names.len() == 1;
         let mut reader = OperationReader { name, first, tools, machine, vanes, groove: layers };
+        if kind.text == "rough" {
+            let mut planned = reader.rough(item, cx).unwrap_or_default();
+            for (k, operation) in planned.iter_mut().enumerate().skip(1) {
+                operation.name = numbered(&operation.name, k + 1, kind.span, &mut used);
+            }
+            out.extend(planned);
+            continue;
+        }
         let operation = reader.read(item, cx);
         if let Some(OperationKind::Groove { depth, allowance_vane, allowance_hub }) =
             operation.as_ref().map(|o| o.kind.clone())
@@ -74,7 +82,7 @@ pub(super) fn resolve(
     }
     if !any && !file.damaged {
         cx.sink.push(Diag::error(codes::MISSING_ITEM, "the job has no operation").help(
-            "add `operation groove { ... }`; operations are groove, expand, flank, point, fillet, edge and channel",
+            "add `operation rough { ... }`; operations are rough, groove, expand, flank, point, fillet, edge and channel",
         ));
     }
     out
@@ -117,11 +125,19 @@ fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Conte
     text
 }
 
-struct OperationReader<'a> {
-    name: String,
+/// The name with the next free number from `number` on.
+fn numbered(name: &str, number: usize, span: Span, used: &mut Used) -> String {
+    let text = (number..).map(|n| format!("{name}{n}")).find(|text| !used.names.contains_key(text));
+    let text = text.unwrap_or_else(|| name.to_owned());
+    used.names.insert(text.clone(), span);
+    text
+}
+
+pub(super) struct OperationReader<'a> {
+    pub(super) name: String,
     /// True for the first operation of the job.
-    first: bool,
-    tools: &'a [Declared],
+    pub(super) first: bool,
+    pub(super) tools: &'a [Declared],
     machine: Option<&'a MachineSpec>,
     vanes: Option<u32>,
     groove: Option<Layers>,
@@ -156,19 +172,8 @@ impl OperationReader<'_> {
         let spec = tool.and_then(|(at, _)| self.tools.get(at)).and_then(|t| t.spec.as_ref());
         let speed = self.speed(spec, &mut p);
         let feed = self.feed(spec, speed, &mut p);
-        let link_feed = if p.has("link-feed") {
-            p.number("link-feed", Dimension::FEED, FEED, "link-feed 1000 mm/min")
-                .and_then(|f| self.within_axes("link-feed", f, &mut p))
-        } else {
-            Some(DEFAULT_LINK_FEED)
-        };
-        let [lead_in, lead_out] = ["lead-in", "lead-out"].map(|name| {
-            if !p.has(name) {
-                return Some(DEFAULT_LEAD);
-            }
-            let range = Range::NotNegative(100.0);
-            p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
-        });
+        let link_feed = self.link_feed(&mut p);
+        let [lead_in, lead_out] = leads(&mut p);
         let rest = self.rest(&mut p);
         let sectors = self.sectors(&mut p);
         let kind = self.kind(kind, spec, &mut p);
@@ -187,6 +192,15 @@ impl OperationReader<'_> {
         })
     }
 
+    /// Feed of links, or its default.
+    pub(super) fn link_feed(&self, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        if !p.has("link-feed") {
+            return Some(DEFAULT_LINK_FEED);
+        }
+        p.number("link-feed", Dimension::FEED, FEED, "link-feed 1000 mm/min")
+            .and_then(|f| self.within_axes("link-feed", f, p))
+    }
+
     fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
         if !p.has("tool") {
             p.missing("tool", "tool t1");
@@ -197,6 +211,11 @@ impl OperationReader<'_> {
             p.wrong_form(words.first()?.span, "tool", "one tool", "tool t1");
             return None;
         };
+        self.named_tool(kind, word, p)
+    }
+
+    /// The declared tool with this name, if its kind suits the operation.
+    pub(super) fn named_tool(&self, kind: &Name, word: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
         let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
             if !p.scope.damaged {
                 let known = self.tools.iter().map(|t| t.name.text.as_str());
@@ -236,6 +255,11 @@ impl OperationReader<'_> {
             return None;
         }
         let expr = p.expression("speed", "speed 8000 rpm")?;
+        self.speed_of(expr, tool, p)
+    }
+
+    /// The spindle speed that an expression means for a tool.
+    pub(super) fn speed_of(&self, expr: &Expr, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
         let value = p.scope.value(expr, p.sink)?;
         let rpm = match value.dimension {
             Dimension::SPINDLE => value.value,
@@ -268,6 +292,17 @@ impl OperationReader<'_> {
             return None;
         }
         let expr = p.expression("feed", "feed 250 mm/min")?;
+        self.feed_of(expr, tool, speed, p)
+    }
+
+    /// The feed that an expression means for a tool at a speed.
+    pub(super) fn feed_of(
+        &self,
+        expr: &Expr,
+        tool: Option<&ToolSpec>,
+        speed: Option<Rpm>,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<MmPerMin> {
         let value = p.scope.value(expr, p.sink)?;
         let feed = match value.dimension {
             Dimension::FEED => value.value,
@@ -302,7 +337,7 @@ impl OperationReader<'_> {
     }
 
     /// Thickness of rest machining; `Some(None)` when it is off.
-    fn rest(&self, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+    pub(super) fn rest(&self, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
         let example = "rest over 0.05 mm";
         if !p.has("rest") {
             return Some(None);
@@ -328,7 +363,7 @@ impl OperationReader<'_> {
         Some(Some(Mm(thickness)))
     }
 
-    fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
+    pub(super) fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
         let count = self.vanes.unwrap_or(10_000);
         if !p.has("sectors") {
             return Some((0..count).collect());
@@ -409,31 +444,51 @@ impl OperationReader<'_> {
                 p.required("depth", Dimension::LENGTH, range, "depth 1.5 mm").map(|d| Mm(d.0))
             }
         };
-        let example = "allowance vane 0.2 mm, hub 0.5 mm";
-        let given = p.has("allowance");
-        if !given && before.is_none() {
-            p.missing("allowance", example);
-        }
-        let values = p.labelled("allowance", &["vane", "hub"], example);
-        let mut allowances =
-            before.map(|b| [b.allowance_vane, b.allowance_hub]).filter(|_| !given).map(|a| a.map(Some));
-        if given {
-            allowances = Some(["vane", "hub"].map(|label| {
-                let Some((_, expr)) = values.iter().find(|(l, _)| l.text == label) else {
-                    p.missing(&format!("allowance {label}"), example);
-                    return None;
-                };
-                let what = format!("allowance {label}");
-                p.value_of(expr, &what, Dimension::LENGTH, Range::NotNegative(100.0)).map(Mm)
-            }));
-        }
-        let [vane, hub] = allowances?;
-        Some(Layers { depth: depth?, allowance_vane: vane?, allowance_hub: hub? })
+        let [allowance_vane, allowance_hub] = match before {
+            Some(before) if !p.has("allowance") => [before.allowance_vane, before.allowance_hub],
+            _ => allowances(p)?,
+        };
+        Some(Layers { depth: depth?, allowance_vane, allowance_hub })
     }
 }
 
+/// Allowances on vane and hub.
+pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<[Mm; 2]> {
+    let example = "allowance vane 0.2 mm, hub 0.5 mm";
+    if !p.has("allowance") {
+        p.missing("allowance", example);
+        return None;
+    }
+    let values = p.labelled("allowance", &["vane", "hub"], example);
+    let [vane, hub] = ["vane", "hub"].map(|label| {
+        let Some((_, expr)) = values.iter().find(|(l, _)| l.text == label) else {
+            p.missing(&format!("allowance {label}"), example);
+            return None;
+        };
+        let what = format!("allowance {label}");
+        p.value_of(expr, &what, Dimension::LENGTH, Range::NotNegative(100.0)).map(Mm)
+    });
+    Some([vane?, hub?])
+}
+
+/// Lengths of both leads, or their defaults.
+pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
+    ["lead-in", "lead-out"].map(|name| {
+        if !p.has(name) {
+            return Some(DEFAULT_LEAD);
+        }
+        let range = Range::NotNegative(100.0);
+        p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
+    })
+}
+
 /// A property with a fixed list of names; the first name is the default.
-fn named<T: Copy>(p: &mut Properties<'_, '_>, property: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
+pub(super) fn named<T: Copy>(
+    p: &mut Properties<'_, '_>,
+    property: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+) -> Option<T> {
     let default = *all.first()?;
     if !p.has(property) {
         return Some(default);

@@ -147,6 +147,10 @@ fn operations(out: &mut String, job: &Job) {
                 layers(out, [depth, allowance_vane, allowance_hub]);
                 let _ = writeln!(out, "  residual {residual}");
             }
+            OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels: form, milling } => {
+                layers(out, [depth, allowance_vane, allowance_hub]);
+                let _ = writeln!(out, "  stepover {stepover}\n  levels {}\n  milling {}", form.name(), milling.name());
+            }
             OperationKind::Flank { faces, flank } => {
                 let faces: Vec<_> = faces.iter().map(|face| face.name()).collect();
                 let (method, strips) = (flank.method.name(), flank.strips_text());

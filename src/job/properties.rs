@@ -179,6 +179,21 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
     }
 
+    /// The values of a property as expressions.
+    pub(super) fn expressions(&mut self, name: &str, example: &str) -> Option<Vec<&'a Expr>> {
+        let (_, values) = self.take(name)?;
+        let mut found = Vec::new();
+        for value in values {
+            let Value::Expr(e) = value else {
+                self.wrong_form(value.span(), name, "numbers", example);
+                self.damaged = true;
+                return None;
+            };
+            found.push(e);
+        }
+        Some(found)
+    }
+
     /// A number with the dimension `due` in its range, in base units; `None` when it is absent or faulty.
     pub(super) fn number(&mut self, name: &str, due: Dimension, range: Range, example: &str) -> Option<(f64, Span)> {
         let expr = self.expression(name, example)?;

@@ -18,6 +18,8 @@ pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
                 planned.passes.iter().map(move |pass| ClPass {
                     label: format!("sector {} {}", sector + 1, pass.label),
                     sector: *sector,
+                    air: pass.air.clone(),
+                    direct: pass.direct,
                     points: pass.points.iter().map(|p| p.turned(&turn)).collect(),
                 })
             })

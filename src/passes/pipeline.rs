@@ -5,7 +5,7 @@ use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, time_feeds};
 use super::link::{link_moves, rest_machining};
-use super::rough::{expand, groove};
+use super::rough::{channel_levels, expand, groove};
 use super::{channel, copy_sectors, flank, point, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
 use crate::diag::{Aborted, Sink};
@@ -58,7 +58,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     copy_sectors::run(program, &mut cl);
     cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     // Passes that cut nothing are removed before links are made.
-    rest_machining::run(program, &mut cl, cx.progress, cx.sink)?;
+    rest_machining::run(program, &obstacles, &mut cl, cx.progress, cx.sink)?;
     cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     let mut motion = link_moves::run(&mut cx, &cl)?;
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
@@ -89,6 +89,7 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
                 expand_level = level;
                 plan
             }),
+            OperationKind::Rough { .. } => channel_levels::plan(cx, id, operation),
             OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
             OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
             OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation),

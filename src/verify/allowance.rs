@@ -9,7 +9,7 @@ use super::place::describe;
 use super::proof::sweep::Sweep;
 use super::surface::{self, SLACK, Worst};
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{Motion, OperationKind, Program};
+use crate::ir::{Motion, Program};
 use crate::part::kept::{Kept, kept, milled};
 use crate::progress::Progress;
 use crate::units::length;
@@ -113,10 +113,8 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     if let Some((at, operation)) = n.place.at.and_then(|at| Some((at, motion.operations.get(at.operation as usize)?))) {
         let declared = &program.operations[operation.operation];
         diag = diag.block(at.operation, at.index).label(declared.span, "in this operation");
-        if let OperationKind::Groove { allowance_vane, allowance_hub, .. }
-        | OperationKind::Expand { allowance_vane, allowance_hub, .. } = &declared.kind
-        {
-            diag = diag.note(format!("its allowances are {allowance_vane} on vanes and {allowance_hub} on the hub"));
+        if let Some([_, vane, hub]) = declared.kind.roughing() {
+            diag = diag.note(format!("its allowances are {vane} on vanes and {hub} on the hub"));
         }
     }
     sink.push(diag.help(help));

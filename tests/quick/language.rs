@@ -493,7 +493,7 @@ fn contracts_that_contradict_themselves_are_refused() {
 #[test]
 fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
-        ("operation channel", "operation splitter", "groove, expand, flank, point, fillet, edge, channel"),
+        ("operation channel", "operation splitter", "rough, groove, expand, flank, point, fillet, edge, channel"),
         ("stock turned", "stock casting", "turned"),
         ("pressure ruled", "pressure swept", "ruled, lofted"),
         ("use tools  ", "use import ", "machine, tools"),

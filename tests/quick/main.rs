@@ -46,6 +46,7 @@ mod posts;
 mod progress;
 mod report;
 mod rest_machining;
+mod rough;
 mod stock_program;
 mod surface_truths;
 mod validators;

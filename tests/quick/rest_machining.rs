@@ -7,7 +7,7 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
 use impellerc::part::{PassageId, SurfaceKind, sample};
 use impellerc::passes::pipeline::{self, Plan};
-use impellerc::passes::rest_machining;
+use impellerc::passes::{Obstacles, rest_machining};
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
@@ -117,7 +117,14 @@ fn a_half_cut_floor_is_cut_on_from_where_it_ends() {
     let program = with_rest(program, "channel2", Some(THICKNESS));
     let mut less = cl.clone();
     let progress = Progress::default();
-    rest_machining::run(&program, &mut less, &progress, &mut Sink::default()).unwrap();
+    rest_machining::run(
+        &program,
+        &Obstacles::new(&program.part, &program.machine),
+        &mut less,
+        &progress,
+        &mut Sink::default(),
+    )
+    .unwrap();
     // Both ways through the stock tell their shares, by passes.
     let told: Vec<_> = progress.all().into_iter().map(|s| (s.name.to_string(), s.done, s.total, s.open)).collect();
     let passes = [0, 1].map(|o| cl.operations[o].passes.len() as u64);
@@ -184,7 +191,14 @@ fn a_tool_thinner_above_its_cutter_keeps_whole_passes() {
     let cl = half_cut(&program, 40.0);
     let program = with_rest(program, "channel2", Some(THICKNESS));
     let mut less = cl.clone();
-    rest_machining::run(&program, &mut less, &Progress::default(), &mut Sink::default()).unwrap();
+    rest_machining::run(
+        &program,
+        &Obstacles::new(&program.part, &program.machine),
+        &mut less,
+        &Progress::default(),
+        &mut Sink::default(),
+    )
+    .unwrap();
     let ends =
         |passes: &[ClPass]| passes.iter().map(|p| (p.points.first().copied(), p.points.last().copied())).collect();
     let [before, after]: [Vec<_>; 2] = [&cl, &less].map(|c| ends(&c.operations[1].passes));

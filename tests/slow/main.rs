@@ -17,4 +17,5 @@ mod orientation;
 mod part_volume;
 mod point;
 mod quantities;
+mod rough;
 mod stock;

@@ -36,6 +36,12 @@ const HEIGHT_STEP: f64 = 1.0;
 /// Largest turn of a rotary axis on the link, radians.
 const MOST_TURN: f64 = 0.35;
 
+/// Largest turn of a rotary axis on a straight link through air, radians.
+const MOST_STRAIGHT_TURN: f64 = 1.0;
+
+/// Least way of the tip on a link, mm: a block at feed must move its tip.
+const LEAST_WAY: f64 = 1e-2;
+
 /// Direct links between passes of an operation.
 pub(crate) struct DirectLinks<'a> {
     machine: &'a Machine,
@@ -77,14 +83,25 @@ impl<'a> DirectLinks<'a> {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
             let way = (over[1].tip - over[0].tip).norm();
-            // A block at feed must move its tip.
-            let moves = way > 1e-2;
+            let moves = way > LEAST_WAY;
             let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
             let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
             (moves && (near() || free())).then_some(over)
         })
+    }
+
+    /// True when the tool keeps its distances to the part while its tip goes straight from one place to another and the
+    /// rotary axes turn evenly.
+    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint) -> bool {
+        let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
+        let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
+        let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
+        let moves = (to.tip - from.tip).norm() > LEAST_WAY;
+        moves
+            && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN)
+            && self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, 0.0))
     }
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.

@@ -92,6 +92,9 @@ impl<'a> Links<'a> {
             .par_windows(2)
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
+                if pair[1].direct {
+                    return Some([*from, *to]);
+                }
                 let link = direct_links.between(from, to).filter(|_| operation.kind.finishes())?;
                 // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
@@ -128,7 +131,10 @@ impl<'a> Links<'a> {
             let start = ClPoint { contact: None, ..*first };
             match index.checked_sub(1).and_then(|before| self.short[before]) {
                 Some(over) if index > run.start => {
-                    for to in [over[0], over[1], start] {
+                    let before = self.passes[index - 1].points.last().map(|p| p.tip);
+                    // The places of a straight link are the ends of both passes themselves.
+                    let over = over.into_iter().filter(|p| Some(p.tip) != before && p.tip != start.tip);
+                    for to in over.chain([start]) {
                         add(MoveKind::Link, to);
                     }
                 }
@@ -140,8 +146,9 @@ impl<'a> Links<'a> {
                     }
                 }
             }
-            for p in points.iter().skip(1) {
-                add(MoveKind::Cut, *p);
+            let air = &self.passes[index].air;
+            for (i, p) in points.iter().enumerate().skip(1) {
+                add(if air.binary_search(&i).is_ok() { MoveKind::Link } else { MoveKind::Cut }, *p);
             }
             let out = lifted(&self.sphere, last);
             if index + 1 == run.end && out.tip != last.tip {

@@ -5,3 +5,5 @@ mod clearance_sphere;
 mod direct_link;
 pub(crate) mod link_moves;
 pub mod rest_machining;
+mod stock_order;
+mod stock_steps;

@@ -13,10 +13,13 @@
 //! rest judge what is left.
 
 use super::clearance_sphere::ClearanceSphere;
-use crate::collide::{Cutter, ToolSolid};
+use super::direct_link::DirectLinks;
+use super::stock_order;
+use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, rounding, stations, steps, way};
+use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
-use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, Operation, Program};
-use crate::kin::{Angles, Machine, between};
+use crate::ir::{ClOperation, ClPass, ClPlan, Operation, OperationKind, Program};
+use crate::passes::context::Obstacles;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
 use crate::units::trim;
@@ -25,12 +28,6 @@ use std::ops::Range;
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
 const MOST_CELL: f64 = 1.0;
 
-/// Longest tip motion in a step, mm; passes are cut to this accuracy.
-const STEP_LENGTH: f64 = 1.0;
-
-/// Largest turn of a step, radians; limits the motion at the top of a cutter.
-const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
-
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
 
@@ -38,13 +35,29 @@ const PIECE: usize = 1 << 11;
 ///
 /// # Errors
 /// An operation with nothing left to cut; a thickness that would need too small cells. The sink holds the reasons.
-pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
-    let asks = |o: &ClOperation| program.operations[o.operation].rest.is_some();
+pub fn run(
+    program: &Program,
+    obstacles: &Obstacles,
+    cl: &mut ClPlan,
+    progress: &Progress,
+    sink: &mut Sink,
+) -> Result<(), Aborted> {
+    let asks = |o: &ClOperation| follows_stock(&program.operations[o.operation]);
     let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
     let mut field = field(program, sink)?;
     let mut failed = false;
     for (i, planned) in cl.operations.iter_mut().enumerate().take(last + 1) {
         let operation = &program.operations[planned.operation];
+        if matches!(operation.kind, OperationKind::Rough { .. }) {
+            let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
+            let direct = DirectLinks::new(program, obstacles, operation);
+            stock_order::reduce(program, operation, &direct, planned, (&mut field, &work));
+            if planned.passes.is_empty() {
+                sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
+                failed = true;
+            }
+            continue;
+        }
         if let Some(thickness) = operation.rest {
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
             failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
@@ -57,11 +70,27 @@ pub fn run(program: &Program, cl: &mut ClPlan, progress: &Progress, sink: &mut S
     if failed { Err(Aborted) } else { Ok(()) }
 }
 
+/// True for operations whose passes depend on the stock that they find.
+fn follows_stock(operation: &Operation) -> bool {
+    operation.rest.is_some() || matches!(operation.kind, OperationKind::Rough { .. })
+}
+
+fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
+    Diag::error(
+        planning::NO_REST,
+        format!("`{}` finds no stock thicker than {} mm to cut", operation.name, trim(thickness, 3)),
+    )
+    .label(operation.span, "this operation has nothing to cut")
+    .note("earlier operations have already cut all its passes")
+    .help("remove the operation, or give a smaller thickness after `rest over`")
+}
+
 /// The blank, with cells for the operation that needs the smallest.
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
-        o.rest.map(|t| ((2.0 * rounding(cutter) * t.get()).sqrt(), o))
+        let cell = o.rest.map_or(MOST_CELL, |t| (2.0 * rounding(cutter) * t.get()).sqrt());
+        follows_stock(o).then_some((cell, o))
     });
     let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
     Field::turned(&program.stock.profile, cell.min(MOST_CELL)).map_err(|error| {
@@ -82,12 +111,6 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         );
         Aborted
     })
-}
-
-/// Radius of the rounding with which a cutter dips into a surface; for a flat cutter the radius of its side.
-fn rounding(solid: &ToolSolid) -> f64 {
-    let tip = solid.cutter.tip_radius();
-    if tip > 0.0 { tip } else { solid.radius() }
 }
 
 /// Removes the cuts of an operation from the stock.
@@ -113,78 +136,6 @@ fn send(
     met
 }
 
-/// The cutter without shank and holder, enlarged on all sides.
-fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
-    let cutter = match solid.cutter {
-        Cutter::Flat { radius } => Cutter::Flat { radius: radius + by },
-        Cutter::Ball { radius } => Cutter::Ball { radius: radius + by },
-        Cutter::Bull { radius, corner } => Cutter::Bull { radius: radius + by, corner: corner + by },
-        Cutter::TaperedBall { ball, half_angle } => Cutter::TaperedBall { ball: ball + by, half_angle },
-        Cutter::Barrel { radius, barrel, tip } => {
-            Cutter::Barrel { radius: radius + by, barrel: barrel + by, tip: tip + by }
-        }
-        Cutter::Lollipop { radius } => Cutter::Lollipop { radius: radius + by },
-    };
-    ToolSolid { cutter, flute_length: solid.flute_length + 2.0 * by, shank: Vec::new(), holder: Vec::new() }
-}
-
-/// A place on a pass, with rotary angles that do not jump.
-#[derive(Clone, Copy)]
-struct PathPoint {
-    point: ClPoint,
-    rotary: Angles,
-    /// False for stations inserted between the planned ones.
-    planned: bool,
-}
-
-/// Stations of a pass, dense enough that two of them bound a step of the stock. Between planned stations the machine
-/// moves the tip straight and both rotary angles evenly.
-fn stations(machine: &Machine, pass: &ClPass) -> Vec<PathPoint> {
-    let mut found: Vec<PathPoint> = Vec::with_capacity(pass.points.len());
-    for point in &pass.points {
-        let before = found.last().map_or(0.0, |s| s.rotary[1]);
-        let to = PathPoint { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
-        if let Some(from) = found.last().copied() {
-            let way = to.point.tip - from.point.tip;
-            let turn = machine.turn(from.rotary, to.rotary);
-            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
-            found.extend((1..count as usize).map(|k| {
-                let t = k as f64 / count;
-                let rotary = between(from.rotary, to.rotary, t);
-                let axis = machine.chain.tool_axis(rotary);
-                let point = ClPoint { tip: from.point.tip + way * t, axis, contact: None };
-                PathPoint { point, rotary, planned: false }
-            }));
-        }
-        found.push(to);
-    }
-    found
-}
-
-/// The numbered steps of passes, each with the index of its pass, for a cutter whose tip is lower on its axis by
-/// `lowered`.
-fn steps<'a>(
-    machine: &'a Machine,
-    passes: &'a [ClPass],
-    kind: StepKind,
-    lowered: f64,
-) -> impl Iterator<Item = (usize, Step)> + 'a {
-    passes
-        .iter()
-        .enumerate()
-        .flat_map(move |(i, pass)| {
-            let stations = stations(machine, pass);
-            let pairs: Vec<(usize, [PathPoint; 2])> = stations.windows(2).map(|w| (i, [w[0], w[1]])).collect();
-            pairs
-        })
-        .enumerate()
-        .map(move |(n, (pass, [from, to]))| {
-            let axes = [0.0, 0.5, 1.0].map(|t| machine.chain.tool_axis(between(from.rotary, to.rotary, t)));
-            let tips = [from.point.tip - axes[0] * lowered, to.point.tip - axes[2] * lowered];
-            (pass, Step { block: u32::try_from(n).unwrap_or(u32::MAX), kind, tips, axes })
-        })
-}
-
 /// Reduces an operation to the parts that cut.
 fn reduce(
     program: &Program,
@@ -195,7 +146,7 @@ fn reduce(
     sink: &mut Sink,
 ) -> Result<(), Aborted> {
     let solid = &program.tools[operation.tool].solid;
-    let grown_by = field.cell() * field.cell() / (4.0 * rounding(solid));
+    let grown_by = error_between_rays(field, solid);
     let grown = cutter_alone(solid, grown_by);
     // For a rapid, the engine reports what the cutter meets and removes nothing.
     let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
@@ -221,19 +172,12 @@ fn reduce(
             let label = if several { format!("{} rest {}", pass.label, k + 1) } else { pass.label.clone() };
             let inside = stations[run.start..=run.end].iter().enumerate();
             let ends = inside.filter(|(i, s)| s.planned || *i == 0 || *i == run.end - run.start);
-            kept.push(ClPass { label, sector: pass.sector, points: ends.map(|(_, s)| s.point).collect() });
+            let points = ends.map(|(_, s)| s.point).collect();
+            kept.push(ClPass { label, sector: pass.sector, points, air: Vec::new(), direct: false });
         }
     }
     if kept.is_empty() {
-        sink.push(
-            Diag::error(
-                planning::NO_REST,
-                format!("`{}` finds no stock thicker than {} mm to cut", operation.name, trim(thickness, 3)),
-            )
-            .label(operation.span, "this operation has nothing to cut")
-            .note("earlier operations have already cut all its passes")
-            .help("remove the operation, or give a smaller thickness after `rest over`"),
-        );
+        sink.push(nothing_left(operation, thickness));
         return Err(Aborted);
     }
     planned.notes.push(format!(
@@ -254,11 +198,6 @@ fn reduce(
 fn leaves_along_axis(solid: &ToolSolid) -> bool {
     let widest = solid.cutter.widest_below(solid.flute_length);
     solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
-}
-
-/// Length of the path of the tip, mm.
-fn way(stations: &[PathPoint]) -> f64 {
-    stations.windows(2).map(|w| (w[1].point.tip - w[0].point.tip).norm()).sum()
 }
 
 /// Data for the decision where a pass is left and entered.

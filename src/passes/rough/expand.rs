@@ -5,7 +5,7 @@
 //! step apart everywhere, also at the narrow inlet. Order: from the groove outward to the walls.
 
 use super::groove::{check_room, describe, passes};
-use super::layers::{Layer, Roughing};
+use super::layers::{Layer, Level, Roughing};
 use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::passes::context::{PassContext, limits::check_points};
@@ -75,8 +75,11 @@ fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(S
         });
         let up = legs.iter().map(|(u, w)| (*u, w[0]));
         let down = legs.iter().rev().map(|(u, w)| (*u, w[1]));
-        let points =
-            up.chain(across).chain(down).map(|(u, w)| roughing.cc_point(u, layer.level, w)).collect::<Vec<_>>();
+        let points = up
+            .chain(across)
+            .chain(down)
+            .map(|(u, w)| roughing.cc_point(u, Level::Share(layer.level), w))
+            .collect::<Vec<_>>();
         lines.push((format!("layer {} line {}", layer.number, pairs as usize - i), points));
     }
     pairs as usize

@@ -3,7 +3,7 @@
 //! Before: an operation. After: passes from inlet to outlet, one per layer, from the shroud down to the hub allowance
 //! or to the lowest layer that the tool can complete.
 
-use super::layers::{Layer, LayersEnd, Roughing};
+use super::layers::{Layer, LayersEnd, Level, Roughing};
 use super::step;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::interpolate;
@@ -35,8 +35,8 @@ pub(crate) fn plan(
     let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
         let points: Vec<CcPoint> =
-            layer.stations.iter().map(|s| roughing.cc_point(s.u, layer.level, s.middle())).collect();
-        let points = restep(&roughing, layer.level, &points, cx.program.tolerances.chord_rough.get());
+            layer.stations.iter().map(|s| roughing.cc_point(s.u, Level::Share(layer.level), s.middle())).collect();
+        let points = restep(&roughing, Level::Share(layer.level), &points, cx.program.tolerances.chord_rough.get());
         line_lengths += points.len();
         lines.push((format!("layer {}", layer.number), work.step(points)));
     }
@@ -91,7 +91,7 @@ pub(crate) fn describe(layers: &[Layer], end: &LayersEnd, top: f64) -> String {
 
 /// Spaces the stations of a line by its curvature (Wei 4 to 7). A NURBS curve through the stations gives the curvature;
 /// the new stations lie on the chart.
-pub(crate) fn restep(roughing: &Roughing<'_>, level: f64, points: &[CcPoint], epsilon: f64) -> Vec<CcPoint> {
+pub(crate) fn restep(roughing: &Roughing<'_>, level: Level, points: &[CcPoint], epsilon: f64) -> Vec<CcPoint> {
     let positions: Vec<Point3<f64>> = points.iter().map(|p| p.position).collect();
     // Data points a few millimetres apart keep the shape; all stations would add the noise of the lifts.
     let stride = (positions.len() / 16).max(1);

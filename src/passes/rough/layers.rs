@@ -12,7 +12,7 @@ const WHOLE: f64 = 1e-9;
 
 /// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this distance they leave their
 /// chord by a few micrometres, well within the roughing allowance.
-const STATION_SPACING: f64 = 0.7;
+pub(super) const STATION_SPACING: f64 = 0.7;
 
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
 const BISECTIONS: u32 = 10;
@@ -23,9 +23,11 @@ pub(crate) struct Roughing<'a> {
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
     keep: Keep,
-    depth: f64,
-    lead_in: f64,
-    lead_out: f64,
+    /// The tool may be lifted over the hub by up to a step down.
+    lifts: bool,
+    pub(super) depth: f64,
+    pub(super) lead_in: f64,
+    pub(super) lead_out: f64,
 }
 
 /// A layer with the free space for the tool at each station.
@@ -36,6 +38,29 @@ pub(crate) struct Layer {
     pub(crate) level: f64,
     /// Stations from before the inlet to behind the outlet.
     pub(crate) stations: Vec<LayerStation>,
+}
+
+/// Surface on which the tip of a tool runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Level {
+    /// At this share of the height from hub (0) to shroud (1).
+    Share(f64),
+    /// At this height over the hub along the ruling, mm.
+    OverHub(f64),
+    /// At this depth under the shroud along the ruling, mm; nowhere below the hub.
+    UnderShroud(f64),
+}
+
+impl Level {
+    /// Share of the height from hub to shroud at a place of the chart; over 1 above the shroud.
+    pub(crate) fn v(self, chart: &ChannelChart<'_>, u: f64, w: f64) -> f64 {
+        let height = || (chart.point(u, 1.0, w) - chart.point(u, 0.0, w)).norm();
+        match self {
+            Self::Share(v) => v,
+            Self::OverHub(over) => over / height(),
+            Self::UnderShroud(depth) => (1.0 - depth / height()).max(0.0),
+        }
+    }
 }
 
 /// Free space for the tool at one u of a layer.
@@ -64,13 +89,7 @@ pub(crate) enum LayersEnd {
 impl<'a> Roughing<'a> {
     /// `None` for an operation that is not roughing.
     pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
-        let (depth, vane, hub) = match operation.kind {
-            OperationKind::Groove { depth, allowance_vane, allowance_hub }
-            | OperationKind::Expand { depth, allowance_vane, allowance_hub, .. } => {
-                (depth, allowance_vane, allowance_hub)
-            }
-            OperationKind::Flank { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => return None,
-        };
+        let [depth, vane, hub] = operation.kind.roughing()?;
         Some(Self {
             chart: ChannelChart::new(&program.part),
             obstacles,
@@ -81,6 +100,8 @@ impl<'a> Roughing<'a> {
                 hub: hub.get() + program.tolerances.chord_rough.get(),
                 clearance: program.clearance.get(),
             },
+            lifts: matches!(operation.kind, OperationKind::Rough { .. })
+                || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             depth: depth.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),
@@ -92,14 +113,20 @@ impl<'a> Roughing<'a> {
         self.solid.radius() + self.keep.vane
     }
 
+    /// Radius of the tool, mm.
+    pub(super) fn radius(&self) -> f64 {
+        self.solid.radius()
+    }
+
     /// Tool axis at a place of the chart, sector 0.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
         self.chart.axis(u, v, w, self.edge())
     }
 
     /// Station of a line in the chart, sector 0.
-    pub(crate) fn cc_point(&self, u: f64, level: f64, w: f64) -> CcPoint {
-        let v = self.lifted(u, level, w).unwrap_or(level);
+    pub(crate) fn cc_point(&self, u: f64, level: Level, w: f64) -> CcPoint {
+        let v = level.v(&self.chart, u, w);
+        let v = self.lifted(u, v, w).unwrap_or(v);
         CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
     }
 
@@ -145,7 +172,7 @@ impl<'a> Roughing<'a> {
             .into_par_iter()
             .map(|i| {
                 let u = from + (to - from) * i as f64 / count as f64;
-                self.room(u, level).map(|room| LayerStation { u, room }).ok_or(u)
+                self.room(u, Level::Share(level)).map(|room| LayerStation { u, room }).ok_or(u)
             })
             .collect::<Vec<_>>();
         // The first station without space, independent of the thread that found it.
@@ -154,7 +181,7 @@ impl<'a> Roughing<'a> {
         Ok(Layer { number, level, stations })
     }
 
-    /// Height of the tip at (u, w) of a level. A tool with a rounded tip is lifted until it keeps the allowance on the
+    /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted until it keeps the allowance on the
     /// hub. `None` when the lift exceeds the step to the layer above.
     fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
@@ -164,7 +191,7 @@ impl<'a> Roughing<'a> {
         if clear(level) {
             return Some(level);
         }
-        if self.solid.cutter.tip_radius() <= 0.0 {
+        if !self.lifts {
             return None;
         }
         let ruling = (self.chart.point(u, 1.0, w) - self.chart.point(u, 0.0, w)).norm();
@@ -179,15 +206,15 @@ impl<'a> Roughing<'a> {
         Some(high)
     }
 
-    fn clear(&self, u: f64, level: f64, w: f64) -> bool {
-        self.lifted(u, level, w).is_some_and(|v| {
+    fn clear(&self, u: f64, level: Level, w: f64) -> bool {
+        self.lifted(u, level.v(&self.chart, u, w), w).is_some_and(|v| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
         })
     }
 
     /// Free space between the walls at u of a level.
-    fn room(&self, u: f64, level: f64) -> Option<[f64; 2]> {
+    pub(super) fn room(&self, u: f64, level: Level) -> Option<[f64; 2]> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
         let seed = SEEDS.into_iter().find(|w| self.clear(u, level, *w))?;

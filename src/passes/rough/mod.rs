@@ -1,8 +1,10 @@
 //! Roughing of a channel, layer by layer.
 
+pub(crate) mod channel_levels;
 pub(crate) mod expand;
 pub(crate) mod groove;
 mod layers;
+mod levels;
 mod step;
 
 use crate::diag::{Aborted, Diag, codes::planning};

@@ -1,0 +1,142 @@
+//! The operation `rough`: one item of the job, one operation for each of its tools.
+
+use super::context::{Context, head};
+use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
+use super::operations::{LEAST_DEPTH, OperationReader, allowances, leads, named};
+use super::properties::{Properties, Range};
+use super::quantity::Dimension;
+use crate::method::{Levels, Milling};
+use crate::syntax::ast::{Expr, Item, ItemKind};
+use crate::units::Mm;
+
+const KNOWN: [&str; 14] = [
+    "tools",
+    "speed",
+    "feed",
+    "link-feed",
+    "lead-in",
+    "lead-out",
+    "rest",
+    "sectors",
+    "depth",
+    "stepover",
+    "allowance",
+    "levels",
+    "milling",
+    "tool",
+];
+
+/// Default of `rest over` for the tools after the first, mm.
+const REST: Mm = Mm(0.2);
+
+/// Defaults of `depth` and `stepover` as shares of the diameter, for a tool with a flat end and for one with a ball.
+const FLAT: [f64; 2] = [0.375, 0.75];
+const BALL: [f64; 2] = [0.33, 0.4];
+
+impl OperationReader<'_> {
+    /// The operations of a `rough` item, one for each tool, in the order of the job.
+    pub(super) fn rough(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<Vec<OperationSpec>> {
+        let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
+        let owner = format!("operation {}", self.name);
+        let mut p = Properties::new(owner, head(item), body, &KNOWN, &mut cx.scope, cx.sink);
+        let property = if p.has("tool") { "tool" } else { "tools" };
+        if !p.has(property) {
+            p.missing("tools", "tools t1, t2");
+        }
+        let words = if p.has(property) { p.words(property, "tools t1, t2")? } else { Vec::new() };
+        let tools: Option<Vec<usize>> =
+            words.iter().map(|word| self.named_tool(kind, word, &mut p).map(|found| found.0)).collect();
+        let count = words.len();
+        let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
+        let feeds = each(&mut p, "feed", count, "feed 1000 mm/min", true);
+        let depths = each(&mut p, "depth", count, "depth 3 mm", false);
+        let stepovers = each(&mut p, "stepover", count, "stepover 5 mm", false);
+        let link_feed = self.link_feed(&mut p);
+        let [lead_in, lead_out] = leads(&mut p);
+        let given_rest = p.has("rest");
+        let rest = self.rest(&mut p);
+        let sectors = self.sectors(&mut p);
+        let allowances = allowances(&mut p);
+        let (levels, milling) = (
+            named(&mut p, "levels", &Levels::ALL, Levels::name),
+            named(&mut p, "milling", &Milling::ALL, Milling::name),
+        );
+        let mut operations = Vec::new();
+        let (speeds, feeds, depths, stepovers) = (speeds?, feeds?, depths?, stepovers?);
+        for (k, tool) in tools?.into_iter().enumerate() {
+            let spec = self.tools.get(tool).and_then(|t| t.spec.as_ref());
+            let speed = self.speed_of(speeds.get(k).copied().flatten()?, spec, &mut p);
+            let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
+            let depth = length(&mut p, "depth", depths.get(k).copied().flatten(), spec, 0);
+            let stepover = length(&mut p, "stepover", stepovers.get(k).copied().flatten(), spec, 1);
+            let [allowance_vane, allowance_hub] = allowances?;
+            let rest = if k > 0 && !given_rest { Some(REST) } else { rest? };
+            operations.push(OperationSpec {
+                name: self.name.clone(),
+                kind: OperationKind::Rough {
+                    depth: depth?,
+                    stepover: stepover?,
+                    allowance_vane,
+                    allowance_hub,
+                    levels: levels?,
+                    milling: milling?,
+                },
+                tool,
+                speed: speed?,
+                feed: feed?,
+                link_feed: link_feed?,
+                lead_in: lead_in?,
+                lead_out: lead_out?,
+                rest,
+                sectors: sectors.clone()?,
+                span: head(item),
+            });
+        }
+        Some(operations)
+    }
+}
+
+/// One expression for each of `count` tools: a single value holds for all. `None` in the list where an optional property
+/// is not given.
+fn each<'a>(
+    p: &mut Properties<'a, '_>,
+    name: &str,
+    count: usize,
+    example: &str,
+    required: bool,
+) -> Option<Vec<Option<&'a Expr>>> {
+    if !p.has(name) {
+        if required {
+            p.missing(name, example);
+            return None;
+        }
+        return Some(vec![None; count]);
+    }
+    let given = p.expressions(name, example)?;
+    match given.as_slice() {
+        [one] => Some(vec![Some(*one); count]),
+        several if several.len() == count => Some(several.iter().map(|e| Some(*e)).collect()),
+        several => {
+            let due = format!("one value, or one for each of the {count} tools");
+            p.wrong_form(several.last()?.span, name, &due, example);
+            None
+        }
+    }
+}
+
+/// A length of a tool, or its default by the shape of the tool.
+fn length(
+    p: &mut Properties<'_, '_>,
+    name: &str,
+    expr: Option<&Expr>,
+    tool: Option<&ToolSpec>,
+    index: usize,
+) -> Option<Mm> {
+    let tool = tool?;
+    if let Some(expr) = expr {
+        let most = if index == 0 { tool.flute.get() } else { tool.diameter.get() };
+        return p.value_of(expr, name, Dimension::LENGTH, Range::Between(LEAST_DEPTH, most)).map(Mm);
+    }
+    let shares = if matches!(tool.kind, CutterKind::Ball) { BALL } else { FLAT };
+    Some(Mm(shares[index] * tool.diameter.get()))
+}

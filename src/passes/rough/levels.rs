@@ -1,0 +1,137 @@
+//! Levels of `rough`: where a tool fits, place by place.
+//!
+//! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
+//! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
+
+use super::layers::{LayerStation, Level, Roughing, STATION_SPACING};
+use crate::method::Levels;
+use crate::progress::Progress;
+use rayon::prelude::*;
+
+/// Part of a level in which the tool fits.
+pub(crate) struct LevelRun {
+    /// Level of the tip.
+    pub(crate) level: Level,
+    /// Stations from the inlet side to the outlet side, with the leads.
+    pub(crate) stations: Vec<LayerStation>,
+    /// True where the run begins and ends outside of the stock.
+    pub(crate) open: [bool; 2],
+}
+
+/// A level with the parts in which the tool fits.
+pub(crate) struct RoughLevel {
+    /// Number, from 1 at the shroud.
+    pub(crate) number: usize,
+    /// Parts that the tool enters from outside.
+    pub(crate) runs: Vec<LevelRun>,
+    /// Length of the channel in which the level lies in the stock, and the length in which the tool cuts it, mm.
+    pub(crate) length: [f64; 2],
+}
+
+/// Share of a step down that rounding may add to a whole number of levels.
+const WHOLE: f64 = 1e-9;
+
+impl Roughing<'_> {
+    /// The levels from the shroud down to the hub.
+    pub(crate) fn levels(&self, form: Levels, name: &str, progress: &Progress) -> Vec<RoughLevel> {
+        let count = (self.chart.height() / self.depth - WHOLE).ceil().max(1.0) as usize;
+        let work = progress.begin(format!("{name}, levels"), count);
+        let level = |k: usize| {
+            let below = k as f64 * self.depth;
+            match form {
+                Levels::Hub => Level::OverHub((count - k) as f64 * self.depth),
+                Levels::Shroud if k == count => Level::OverHub(0.0),
+                Levels::Shroud => Level::UnderShroud(below),
+                Levels::Morph => Level::Share(1.0 - k as f64 / count as f64),
+            }
+        };
+        let mut levels = Vec::new();
+        for number in 1..=count {
+            if progress.is_cancelled() {
+                break;
+            }
+            levels.push(work.step(self.runs(number, level(number), number == count)));
+        }
+        levels
+    }
+
+    /// True where a level lies in the stock; the last level may lie on the hub.
+    fn in_stock(&self, level: Level, u: f64, last: bool) -> bool {
+        let v = level.v(&self.chart, u, 0.5);
+        (0.0..=1.0).contains(&u) && v < 1.0 && (last || v > 0.0)
+    }
+
+    /// The runs of a level.
+    fn runs(&self, number: usize, level: Level, last: bool) -> RoughLevel {
+        let at = |u: f64| level.v(&self.chart, u, 0.5);
+        // A tool outside of the stock has its whole end there, also where the channel ends at a slant of 60 deg.
+        let lead = [self.lead_in, self.lead_out].map(|lead| 2.0 * self.radius() + lead);
+        let from = -self.chart.lead(0.0, at(0.0), lead[0]);
+        let to = 1.0 + self.chart.lead(1.0, at(1.0), lead[1]);
+        let middle = |u: f64| self.chart.point(u, at(u), 0.5);
+        let length: f64 = (0..50)
+            .map(|i| {
+                let u = |k: i32| from + (to - from) * f64::from(k) / 50.0;
+                (middle(u(i + 1)) - middle(u(i))).norm()
+            })
+            .sum();
+        let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
+        let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
+        let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, last)).collect();
+        let step = |i: usize| (middle(grid[i + 1]) - middle(grid[i])).norm();
+        let mut wanted = inside.clone();
+        let mut first = 0;
+        while let Some(start) = (first..=count).find(|i| inside[*i]) {
+            let end = (start..=count).find(|i| !inside[*i]).unwrap_or(count + 1) - 1;
+            for (back, reach) in [(true, lead[0]), (false, lead[1])] {
+                let (mut i, mut run) = (if back { start } else { end }, 0.0);
+                while run < reach && (if back { i > 0 } else { i < count }) {
+                    run += step(if back { i - 1 } else { i });
+                    i = if back { i - 1 } else { i + 1 };
+                    wanted[i] = true;
+                }
+            }
+            first = end + 1;
+        }
+        let fits: Vec<Option<[f64; 2]>> =
+            (0..=count).into_par_iter().map(|i| if wanted[i] { self.room(grid[i], level) } else { None }).collect();
+        let mut level_found = RoughLevel { number, runs: Vec::new(), length: [0.0; 2] };
+        level_found.length[0] = (0..count).filter(|i| inside[*i] && inside[i + 1]).map(step).sum();
+        let mut i = 0;
+        while i <= count {
+            if fits[i].is_none() {
+                i += 1;
+                continue;
+            }
+            let end = (i..=count).find(|k| fits[*k].is_none()).unwrap_or(count + 1) - 1;
+            let mut stations: Vec<LayerStation> =
+                (i..=end).filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
+            let kept = limit_leads(&mut stations, &inside[i..=end]);
+            let open = [!inside[i], !inside[end]];
+            let cut: f64 = (i..end).filter(|k| inside[*k] && inside[k + 1]).map(step).sum();
+            if kept && cut > 0.0 && (open[0] || open[1]) {
+                level_found.length[1] += cut;
+                level_found.runs.push(LevelRun { level, stations, open });
+            }
+            i = end + 1;
+        }
+        level_found
+    }
+}
+
+/// Limits the space outside of the stock, where no walls are, to that of the nearest station inside. False where a lead
+/// then has no space, or no station is inside.
+fn limit_leads(stations: &mut [LayerStation], inside: &[bool]) -> bool {
+    let (Some(first), Some(last)) = (inside.iter().position(|x| *x), inside.iter().rposition(|x| *x)) else {
+        return false;
+    };
+    let edges = [stations[first].room, stations[last].room];
+    for (k, station) in stations.iter_mut().enumerate().filter(|(k, _)| *k < first || *k > last) {
+        let edge = edges[usize::from(k > last)];
+        station.room = [station.room[0].max(edge[0]), station.room[1].min(edge[1])];
+        if station.room[0] > station.room[1] {
+            return false;
+        }
+    }
+    true
+}

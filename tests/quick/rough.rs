@@ -1,0 +1,63 @@
+//! The operation `rough`: what one item of the job means.
+
+use impellerc::diag::{Sink, codes};
+use impellerc::job::model::OperationSpec;
+use impellerc::job::{self, InMemory};
+use impellerc::method::{Levels, Milling};
+use impellerc::operation::OperationKind;
+use impellerc::source::SourceMap;
+use impellerc::syntax;
+
+const JOB: &str = include_str!("../../jobs/small/rough.imp");
+
+/// The operations of the job with a text replaced, or the codes of its faults.
+fn read(from: &str, to: &str) -> Result<Vec<OperationSpec>, Vec<&'static str>> {
+    assert!(JOB.contains(from), "{from}");
+    let mut files = InMemory::default();
+    files.curves.insert("vane_curves.csv".to_owned(), include_str!("../../jobs/small/vane_curves.csv").to_owned());
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let text = JOB.replacen(from, to, 1);
+    let source = sources.add("rough.imp", &text);
+    let ast = syntax::parse(&text, source, &mut sink);
+    let partial = job::understand(&ast, &mut files, &mut sources, &mut sink);
+    partial.job().map(|job| job.operations).ok_or_else(|| sink.diags().iter().map(|d| d.code.id()).collect())
+}
+
+#[test]
+fn one_item_is_one_operation_a_tool() {
+    let operations = read("tools t1, t2", "tools t1, t2").unwrap();
+    let figures = |o: &OperationSpec| match o.kind {
+        OperationKind::Rough { depth, stepover, levels, milling, .. } => {
+            (o.name.clone(), o.tool, depth.get(), stepover.get(), levels, milling, o.rest.map(|r| r.get()))
+        }
+        _ => panic!("{:?}", o.kind),
+    };
+    let found: Vec<_> = operations.iter().map(figures).collect();
+    // The defaults by the shapes of a flat and a ball of 2 mm.
+    assert_eq!(found[0], ("rough".into(), 0, 0.75, 1.5, Levels::Hub, Milling::Climb, None));
+    assert_eq!(found[1], ("rough2".into(), 1, 0.66, 0.8, Levels::Hub, Milling::Climb, Some(0.2)));
+    // One value for all tools, or one for each.
+    let given = "depth 0.5 mm, 0.4 mm  stepover 1 mm  levels from-shroud  milling conventional  allowance vane";
+    let found: Vec<_> = read("allowance vane", given).unwrap().iter().map(figures).collect();
+    assert_eq!((found[0].2, found[0].3, found[1].2, found[1].3), (0.5, 1.0, 0.4, 1.0));
+    assert_eq!((found[0].4, found[0].5), (Levels::Shroud, Milling::Conventional));
+    let speeds = read("speed 12000 rpm", "speed 12000 rpm, 10000 rpm").unwrap();
+    assert_eq!([speeds[0].speed.get(), speeds[1].speed.get()], [12000.0, 10000.0]);
+}
+
+#[test]
+fn faults_of_the_item_are_named() {
+    for (from, to, code) in [
+        ("speed 12000 rpm", "speed 1 rpm, 2 rpm, 3 rpm", codes::job::WRONG_FORM),
+        ("tools t1, t2", "tools t1, t9", codes::job::UNKNOWN_NAME),
+        ("  tools t1, t2  speed", "  speed", codes::job::MISSING_PROPERTY),
+        ("feed 300 mm/min", "", codes::job::MISSING_PROPERTY),
+        ("feed 300 mm/min", "feed 300 mm/min  levels floor", codes::job::UNKNOWN_NAME),
+        ("feed 300 mm/min", "feed 300 mm/min  depth 90 mm", codes::job::OUT_OF_RANGE),
+        ("feed 300 mm/min", "feed 300 mm/min  residual 1 mm", codes::job::UNKNOWN_PROPERTY),
+        ("  allowance vane 0.2 mm, hub 0.4 mm\n", "", codes::job::MISSING_PROPERTY),
+    ] {
+        let found = read(from, to).map(|o| o.len());
+        assert!(found.as_ref().is_err_and(|f| f.contains(&code.id())), "{to}: {found:?}");
+    }
+}

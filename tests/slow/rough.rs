@@ -1,0 +1,122 @@
+//! Paths of the operation `rough`: what they leave, what their links meet, and the sense of their lines.
+
+use crate::support::jobs::{self, Compiled};
+use impellerc::contract::ContractKind;
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{MoveKind, Operation, OperationKind, Program};
+use impellerc::method::{Levels, Milling};
+use impellerc::part::sample::{Sample, sample};
+use impellerc::part::{SurfaceClass, SurfaceKind};
+use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
+use impellerc::verify::proof::sweep::Sweep;
+use impellerc::verify::stock::{Settings, simulate};
+use std::sync::LazyLock;
+
+/// The shipped job in one sector, without its contract on the rest.
+fn changed(change: impl Fn(&mut Operation)) -> Program {
+    let mut program = jobs::program("rough", None);
+    let mut operations = PrimaryMap::new();
+    for (_, operation) in program.operations.iter() {
+        let mut operation = Operation { sectors: vec![0], ..operation.clone() };
+        change(&mut operation);
+        operations.push(operation);
+    }
+    let whole = program.operations.iter().all(|(id, _)| operations[id].sectors.len() > 1);
+    program.contracts.retain(|c| whole || c.kind != ContractKind::Rest);
+    program.operations = operations;
+    program
+}
+
+/// One sector, planned and verified once.
+static ROUGHED: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(changed(|_| {})));
+
+/// No cutter comes nearer to the finished part than the allowances, by the distances of all samples.
+#[test]
+fn the_allowances_are_kept() {
+    let (program, motion) = ROUGHED.planned();
+    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    let samples: Vec<Sample> = sample(&program.part, 0.5).into_iter().filter(|s| s.surface.sector == 0).collect();
+    // The planner finds the free interval across the channel to about 0.02 mm.
+    const FOUND_TO: f64 = 0.025;
+    let (mut compared, mut missing) = (0, 0.0_f64);
+    for sample in samples.iter().filter(|s| s.surface.milled()) {
+        let required = if matches!(sample.surface.kind, SurfaceKind::Hub(_)) { 0.4 } else { 0.2 };
+        let least =
+            sweeps.iter().fold(required, |d, w| w.nearest(&sample.position, d).map_or(d, |n| n.distance.min(d)));
+        assert!(least > required - FOUND_TO, "{}: {least}", sample.surface);
+        missing = missing.max(required - least);
+        compared += 1;
+    }
+    println!("{compared} samples; at worst {missing:.4} mm less than the allowance");
+    assert!(compared > 300, "{compared}");
+}
+
+/// The simulation of the verifier: no link removes stock, nothing collides, and most of the time cuts.
+#[test]
+fn links_remove_nothing() {
+    let (program, motion) = ROUGHED.planned();
+    let mut settings = Settings::default();
+    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
+    for operation in &report.operations {
+        assert_eq!(operation.collisions.len(), 0);
+        assert!(operation.by_links < 1e-3 * operation.removed, "{operation:?}");
+    }
+}
+
+/// The wall lies to the right of a tool that climbs, and to the left of one that mills conventionally.
+#[test]
+fn lines_keep_their_sense() {
+    for milling in Milling::ALL {
+        let program = changed(|o| {
+            if let OperationKind::Rough { milling: sense, .. } = &mut o.kind {
+                *sense = milling;
+            }
+        });
+        let plan = pipeline::run(&program, &mut Sink::default()).unwrap();
+        let walls: Vec<Sample> = sample(&program.part, 0.4)
+            .into_iter()
+            .filter(|s| matches!(s.surface.kind.class(), SurfaceClass::Pressure | SurfaceClass::Suction))
+            .collect();
+        let operation = &plan.motion.operations[0];
+        let (mut right, mut all) = (0, 0);
+        for pair in operation.moves.windows(2) {
+            let line = operation.labels[pair[1].pass as usize].contains(" line ");
+            if pair[1].kind != MoveKind::Cut || !line {
+                continue;
+            }
+            let [from, to] = [0, 1].map(|k| program.machine.forward(&pair[k].joints));
+            let middle = from.tip + (to.tip - from.tip) * 0.5 + from.axis * 2.0;
+            let near = walls.iter().map(|s| s.position - middle).min_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
+            // Beside a wall, with the wall across the motion: not on the way from one wall to the other.
+            let motion = (to.tip - from.tip).normalize();
+            if near.norm() > 1.6 || near.normalize().dot(&motion).abs() > 0.4 {
+                continue;
+            }
+            all += 1;
+            right += usize::from(motion.cross(&from.axis).dot(&near) > 0.0);
+        }
+        let share = f64::from(u32::try_from(right).unwrap()) / f64::from(u32::try_from(all).unwrap());
+        println!("{}: wall to the right on {:.1} % of {all} moves", milling.name(), 100.0 * share);
+        let as_named = if milling == Milling::Climb { share } else { 1.0 - share };
+        assert!(all > 100 && as_named > 0.95, "{} {share} of {all}", milling.name());
+    }
+}
+
+/// All forms of levels reach the floor.
+#[test]
+fn each_form_of_levels_reaches_the_floor() {
+    for form in Levels::ALL {
+        let program = changed(|o| {
+            o.sectors = (0..8).collect();
+            if let OperationKind::Rough { levels, .. } = &mut o.kind {
+                *levels = form;
+            }
+        });
+        let compiled = Compiled::new(program);
+        let rest = &compiled.certificate.contracts.iter().find(|c| c.name() == "rest").unwrap();
+        println!("{}: rest {:.3} mm", form.name(), rest.found);
+        assert!(rest.holds, "{}: {}", form.name(), rest.found);
+    }
+}
