@@ -145,7 +145,7 @@ fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
     assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
     for (surfaces, words) in
-        [(FACES, ["down to the fillets", "into the hub"]), (FILLETS, ["cuts the fillets", "beside"])]
+        [(FACES, ["end at the fillets", "into the hub"]), (FILLETS, ["cuts the fillets", "beside"])]
     {
         let mut sink = Sink::default();
         assert!(pipeline::run(&program(big, surfaces.to_vec(), 0.01, AxisMethod::Blend), &mut sink).is_err());

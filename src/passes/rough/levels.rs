@@ -7,6 +7,7 @@ use super::layers::{LayerStation, Level, Roughing, STATION_SPACING};
 use crate::method::Levels;
 use crate::progress::Progress;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Part of a level in which the tool fits.
 pub(crate) struct LevelRun {
@@ -30,6 +31,10 @@ pub(crate) struct RoughLevel {
 
 /// Share of a step down that rounding may add to a whole number of levels.
 const WHOLE: f64 = 1e-9;
+
+/// Most that a border of the free space moves across the channel from one station to the next, as a multiple of their
+/// distance along the channel.
+const STEEPEST: f64 = 2.0;
 
 impl Roughing<'_> {
     /// The levels from the shroud down to the hub.
@@ -59,6 +64,22 @@ impl Roughing<'_> {
     fn in_stock(&self, level: Level, u: f64, last: bool) -> bool {
         let v = level.v(&self.chart, u, 0.5);
         (0.0..=1.0).contains(&u) && v < 1.0 && (last || v > 0.0)
+    }
+
+    /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually. A tool that
+    /// hardly fits has spaces here and there, which no path joins.
+    fn continuous(&self, level: Level, stations: &[LayerStation]) -> Vec<Range<usize>> {
+        let goes_on = |k: usize| {
+            let (from, to) = (&stations[k], &stations[k + 1]);
+            let u = 0.5 * (from.u + to.u);
+            let width = self.chart.width(u, level.v(&self.chart, u, 0.5));
+            let moved = [0, 1].map(|side: usize| (to.room[side] - from.room[side]).abs() * width);
+            from.room[0].max(to.room[0]) <= from.room[1].min(to.room[1])
+                && moved.iter().all(|mm| *mm <= STEEPEST * STATION_SPACING)
+        };
+        let breaks = (1..stations.len()).filter(|k| !goes_on(k - 1));
+        let borders: Vec<usize> = std::iter::once(0).chain(breaks).chain([stations.len()]).collect();
+        borders.windows(2).map(|w| w[0]..w[1]).collect()
     }
 
     /// The runs of a level.
@@ -106,12 +127,18 @@ impl Roughing<'_> {
             let end = (i..=count).find(|k| fits[*k].is_none()).unwrap_or(count + 1) - 1;
             let mut stations: Vec<LayerStation> =
                 (i..=end).filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
-            let kept = limit_leads(&mut stations, &inside[i..=end]);
-            let open = [!inside[i], !inside[end]];
-            let cut: f64 = (i..end).filter(|k| inside[*k] && inside[k + 1]).map(step).sum();
-            if kept && cut > 0.0 && (open[0] || open[1]) {
-                level_found.length[1] += cut;
-                level_found.runs.push(LevelRun { level, stations, open });
+            if limit_leads(&mut stations, &inside[i..=end]) {
+                for part in self.continuous(level, &stations) {
+                    let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
+                    let inside = |k: usize| inside[i + k];
+                    let open = [!inside(part.start), !inside(part.end - 1)];
+                    let steps = (part.start..part.end - 1).filter(|k| inside(*k) && inside(k + 1));
+                    let cut: f64 = steps.map(|k| step(i + k)).sum();
+                    if cut > 0.0 && (open[0] || open[1]) {
+                        level_found.length[1] += cut;
+                        level_found.runs.push(LevelRun { level, stations, open });
+                    }
+                }
             }
             i = end + 1;
         }
