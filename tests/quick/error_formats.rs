@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-const JOB: &str = "jobs/reduced/reduced.imp";
+const JOB: &str = "jobs/small/small.imp";
 
 /// Runs and gives the report, with whether the run succeeded.
 fn report(arguments: &[&str], format: &str) -> (bool, String) {
@@ -264,10 +264,10 @@ fn a_run_that_holds_and_one_that_fails() {
     assert!(held.iter().any(|c| c.class == "contract" && c.name.contains("clearance")), "{junit}");
     assert!(held.iter().any(|c| c.name == "no errors"));
     let folder = tempfile::tempdir().unwrap();
-    let job = folder.path().join("reduced.imp");
+    let job = folder.path().join("small.imp");
     // Less than the faces are cut into, more than the edges are.
     let text =
-        std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 120 um", "require gouge <= 80 um", 1);
+        std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 2 um", "require gouge <= 1.5 um", 1);
     std::fs::write(&job, &text).unwrap();
     std::fs::copy(Path::new(JOB).with_file_name("vane_curves.csv"), folder.path().join("vane_curves.csv")).unwrap();
     let (ok, sarif) = report(&[job.to_str().unwrap()], "sarif");
@@ -285,11 +285,11 @@ fn a_run_that_holds_and_one_that_fails() {
     let (_, junit) = report(&[job.to_str().unwrap()], "junit");
     let judged = cases(&junit);
     let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
-    assert_eq!(names, ["clearance >= 0.500 mm", "gouge <= 80.00 um"]);
-    assert!(held.iter().any(|c| c.name == names[0]));
-    assert!(judged[0].failure.is_none() && judged[0].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
-    assert!(judged[1].failure.as_ref().unwrap().contains("deep into"), "{junit}");
-    assert_eq!(judged[1].place.as_ref().unwrap().1, line_of(&text, "require gouge"));
+    assert_eq!(names, ["gouge <= 1.50 um", "clearance >= 0.500 mm"]);
+    assert!(held.iter().any(|c| c.name == names[1]));
+    assert!(judged[1].failure.is_none() && judged[1].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
+    assert!(judged[0].failure.as_ref().unwrap().contains("deep into"), "{junit}");
+    assert_eq!(judged[0].place.as_ref().unwrap().1, line_of(&text, "require gouge"));
     assert_eq!(judged.len(), 2, "the failed contract is no second case: {junit}");
 }
 
