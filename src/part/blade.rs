@@ -14,12 +14,12 @@ impl BladeId {
     /// The main blade.
     pub const MAIN: Self = Self(0);
 
-    /// The blade at an index of [`super::Row::blades`].
+    /// The blade at an index of [`super::BladeRow::blades`].
     pub fn new(index: usize) -> Self {
         Self(u16::try_from(index).unwrap_or(u16::MAX))
     }
 
-    /// Its index in [`super::Row::blades`].
+    /// Its index in [`super::BladeRow::blades`].
     pub fn index(self) -> usize {
         usize::from(self.0)
     }

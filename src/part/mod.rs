@@ -37,7 +37,7 @@ pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use extent::Extent;
 pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
 pub use rolling_ball::hub_normal;
-pub use row::{Part, Passage, Row};
+pub use row::{BladeRow, Part, Passage};
 pub use sample::{Sample, sample};
 pub use stock::{Clamping, Stock};
 pub use surface::{FaceSurface, Surface};

@@ -13,13 +13,13 @@ use std::sync::OnceLock;
 /// charts are made from it once.
 #[derive(Clone, Debug)]
 pub struct Part {
-    row: Row,
+    row: BladeRow,
     charts: OnceLock<ChartTables>,
 }
 
 /// Blades of a sector between hub and shroud.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct BladeRow {
     /// Number of sectors, and therefore of main blades.
     pub vane_count: u32,
     /// Blades of sector 0: the main blade, then its splitters counter-clockwise, less than a pitch ahead of it.
@@ -42,9 +42,9 @@ pub struct Passage {
 }
 
 impl std::ops::Deref for Part {
-    type Target = Row;
+    type Target = BladeRow;
 
-    fn deref(&self) -> &Row {
+    fn deref(&self) -> &BladeRow {
         &self.row
     }
 }
@@ -82,7 +82,7 @@ impl Part {
             let [a, b] = [a, b].map(|blade| ahead_of(&from, &blade.faces[0].surface.point(1.0, 0.5)));
             a.total_cmp(&b)
         });
-        let row = Row {
+        let row = BladeRow {
             vane_count,
             hub: Revolution::new(hub, outside),
             shroud: Revolution::new(shroud, beyond),

@@ -4,7 +4,7 @@ use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, OperationKind, Program};
 use crate::passes::context::{ChannelChart, Keep, Obstacles};
 use crate::progress::Progress;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Share of a layer that rounding may add to a whole number of layers.
@@ -161,12 +161,7 @@ impl<'a> Roughing<'a> {
     fn layer(&self, number: usize, level: f64) -> Result<Layer, f64> {
         let from = -self.chart.lead(0.0, level, self.lead_in);
         let to = 1.0 + self.chart.lead(1.0, level, self.lead_out);
-        let length: f64 = (0..50)
-            .map(|i| {
-                let at = |k: i32| self.chart.point(from + (to - from) * f64::from(k) / 50.0, level, 0.5);
-                (at(i + 1) - at(i)).norm()
-            })
-            .sum();
+        let length = length_of(|u| self.chart.point(u, level, 0.5), from, to);
         let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
         let stations = (0..=count)
             .into_par_iter()
@@ -177,7 +172,7 @@ impl<'a> Roughing<'a> {
             .collect::<Vec<_>>();
         // The first station without space, independent of the thread that found it.
         let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
-        keep_room_at_edges(&mut stations)?;
+        limit_leads(&mut stations, |_, u| (0.0..=1.0).contains(&u))?;
         Ok(Layer { number, level, stations })
     }
 
@@ -230,18 +225,26 @@ impl<'a> Roughing<'a> {
     }
 }
 
-/// Limits the space in front of the inlet and behind the outlet, where no walls are, to that of the nearest station
-/// inside. A line that widened there would cut across the edges of the vanes.
-fn keep_room_at_edges(stations: &mut [LayerStation]) -> Result<(), f64> {
-    let inside = |s: &&LayerStation| (0.0..=1.0).contains(&s.u);
-    let (first, last) = (stations.iter().find(inside).copied(), stations.iter().rfind(inside).copied());
-    let (Some(first), Some(last)) = (first, last) else { return Ok(()) };
-    for s in stations.iter_mut().filter(|s| !(0.0..=1.0).contains(&s.u)) {
-        let edge = if s.u < 0.0 { first } else { last };
-        s.room = [s.room[0].max(edge.room[0]), s.room[1].min(edge.room[1])];
+/// Limits the space of the leads, where no walls are, to that of the nearest station inside; a line that widened there
+/// would cut across the edges of the vanes. An error is the u of a lead that then has no space.
+pub(super) fn limit_leads(stations: &mut [LayerStation], inside: impl Fn(usize, f64) -> bool) -> Result<(), f64> {
+    let inside: Vec<bool> = stations.iter().enumerate().map(|(k, s)| inside(k, s.u)).collect();
+    let (Some(first), Some(last)) = (inside.iter().position(|x| *x), inside.iter().rposition(|x| *x)) else {
+        return Ok(());
+    };
+    let edges = [stations[first].room, stations[last].room];
+    for (k, s) in stations.iter_mut().enumerate().filter(|(k, _)| *k < first || *k > last) {
+        let edge = edges[usize::from(k > last)];
+        s.room = [s.room[0].max(edge[0]), s.room[1].min(edge[1])];
         if s.room[0] > s.room[1] {
             return Err(s.u);
         }
     }
     Ok(())
+}
+
+/// Length of a line in the channel from one u to another, mm.
+pub(super) fn length_of(point: impl Fn(f64) -> Point3<f64>, from: f64, to: f64) -> f64 {
+    let at = |k: i32| point(from + (to - from) * f64::from(k) / 50.0);
+    (0..50).map(|i| (at(i + 1) - at(i)).norm()).sum()
 }

@@ -3,7 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
-use super::layers::{LayerStation, Level, Roughing, STATION_SPACING};
+use super::layers::{LayerStation, Level, Roughing, STATION_SPACING, length_of, limit_leads};
 use crate::method::Levels;
 use crate::progress::Progress;
 use rayon::prelude::*;
@@ -90,12 +90,7 @@ impl Roughing<'_> {
         let from = -self.chart.lead(0.0, at(0.0), lead[0]);
         let to = 1.0 + self.chart.lead(1.0, at(1.0), lead[1]);
         let middle = |u: f64| self.chart.point(u, at(u), 0.5);
-        let length: f64 = (0..50)
-            .map(|i| {
-                let u = |k: i32| from + (to - from) * f64::from(k) / 50.0;
-                (middle(u(i + 1)) - middle(u(i))).norm()
-            })
-            .sum();
+        let length = length_of(middle, from, to);
         let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
         let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, last)).collect();
@@ -127,7 +122,7 @@ impl Roughing<'_> {
             let end = (i..=count).find(|k| fits[*k].is_none()).unwrap_or(count + 1) - 1;
             let mut stations: Vec<LayerStation> =
                 (i..=end).filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
-            if limit_leads(&mut stations, &inside[i..=end]) {
+            if limit_leads(&mut stations, |k, _| inside[i + k]).is_ok() {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
                     let inside = |k: usize| inside[i + k];
@@ -144,21 +139,4 @@ impl Roughing<'_> {
         }
         level_found
     }
-}
-
-/// Limits the space outside of the stock, where no walls are, to that of the nearest station inside. False where a lead
-/// then has no space, or no station is inside.
-fn limit_leads(stations: &mut [LayerStation], inside: &[bool]) -> bool {
-    let (Some(first), Some(last)) = (inside.iter().position(|x| *x), inside.iter().rposition(|x| *x)) else {
-        return false;
-    };
-    let edges = [stations[first].room, stations[last].room];
-    for (k, station) in stations.iter_mut().enumerate().filter(|(k, _)| *k < first || *k > last) {
-        let edge = edges[usize::from(k > last)];
-        station.room = [station.room[0].max(edge[0]), station.room[1].min(edge[1])];
-        if station.room[0] > station.room[1] {
-            return false;
-        }
-    }
-    true
 }
