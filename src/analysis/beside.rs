@@ -46,7 +46,7 @@ struct Spot {
 }
 
 /// Measures every point milling operation, and reports tools that are too large.
-pub(super) fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
+pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
     let part = &program.part;
     let mut spots: Vec<Spot> = Vec::new();
     let mut found = Vec::new();

@@ -4,7 +4,6 @@
 pub mod beside;
 pub mod channel;
 pub mod cost;
-pub mod ends;
 pub mod flank;
 pub mod machine_kind;
 pub mod outliers;
@@ -20,31 +19,12 @@ use crate::diag::{Diag, Sink};
 use crate::ir::Program;
 use crate::part::BladeId;
 
-/// What is known about the part.
-#[derive(Clone, Debug)]
-pub struct Facts {
-    /// Width of the channel between neighbouring vanes.
-    pub throat: throat::Throat,
-    /// Twist of the pressure and the suction face.
-    pub twists: [twist::Twist; 2],
-    /// Distances of the ends of the faces from hub and shroud.
-    pub ends: Vec<ends::EndGap>,
-    /// Data points that break the pattern of the others.
-    pub outliers: Vec<outliers::Outlier>,
-    /// Reach of the tool of each operation that goes down to the floor.
-    pub reaches: Vec<reach::Reach>,
-    /// Free space for the tool of each operation that point mills faces or fillets.
-    pub beside: Vec<beside::Beside>,
-}
-
-/// Finds the facts. Reports important ones; facts that no plan can overcome are errors.
-pub fn check(program: &Program, sink: &mut Sink) -> Facts {
+/// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
+pub fn check(program: &Program, sink: &mut Sink) {
     let part = &program.part;
     let throat = throat::measure(part, &program.data);
     let twists = BladeId::MAIN.faces().map(|side| twist::measure(part, side));
-    let ends = ends::measure(part);
-    let outliers = outliers::find(&program.data);
-    for outlier in &outliers {
+    for outlier in outliers::find(&program.data) {
         outlier.report(&program.data, sink);
     }
     let narrow = &throat.narrowest;
@@ -72,7 +52,6 @@ pub fn check(program: &Program, sink: &mut Sink) -> Facts {
     }
     flank::report(program, sink);
     retract::check(program, sink);
-    let reaches = reach::check(program, &throat, sink);
-    let beside = beside::check(program, sink);
-    Facts { throat, twists, ends, outliers, reaches, beside }
+    reach::check(program, &throat, sink);
+    beside::check(program, sink);
 }

@@ -146,7 +146,7 @@ impl Finder<'_> {
 }
 
 /// Measures these operations, and reports tools that cannot do their work.
-pub(super) fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
+pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
     let finder = Finder { part: &program.part, channel: Channel::new(&program.part), throat };
     let reaches: Vec<Reach> = program
         .operations

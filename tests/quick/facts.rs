@@ -1,7 +1,9 @@
 //! Facts about the paper's impeller, and the reach of the tools of a job in it.
 
 use crate::support;
-use impellerc::analysis::{self, Facts, outliers, throat};
+use impellerc::analysis::beside::{self, Beside};
+use impellerc::analysis::reach::{self, Reach};
+use impellerc::analysis::{self, outliers, throat, twist};
 use impellerc::collide::Cutter;
 use impellerc::diag::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
@@ -15,10 +17,20 @@ use impellerc::units::Mm;
 use nalgebra::Point3;
 use support::{operation, tool, wei_data, wei_part, wei_program};
 
-fn check(program: &Program) -> (Facts, Vec<Diag>) {
+fn check(program: &Program) -> Vec<Diag> {
     let mut sink = Sink::default();
-    let facts = analysis::check(program, &mut sink);
-    (facts, sink.diags().to_vec())
+    analysis::check(program, &mut sink);
+    sink.diags().to_vec()
+}
+
+/// Reach of the tool of each operation that goes down to the floor.
+fn reaches(program: &Program) -> Vec<Reach> {
+    reach::check(program, &throat::measure(&program.part, &program.data), &mut Sink::default())
+}
+
+/// Free space for the tool of each operation that point mills faces or fillets.
+fn besides(program: &Program) -> Vec<Beside> {
+    beside::check(program, &mut Sink::default())
 }
 
 /// The paper's part, roughed with one cutter after the other, finished with a ball of 6 mm.
@@ -69,9 +81,9 @@ fn narrowest_place_is_at_the_hub_near_the_inlet() {
 }
 
 #[test]
-fn faces_twist_and_miss_hub_and_shroud_as_known() {
-    let (facts, diags) = check(&program(None, &[Cutter::Flat { radius: 4.0 }]));
-    let [p, s] = facts.twists;
+fn faces_twist_as_known() {
+    let part = wei_part(None);
+    let [p, s] = BladeId::MAIN.faces().map(|face| twist::measure(&part, face));
     // scipy 1.17.1 on 401 rulings, mean by the trapezoidal rule.
     for (twist, [largest, at, mean]) in [
         (p, [32.757_131_801_100_47, 0.3925, 17.628_306_361_766_903]),
@@ -81,15 +93,7 @@ fn faces_twist_and_miss_hub_and_shroud_as_known() {
         assert!((twist.mean.to_degrees() - mean).abs() < 1e-9);
     }
     assert!((p.ruling[0] - 8.0288).abs() < 1e-3 && (s.ruling[1] - 26.5294).abs() < 1e-3);
-    let gap = |side, end| *facts.ends.iter().find(|g| g.side == side && g.end == end).unwrap();
-    // scipy 1.17.1, `minimize_scalar` along the other meridian at 401 stations.
-    let root = gap(FaceId::SUCTION, RulingEnd::Root);
-    assert!((root.distance.abs() - 0.025_254_226_875).abs() < 1e-9 && (root.u - 0.675).abs() < 1e-12, "{root:?}");
-    let tip = gap(FaceId::SUCTION, RulingEnd::Tip);
-    assert!((tip.distance.abs() - 0.052_463_602_017).abs() < 1e-9 && (tip.u - 0.42).abs() < 1e-12, "{tip:?}");
-    for end in [RulingEnd::Root, RulingEnd::Tip] {
-        assert!(gap(FaceId::PRESSURE, end).distance.abs() < 1e-9);
-    }
+    let diags = check(&program(None, &[Cutter::Flat { radius: 4.0 }]));
     assert!(errors(&diags).is_empty(), "{diags:?}");
 }
 
@@ -130,7 +134,7 @@ fn the_warning_stands_under_the_point() {
     let span = Span::new(SourceId(0), 7..9);
     program.data.iter_mut().find(|c| c.side == FaceId::PRESSURE && c.end == RulingEnd::Tip).unwrap().points[3].span =
         Some(span);
-    let (_, diags) = check(&program);
+    let diags = check(&program);
     let warning = diags.iter().find(|d| d.severity == Severity::Warning).unwrap();
     assert_eq!(warning.code.id(), "IMP0350");
     assert_eq!(warning.labels[0].span, span);
@@ -139,7 +143,8 @@ fn the_warning_stands_under_the_point() {
 
 #[test]
 fn the_rougher_of_the_paper_does_not_fit() {
-    let (facts, diags) = check(&program(None, &[Cutter::Flat { radius: 5.0 }]));
+    let job = program(None, &[Cutter::Flat { radius: 5.0 }]);
+    let (found, diags) = (reaches(&job), check(&job));
     let errors = errors(&diags);
     assert_eq!(errors.len(), 1, "{errors:?}");
     let e = errors[0];
@@ -151,8 +156,8 @@ fn the_rougher_of_the_paper_does_not_fit() {
     assert_eq!(e.place.as_ref().unwrap().what, "pressure root at u = 0.084");
     // scipy: points 0.5 mm over the hub on both faces are 9.2945 mm apart at the narrowest; 0.2 mm off each is 8.8945.
     // Offsets square to leaning walls make 2 um of difference.
-    assert!((facts.reaches[0].free_width.unwrap().width - 8.8945).abs() < 0.005, "{:?}", facts.reaches[0]);
-    let largest = facts.reaches[0].largest;
+    assert!((found[0].free_width.unwrap().width - 8.8945).abs() < 0.005, "{:?}", found[0]);
+    let largest = found[0].largest;
     assert!((largest - 8.89).abs() < 0.011);
     assert!(e.help.as_ref().unwrap().contains(&format!("{largest:.2} mm")), "{e:?}");
 }
@@ -166,9 +171,8 @@ fn the_largest_tool_is_the_border() {
             |radius| Cutter::Ball { radius },
             |radius| Cutter::Bull { radius, corner: 1.5 },
         ] {
-            let (facts, _) = check(&program(fillet, &[make(5.0)]));
-            let largest = facts.reaches[0].largest;
-            let fits = |diameter: f64| check(&program(fillet, &[make(diameter / 2.0)])).0.reaches[0].fits;
+            let largest = reaches(&program(fillet, &[make(5.0)]))[0].largest;
+            let fits = |diameter: f64| reaches(&program(fillet, &[make(diameter / 2.0)]))[0].fits;
             assert!(fits(largest) && !fits(largest + 0.02), "{fillet:?} {:?} {largest}", make(largest));
         }
     }
@@ -196,7 +200,7 @@ fn room_in_a_straight_channel_is_exact() {
         let mut program = program(None, &[cutter]);
         program.part = straight_part(fillet);
         program.data = Vec::new();
-        let reach = check(&program).0.reaches[0];
+        let reach = reaches(&program)[0];
         (reach.free_width.unwrap().width, reach.largest)
     };
     let flat = Cutter::Flat { radius: 5.0 };
@@ -223,13 +227,15 @@ fn room_in_a_straight_channel_is_exact() {
 #[test]
 fn a_fillet_narrows_the_floor_for_a_flat_tool() {
     let flat = Cutter::Flat { radius: 4.0 };
-    assert!(errors(&check(&program(None, &[flat])).1).is_empty());
-    let (facts, diags) = check(&program(Some(3.0), &[flat]));
-    assert!(!facts.reaches[0].fits && facts.reaches[0].fits_top);
+    assert!(errors(&check(&program(None, &[flat]))).is_empty());
+    let job = program(Some(3.0), &[flat]);
+    let (found, diags) = (reaches(&job), check(&job));
+    assert!(!found[0].fits && found[0].fits_top);
     assert_eq!(errors(&diags).len(), 1);
     // A ball that goes deeper afterwards makes it a job.
-    let (facts, diags) = check(&program(Some(3.0), &[flat, Cutter::Ball { radius: 3.0 }]));
-    assert!(!facts.reaches[0].fits && facts.reaches[1].fits);
+    let job = program(Some(3.0), &[flat, Cutter::Ball { radius: 3.0 }]);
+    let (found, diags) = (reaches(&job), check(&job));
+    assert!(!found[0].fits && found[1].fits);
     assert!(errors(&diags).is_empty(), "{diags:?}");
 }
 
@@ -239,15 +245,16 @@ fn what_the_finishers_may_meet_counts() {
     let mut program = program(Some(3.0), &[flat]);
     let rest = |bound| Contract::whole(ContractKind::Rest, bound);
     program.contracts = vec![rest(0.6)];
-    assert_eq!(errors(&check(&program).1).len(), 1, "8 mm does not stand 0.6 mm over the hub between the fillets");
+    assert_eq!(errors(&check(&program)).len(), 1, "8 mm does not stand 0.6 mm over the hub between the fillets");
     program.contracts = vec![rest(3.5)];
-    assert!(errors(&check(&program).1).is_empty(), "over the fillets it does");
+    assert!(errors(&check(&program)).is_empty(), "over the fillets it does");
 }
 
 #[test]
 fn a_tool_thicker_than_the_mouth_is_refused_though_another_reaches_the_floor() {
-    let (facts, diags) = check(&program(None, &[Cutter::Flat { radius: 11.0 }, Cutter::Flat { radius: 4.0 }]));
-    assert!(!facts.reaches[0].fits_top && facts.reaches[1].fits);
+    let job = program(None, &[Cutter::Flat { radius: 11.0 }, Cutter::Flat { radius: 4.0 }]);
+    let (found, diags) = (reaches(&job), check(&job));
+    assert!(!found[0].fits_top && found[1].fits);
     assert_eq!(errors(&diags).len(), 1);
     assert!(errors(&diags)[0].message.contains("22 mm flat"));
 }
@@ -257,7 +264,7 @@ fn a_finisher_that_does_not_fit_is_an_error() {
     let mut program = program(None, &[Cutter::Flat { radius: 4.0 }]);
     let big = program.tools.push(tool("big", 9, Cutter::Ball { radius: 7.0 }, 30.0, 45.0));
     program.operations.push(operation("channel2", support::channel(0.01), big, vec![0], 8.0));
-    let (_, diags) = check(&program);
+    let diags = check(&program);
     assert_eq!(errors(&diags).len(), 1, "{diags:?}");
     assert!(errors(&diags)[0].message.contains("14 mm ball"));
 }
@@ -266,7 +273,7 @@ const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(FaceId::PRESSURE), SurfaceKin
 const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(FaceId::PRESSURE), SurfaceKind::Fillet(FaceId::SUCTION)];
 
 /// What is said of point milling some surfaces of a part with a cutter.
-fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Facts, Vec<Diag>) {
+fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Vec<Beside>, Vec<Diag>) {
     let mut program = program(None, &[]);
     program.part = part.clone();
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
@@ -278,44 +285,44 @@ fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Facts, Vec
         method: AxisMethod::Blend,
     };
     program.operations.push(operation(kind.keyword(), kind, id, vec![0], 8.0));
-    check(&program)
+    (besides(&program), check(&program))
 }
 
 #[test]
 fn point_milling_asks_for_no_floor() {
     // Fillets that meet in the middle of the channel: balls that finish the floor have no room there at all.
     let part = wei_part(Some(7.0));
-    let (_, diags) = check(&program(Some(7.0), &[]));
+    let diags = check(&program(Some(7.0), &[]));
     assert!(errors(&diags)[0].message.contains("too large to finish the channel"), "{diags:?}");
     for surfaces in [FACES, FILLETS] {
-        let (facts, diags) = pointed(&part, Cutter::Ball { radius: 3.0 }, &surfaces);
-        assert!(facts.reaches.is_empty() && facts.beside[0].fits && errors(&diags).is_empty(), "{diags:?}");
+        let (beside, diags) = pointed(&part, Cutter::Ball { radius: 3.0 }, &surfaces);
+        assert!(beside[0].fits && errors(&diags).is_empty(), "{diags:?}");
     }
     // Nor does a corner of a wide bull nose care, or anything that stands before an edge.
     let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };
     assert!(errors(&pointed(&wei_part(Some(3.0)), bull, &FACES).1).is_empty());
     let edges = [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
-    let (facts, diags) = pointed(&part, Cutter::Ball { radius: 20.0 }, &edges);
-    assert!(facts.beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
+    let (beside, diags) = pointed(&part, Cutter::Ball { radius: 20.0 }, &edges);
+    assert!(beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
 }
 
 #[test]
 fn a_ball_that_meets_the_next_vane_is_told() {
     // Between parallel walls 20 mm apart a ball of 10 mm touches both; none is bigger than the fillet that it goes down to.
     for (fillet, surfaces, expected) in [(None, FACES, 10.0), (Some(3.0), FACES, 3.0), (Some(3.0), FILLETS, 3.0)] {
-        let largest = pointed(&straight_part(fillet), Cutter::Ball { radius: 2.0 }, &surfaces).0.beside[0].largest;
+        let largest = pointed(&straight_part(fillet), Cutter::Ball { radius: 2.0 }, &surfaces).0[0].largest;
         assert!((largest - expected).abs() < 0.011, "{fillet:?} {largest}");
     }
     // On the paper's part the largest is the border, by another search: over all points of the next face.
     let part = wei_part(None);
     let ball = |radius: f64| pointed(&part, Cutter::Ball { radius }, &FACES);
-    let (facts, diags) = ball(9.0);
+    let (beside, diags) = ball(9.0);
     let told = errors(&diags);
-    assert!(told.len() == 1 && !facts.beside[0].fits, "{diags:?}");
+    assert!(told.len() == 1 && !beside[0].fits, "{diags:?}");
     assert!(told[0].code.id() == "IMP0450" && told[0].place.as_ref().unwrap().what.contains("vane 1"), "{:?}", told[0]);
-    let largest = facts.beside[0].largest;
+    let largest = beside[0].largest;
     assert!(told[0].help.as_ref().unwrap().contains(&format!("{largest} mm")), "{:?}", told[0]);
-    assert!(ball(largest).0.beside[0].fits && !ball(largest + 0.02).0.beside[0].fits, "{largest}");
+    assert!(ball(largest).0[0].fits && !ball(largest + 0.02).0[0].fits, "{largest}");
     let face = |side: FaceId| part.face(side);
     let turn = if part.first_passage().walls[0] == FaceId::PRESSURE { part.pitch() } else { -part.pitch() };
     let next = face(FaceId::SUCTION).surface.rotated(turn);
