@@ -9,7 +9,7 @@ use crate::method::{Levels, Milling};
 use crate::syntax::ast::{Expr, Item, ItemKind};
 use crate::units::Mm;
 
-const KNOWN: [&str; 14] = [
+const KNOWN: [&str; 13] = [
     "tools",
     "speed",
     "feed",
@@ -23,15 +23,23 @@ const KNOWN: [&str; 14] = [
     "allowance",
     "levels",
     "milling",
-    "tool",
 ];
 
 /// Default of `rest over` for the tools after the first, mm.
 const REST: Mm = Mm(0.2);
 
-/// Defaults of `depth` and `stepover` as shares of the diameter, for a tool with a flat end and for one with a ball.
-const FLAT: [f64; 2] = [0.375, 0.75];
-const BALL: [f64; 2] = [0.33, 0.4];
+/// A length of the item that has a default for each tool.
+struct Length {
+    name: &'static str,
+    /// Defaults as shares of the diameter, for a tool with a flat end and for one with a ball.
+    flat: f64,
+    ball: f64,
+    /// Largest value for a tool.
+    most: fn(&ToolSpec) -> Mm,
+}
+
+const DEPTH: Length = Length { name: "depth", flat: 0.375, ball: 0.33, most: |tool| tool.flute };
+const STEPOVER: Length = Length { name: "stepover", flat: 0.75, ball: 0.4, most: |tool| tool.diameter };
 
 impl OperationReader<'_> {
     /// The operations of a `rough` item, one for each tool, in the order of the job.
@@ -39,11 +47,13 @@ impl OperationReader<'_> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &KNOWN, &mut cx.scope, cx.sink);
-        let property = if p.has("tool") { "tool" } else { "tools" };
-        if !p.has(property) {
-            p.missing("tools", "tools t1, t2");
-        }
-        let words = if p.has(property) { p.words(property, "tools t1, t2")? } else { Vec::new() };
+        let example = "tools t1, t2";
+        let words = if p.has("tools") {
+            p.words("tools", example)?
+        } else {
+            p.missing("tools", example);
+            Vec::new()
+        };
         let tools: Option<Vec<usize>> =
             words.iter().map(|word| self.named_tool(kind, word, &mut p).map(|found| found.0)).collect();
         let count = words.len();
@@ -54,6 +64,9 @@ impl OperationReader<'_> {
         let link_feed = self.link_feed(&mut p);
         let [lead_in, lead_out] = leads(&mut p);
         let given_rest = p.has("rest");
+        // `rest` of the first operation of a job speaks of its later tools.
+        let finds_rest = !self.first;
+        self.first &= count < 2;
         let rest = self.rest(&mut p);
         let sectors = self.sectors(&mut p);
         let allowances = allowances(&mut p);
@@ -67,10 +80,14 @@ impl OperationReader<'_> {
             let spec = self.tools.get(tool).and_then(|t| t.spec.as_ref());
             let speed = self.speed_of(speeds.get(k).copied().flatten()?, spec, &mut p);
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
-            let depth = length(&mut p, "depth", depths.get(k).copied().flatten(), spec, 0);
-            let stepover = length(&mut p, "stepover", stepovers.get(k).copied().flatten(), spec, 1);
+            let depth = DEPTH.of(&mut p, depths.get(k).copied().flatten(), spec);
+            let stepover = STEPOVER.of(&mut p, stepovers.get(k).copied().flatten(), spec);
             let [allowance_vane, allowance_hub] = allowances?;
-            let rest = if k > 0 && !given_rest { Some(REST) } else { rest? };
+            let rest = match (k, given_rest) {
+                (0, _) => rest?.filter(|_| finds_rest),
+                (_, false) => Some(REST),
+                (_, true) => rest?,
+            };
             operations.push(OperationSpec {
                 name: self.name.clone(),
                 kind: OperationKind::Rough {
@@ -124,19 +141,15 @@ fn each<'a>(
     }
 }
 
-/// A length of a tool, or its default by the shape of the tool.
-fn length(
-    p: &mut Properties<'_, '_>,
-    name: &str,
-    expr: Option<&Expr>,
-    tool: Option<&ToolSpec>,
-    index: usize,
-) -> Option<Mm> {
-    let tool = tool?;
-    if let Some(expr) = expr {
-        let most = if index == 0 { tool.flute.get() } else { tool.diameter.get() };
-        return p.value_of(expr, name, Dimension::LENGTH, Range::Between(LEAST_DEPTH, most)).map(Mm);
+impl Length {
+    /// The value of an expression, or the default of a tool.
+    fn of(&self, p: &mut Properties<'_, '_>, expr: Option<&Expr>, tool: Option<&ToolSpec>) -> Option<Mm> {
+        let tool = tool?;
+        if let Some(expr) = expr {
+            let range = Range::Between(LEAST_DEPTH, (self.most)(tool).get());
+            return p.value_of(expr, self.name, Dimension::LENGTH, range).map(Mm);
+        }
+        let share = if matches!(tool.kind, CutterKind::Ball) { self.ball } else { self.flat };
+        Some(Mm(share * tool.diameter.get()))
     }
-    let shares = if matches!(tool.kind, CutterKind::Ball) { BALL } else { FLAT };
-    Some(Mm(shares[index] * tool.diameter.get()))
 }

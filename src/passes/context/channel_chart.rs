@@ -38,6 +38,11 @@ impl<'a> ChannelChart<'a> {
         Self { part, first, second }
     }
 
+    /// The part.
+    pub(crate) fn part(&self) -> &'a Part {
+        self.part
+    }
+
     /// Points on both walls at the same (u, v). Their azimuths are such that the second wall follows the first.
     fn walls(&self, u: f64, v: f64) -> (Cylindrical, Cylindrical) {
         let cylindrical =
@@ -62,6 +67,15 @@ impl<'a> ChannelChart<'a> {
     pub(crate) fn width(&self, u: f64, v: f64) -> f64 {
         let (a, b) = self.walls(u, v);
         0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
+    }
+
+    /// Distance of the walls square to the direction of the channel at (u, v).
+    pub(crate) fn across(&self, u: f64, v: f64) -> f64 {
+        const STEP: f64 = 1e-3;
+        let middle = self.point(u, v, 0.5);
+        let along = self.point(u + STEP, v, 0.5) - middle;
+        let across = (self.point(u, v, 0.5 + STEP) - middle).normalize();
+        self.width(u, v) * across.cross(&along).norm() / along.norm()
     }
 
     /// Direction from hub to shroud: the rulings of both neighbouring vanes, blended by `blend` from the first (0) to

@@ -1,18 +1,21 @@
-//! Plan of the operation `rough`: each level from the middle of the channel out to its walls.
+//! Plan of the operation `rough`: lines along the channel, level by level.
 //!
-//! Before: an operation. After: for each level a slot along the middle of the channel, then lines on both sides of the
-//! slot at constant distances from the walls, the innermost first. Each line runs in along one wall and out along the
-//! other, so that the material lies on the same side of the tool everywhere. The two legs of a line meet over the slot
-//! where the channel is as narrow as the line (an inverted V, Wei 3.1.2). Every line begins outside of the stock, or in
-//! the slot, which is cut by then.
+//! Before: an operation. After: for each level lines at whole stepovers from one wall, as far as the free space goes,
+//! and a line along the other wall, the far wall. The first line that the tool cuts at a place is a slot; it is the line
+//! one stepover from the near wall, where there is one, so that both walls are milled in the sense of the job. The line
+//! along the near wall runs back, all others run in one direction, and the material lies to the same side of the tool.
+//! A line ends where it meets the far wall. The near wall is chosen such that lines begin at the wide end.
+//!
+//! A line begins outside of the stock, or on its neighbour, which is cut by then.
 
-use super::groove::{passes, restep};
+use super::groove::passes;
 use super::layers::{LayerStation, Roughing, STATION_SPACING};
 use super::levels::{LevelRun, RoughLevel};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::Milling;
 use crate::passes::context::{PassContext, limits::check_points};
+use std::ops::Range;
 
 /// Plans a rough operation.
 ///
@@ -26,10 +29,10 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         return Err(fits_nowhere(cx, operation));
     }
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
-    let widest = levels.iter().flat_map(|l| &l.runs).map(|run| half_width(&roughing, run)).fold(0.0, f64::max);
-    check_points(cx, operation, (widest / stepover.get() + 1.0) * 2.0 * stations as f64)?;
+    let free = |run: &LevelRun| run.stations.iter().map(|s| free(&roughing, run, s)).fold(0.0, f64::max);
+    let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
+    check_points(cx, operation, (widest / stepover.get() + 2.0) * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
-    let chord = cx.program.tolerances.chord_rough.get();
     let mut lines = Vec::new();
     for level in &levels {
         for (k, run) in level.runs.iter().enumerate() {
@@ -38,8 +41,8 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             } else {
                 format!("level {}", level.number)
             };
-            lines.push((format!("{name} slot"), slot(&roughing, run, chord)));
-            beside_slot(&roughing, run, stepover.get(), milling, &name, &mut lines);
+            let run_lines = RunLines::new(&roughing, run, stepover.get(), milling);
+            lines.extend(run_lines.all().into_iter().map(|(line, points)| (format!("{name} {line}"), points)));
         }
         work.step(());
     }
@@ -79,98 +82,126 @@ fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 
 /// Free space across the channel at a station, mm.
 fn free(roughing: &Roughing<'_>, run: &LevelRun, s: &LayerStation) -> f64 {
-    (s.room[1] - s.room[0]) * width(roughing, run, s.u)
+    (s.room[1] - s.room[0]) * across(roughing, run, s.u)
 }
 
-fn width(roughing: &Roughing<'_>, run: &LevelRun, u: f64) -> f64 {
-    roughing.chart.width(u, run.level.v(&roughing.chart, u, 0.5))
+/// Distance of the walls square to the channel, mm.
+fn across(roughing: &Roughing<'_>, run: &LevelRun, u: f64) -> f64 {
+    roughing.chart.across(u, run.level.v(&roughing.chart, u, 0.5))
 }
 
-/// Largest distance from the middle to the outermost line, mm.
-fn half_width(roughing: &Roughing<'_>, run: &LevelRun) -> f64 {
-    0.5 * run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max)
-}
-
-/// The line in the middle, from an open end.
-fn slot(roughing: &Roughing<'_>, run: &LevelRun, chord: f64) -> Vec<CcPoint> {
-    let mut points: Vec<CcPoint> = run.stations.iter().map(|s| roughing.cc_point(s.u, run.level, s.middle())).collect();
-    if !run.open[0] {
-        points.reverse();
-    }
-    restep(roughing, run.level, &points, chord)
-}
-
-/// Lines on both sides of the slot, the innermost first.
-fn beside_slot(
-    roughing: &Roughing<'_>,
-    run: &LevelRun,
+/// The lines of a run.
+struct RunLines<'a> {
+    roughing: &'a Roughing<'a>,
+    run: &'a LevelRun,
     stepover: f64,
-    milling: Milling,
-    name: &str,
-    lines: &mut Vec<(String, Vec<CcPoint>)>,
-) {
-    let half = half_width(roughing, run);
-    let count = (half / stepover).ceil().max(1.0) as usize;
-    let spacing = half / count as f64;
-    for i in (0..count).rev() {
-        let offset = i as f64 * spacing;
-        let wide = |s: &LayerStation| free(roughing, run, s) > 2.0 * offset;
-        let mut first = 0;
-        while let Some(start) = (first..run.stations.len()).find(|k| wide(&run.stations[*k])) {
-            let end = (start..run.stations.len()).find(|k| !wide(&run.stations[*k])).unwrap_or(run.stations.len()) - 1;
-            first = end + 1;
-            if end == start {
-                continue;
-            }
-            let part = &run.stations[start..=end];
-            // The tool comes in from outside, or over the slot where the line is as wide as the channel.
-            let entries = [start > 0 || run.open[0], end + 1 < run.stations.len() || run.open[1]];
-            let outside = [start == 0 && run.open[0], end + 1 == run.stations.len() && run.open[1]];
-            let from_outlet = if outside[0] != outside[1] { outside[1] } else { entries[1] };
-            let points = round(roughing, run, (part, from_outlet), offset, milling);
-            lines.push((format!("{name} line {}", count - i), points));
+    /// Free space across the channel at each station, mm.
+    free: Vec<f64>,
+    /// Index of the near wall.
+    near: usize,
+    /// True when the lines run towards higher stations.
+    forward: bool,
+}
+
+impl<'a> RunLines<'a> {
+    fn new(roughing: &'a Roughing<'a>, run: &'a LevelRun, stepover: f64, milling: Milling) -> Self {
+        let free: Vec<f64> = run.stations.iter().map(|s| free(roughing, run, s)).collect();
+        let forward = match run.open {
+            [true, true] => free.first() > free.last(),
+            [first, _] => first,
+        };
+        let far_second = (second_to_the_right(roughing, run) == forward) == (milling == Milling::Climb);
+        Self { roughing, run, stepover, free, near: usize::from(!far_second), forward }
+    }
+
+    /// All lines with their names, in the order of cutting.
+    fn all(&self) -> Vec<(String, Vec<CcPoint>)> {
+        let whole = 0..self.run.stations.len();
+        let (slots, beside): (Vec<_>, Vec<_>) = self
+            .pieces(1)
+            .into_iter()
+            .partition(|piece| [true, false].iter().any(|way| self.starts_outside(piece, *way)));
+        let mut lines = Vec::new();
+        for piece in &slots {
+            let way = if self.starts_outside(piece, self.forward) { self.forward } else { !self.forward };
+            lines.push(self.line(piece, way, 1));
         }
+        let slotted = lines.len();
+        let back = if self.starts_outside(&whole, !self.forward) { !self.forward } else { self.forward };
+        lines.push(self.line(&whole, back, 0));
+        lines.extend(beside.iter().map(|piece| self.line(piece, self.forward, 1)));
+        let most = (self.free.iter().copied().fold(0.0, f64::max) / self.stepover).ceil() as usize;
+        for k in 2..most {
+            lines.extend(self.pieces(k).iter().map(|piece| self.line(piece, self.forward, k)));
+        }
+        let far = self.directed(whole, self.forward).map(|i| (i, self.run.stations[i].room[1 - self.near]));
+        lines.push(self.points(far));
+        let name =
+            |i: usize| if i < slotted.max(1) { "slot".to_owned() } else { format!("line {}", i + 1 - slotted.max(1)) };
+        lines.into_iter().enumerate().map(|(i, points)| (name(i), points)).collect()
+    }
+
+    /// Ranges of stations at which the free space is wider than `k` stepovers.
+    fn pieces(&self, k: usize) -> Vec<Range<usize>> {
+        let least = k as f64 * self.stepover;
+        let mut pieces = Vec::new();
+        let mut first = 0;
+        while let Some(start) = (first..self.free.len()).find(|i| self.free[*i] > least) {
+            let end = (start..self.free.len()).find(|i| self.free[*i] <= least).unwrap_or(self.free.len());
+            first = end;
+            if end - start > 1 {
+                pieces.push(start..end);
+            }
+        }
+        pieces
+    }
+
+    /// True when a line over a piece begins outside of the stock.
+    fn starts_outside(&self, piece: &Range<usize>, forward: bool) -> bool {
+        if forward { piece.start == 0 && self.run.open[0] } else { piece.end == self.free.len() && self.run.open[1] }
+    }
+
+    fn directed(&self, piece: Range<usize>, forward: bool) -> impl Iterator<Item = usize> + use<> {
+        let count = piece.len();
+        (0..count).map(move |i| if forward { piece.start + i } else { piece.end - 1 - i })
+    }
+
+    /// Place across the channel at a distance from the near wall.
+    fn beside_near(&self, station: usize, distance: f64) -> f64 {
+        let s = &self.run.stations[station];
+        let share = (distance / self.free[station].max(f64::MIN_POSITIVE)).min(1.0);
+        s.room[self.near] + share * (s.room[1 - self.near] - s.room[self.near])
+    }
+
+    /// The line `k` stepovers from the near wall over a piece. A line that cannot begin outside begins on its neighbour
+    /// nearer to that wall.
+    fn line(&self, piece: &Range<usize>, forward: bool, k: usize) -> Vec<CcPoint> {
+        let distance = k as f64 * self.stepover;
+        let start = self.directed(piece.clone(), forward).next().unwrap_or(0);
+        let crossing = if k > 0 && !self.starts_outside(piece, forward) {
+            (self.stepover / STATION_SPACING).ceil() as usize
+        } else {
+            0
+        };
+        let over = (0..crossing).map(|i| distance - self.stepover * (1.0 - i as f64 / crossing as f64));
+        let over = over.map(|d| (start, self.beside_near(start, d)));
+        self.points(over.chain(self.directed(piece.clone(), forward).map(|i| (i, self.beside_near(i, distance)))))
+    }
+
+    fn points(&self, places: impl Iterator<Item = (usize, f64)>) -> Vec<CcPoint> {
+        places.map(|(i, w)| self.roughing.cc_point(self.run.stations[i].u, self.run.level, w)).collect()
     }
 }
 
-/// A line along both walls of a part of a run: in along one wall, across, and out along the other. It begins at the
-/// outlet side of the part or at the inlet side.
-fn round(
-    roughing: &Roughing<'_>,
-    run: &LevelRun,
-    (part, from_outlet): (&[LayerStation], bool),
-    offset: f64,
-    milling: Milling,
-) -> Vec<CcPoint> {
-    let legs = |s: &LayerStation| {
-        let share = offset / width(roughing, run, s.u);
-        [s.room[0] + share, s.room[1] - share]
-    };
-    // From the end at which the line begins to the end at which it crosses.
-    let inward: Vec<&LayerStation> = if from_outlet { part.iter().rev().collect() } else { part.iter().collect() };
-    let Some(apex) = inward.last() else { return Vec::new() };
-    let in_on = usize::from(right_hand_wall(roughing, run, &inward) == (milling == Milling::Climb));
-    let across = {
-        let [from, to] = [legs(apex)[in_on], legs(apex)[1 - in_on]];
-        let length = (to - from).abs() * width(roughing, run, apex.u);
-        let count = (length / STATION_SPACING).ceil().max(1.0) as usize;
-        (1..count).map(move |k| from + (to - from) * k as f64 / count as f64)
-    };
-    let up = inward.iter().map(|s| (s.u, legs(s)[in_on]));
-    let down = inward.iter().rev().map(|s| (s.u, legs(s)[1 - in_on]));
-    let u = apex.u;
-    up.chain(across.map(|w| (u, w))).chain(down).map(|(u, w)| roughing.cc_point(u, run.level, w)).collect()
-}
-
-/// True when the second wall lies to the right of a tool that runs inward, seen along the axis from holder to tip.
-fn right_hand_wall(roughing: &Roughing<'_>, run: &LevelRun, inward: &[&LayerStation]) -> bool {
-    let (Some(from), Some(to)) = (inward.first(), inward.last()) else { return false };
-    let middle = &inward[inward.len() / 2];
+/// True when the second wall lies to the right of a tool that runs towards higher stations, seen along the axis from
+/// holder to tip.
+fn second_to_the_right(roughing: &Roughing<'_>, run: &LevelRun) -> bool {
+    const STEP: f64 = 1e-3;
+    let middle = &run.stations[run.stations.len() / 2];
     let at = |u: f64, w: f64| roughing.chart.point(u, run.level.v(&roughing.chart, u, w), w);
     let w = middle.middle();
-    let step = 1e-3 * (to.u - from.u).signum();
-    let motion = at(middle.u + step, w) - at(middle.u, w);
-    let to_second = at(middle.u, w + 1e-3) - at(middle.u, w);
+    let motion = at(middle.u + STEP, w) - at(middle.u, w);
+    let to_second = at(middle.u, w + STEP) - at(middle.u, w);
     let axis = roughing.axis(middle.u, run.level.v(&roughing.chart, middle.u, w), w);
     motion.cross(&axis).dot(&to_second) > 0.0
 }

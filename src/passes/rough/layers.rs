@@ -45,22 +45,48 @@ pub(crate) struct Layer {
 pub(crate) enum Level {
     /// At this share of the height from hub (0) to shroud (1).
     Share(f64),
-    /// At this height over the hub along the ruling, mm.
+    /// At this distance from the hub, mm.
     OverHub(f64),
-    /// At this depth under the shroud along the ruling, mm; nowhere below the hub.
+    /// At this distance from the shroud, mm; nowhere below the hub.
     UnderShroud(f64),
 }
 
 impl Level {
-    /// Share of the height from hub to shroud at a place of the chart; over 1 above the shroud.
+    /// Share of the height from hub to shroud at a place of the chart; over 1 above the shroud. On the leads it is that
+    /// of the inlet or the outlet.
     pub(crate) fn v(self, chart: &ChannelChart<'_>, u: f64, w: f64) -> f64 {
-        let height = || (chart.point(u, 1.0, w) - chart.point(u, 0.0, w)).norm();
+        let u = u.clamp(0.0, 1.0);
         match self {
             Self::Share(v) => v,
-            Self::OverHub(over) => over / height(),
-            Self::UnderShroud(depth) => (1.0 - depth / height()).max(0.0),
+            Self::OverHub(over) => {
+                let hub = &chart.part().hub;
+                at_height(over, [0.0, 1.0], |v| hub.distance(&chart.point(u, v, w)))
+            }
+            Self::UnderShroud(depth) => {
+                let shroud = &chart.part().shroud;
+                at_height(-depth, [1.0, 0.0], |v| shroud.distance(&chart.point(u, v, w))).max(0.0)
+            }
         }
     }
+}
+
+/// Error of the height of a level, mm.
+const HEIGHT_ERROR: f64 = 1e-3;
+
+/// Share at which the distance from a surface has a given value, by the secant method from two shares. The distance
+/// grows along a ruling almost in proportion to the share.
+fn at_height(height: f64, [mut a, mut b]: [f64; 2], distance: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: usize = 8;
+    let (mut at_a, mut at_b) = (distance(a) - height, distance(b) - height);
+    for _ in 0..STEPS {
+        if at_b.abs() <= HEIGHT_ERROR || at_a == at_b {
+            break;
+        }
+        let next = b - at_b * (b - a) / (at_b - at_a);
+        (a, at_a) = (b, at_b);
+        (b, at_b) = (next, distance(next) - height);
+    }
+    b
 }
 
 /// Free space for the tool at one u of a layer.
@@ -111,6 +137,11 @@ impl<'a> Roughing<'a> {
     /// Distance of the tool axis from a wall at which the allowance is kept.
     pub(crate) fn edge(&self) -> f64 {
         self.solid.radius() + self.keep.vane
+    }
+
+    /// Distance that the tool keeps from the hub, mm.
+    pub(super) fn hub_allowance(&self) -> f64 {
+        self.keep.hub
     }
 
     /// Radius of the tool, mm.

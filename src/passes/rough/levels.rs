@@ -29,6 +29,9 @@ pub(crate) struct RoughLevel {
     pub(crate) length: [f64; 2],
 }
 
+/// Places along the channel at which its height is measured.
+const PLACES: usize = 40;
+
 /// Share of a step down that rounding may add to a whole number of levels.
 const WHOLE: f64 = 1e-9;
 
@@ -39,13 +42,16 @@ const STEEPEST: f64 = 2.0;
 impl Roughing<'_> {
     /// The levels from the shroud down to the hub.
     pub(crate) fn levels(&self, form: Levels, name: &str, progress: &Progress) -> Vec<RoughLevel> {
-        let count = (self.chart.height() / self.depth - WHOLE).ceil().max(1.0) as usize;
+        // The lowest level lies on the allowance of the hub.
+        let height = self.highest();
+        let lowest = self.hub_allowance().min(0.5 * height);
+        let count = ((height - lowest) / self.depth - WHOLE).ceil().max(1.0) as usize;
         let work = progress.begin(format!("{name}, levels"), count);
         let level = |k: usize| {
             let below = k as f64 * self.depth;
             match form {
-                Levels::Hub => Level::OverHub((count - k) as f64 * self.depth),
-                Levels::Shroud if k == count => Level::OverHub(0.0),
+                Levels::Hub => Level::OverHub(lowest + (count - k) as f64 * self.depth),
+                Levels::Shroud if k == count => Level::OverHub(lowest),
                 Levels::Shroud => Level::UnderShroud(below),
                 Levels::Morph => Level::Share(1.0 - k as f64 / count as f64),
             }
@@ -58,6 +64,12 @@ impl Roughing<'_> {
             levels.push(work.step(self.runs(number, level(number), number == count)));
         }
         levels
+    }
+
+    /// Largest distance of the shroud from the hub, mm.
+    fn highest(&self) -> f64 {
+        let over = |u: f64, w: f64| self.chart.part().hub.distance(&self.chart.point(u, 1.0, w));
+        (0..=PLACES).flat_map(|i| [0.0, 0.5, 1.0].map(|w| over(i as f64 / PLACES as f64, w))).fold(0.0, f64::max)
     }
 
     /// True where a level lies in the stock; the last level may lie on the hub.
