@@ -19,7 +19,7 @@ pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
                     label: format!("sector {} {}", sector + 1, pass.label),
                     sector: *sector,
                     air: pass.air.clone(),
-                    direct: pass.direct,
+                    link: None,
                     points: pass.points.iter().map(|p| p.turned(&turn)).collect(),
                 })
             })

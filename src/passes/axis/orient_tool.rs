@@ -40,7 +40,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
             label: pass.label.clone(),
             sector: 0,
             air: Vec::new(),
-            direct: false,
+            link: None,
             points: match pass.drive {
                 Drive::Channel => rough.as_ref().map_or_else(Vec::new, |r| channel_points(r, pass)),
                 Drive::Face { side, .. } => match &pass.path {

@@ -37,7 +37,7 @@ const HEIGHT_STEP: f64 = 1.0;
 const MOST_TURN: f64 = 0.35;
 
 /// Largest turn of a rotary axis on a straight link through air, radians.
-const MOST_STRAIGHT_TURN: f64 = 1.0;
+const MOST_STRAIGHT_TURN: f64 = 2.0;
 
 /// Least way of the tip on a link, mm: a block at feed must move its tip.
 const LEAST_WAY: f64 = 1e-2;
@@ -92,16 +92,16 @@ impl<'a> DirectLinks<'a> {
         })
     }
 
-    /// True when the tool keeps its distances to the part while its tip goes straight from one place to another and the
-    /// rotary axes turn evenly.
-    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint) -> bool {
+    /// True when the tool keeps its distances to the part, each at least `least`, while its tip goes straight from one
+    /// place to another and the rotary axes turn evenly.
+    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint, least: f64) -> bool {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
         let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
         let moves = (to.tip - from.tip).norm() > LEAST_WAY;
         moves
             && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN)
-            && self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, 0.0))
+            && self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, least))
     }
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.

@@ -92,10 +92,8 @@ impl<'a> Links<'a> {
             .par_windows(2)
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
-                if pair[1].direct {
-                    return Some([*from, *to]);
-                }
-                let link = direct_links.between(from, to).filter(|_| operation.kind.finishes())?;
+                let finishing = || direct_links.between(from, to).filter(|_| operation.kind.finishes());
+                let link = pair[1].link.or_else(finishing)?;
                 // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;

@@ -4,11 +4,15 @@
 //! stock to the last, with their leads. On leads and between two cuts the tool runs through air at link feed, except for
 //! the last millimetre before a cut and the first behind it. A pass whose start the tool reaches from the end of the pass before on a straight way through air, clear of the part, is joined to it.
 //!
+//! After rest machining a pass keeps only the stretches on which more than the thickness of the job is left. Where air
+//! is far from the end of a stretch, the tool ramps in from above or beside the pass.
+//!
 //! The stock is simulated pass by pass, so that each pass finds what all passes before it have left. A cutter that is
 //! enlarged by the error between the rays of the stock decides where it is in air; its shank and holder count as well.
 
+use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, steps_of};
+use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, steps_of, way};
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
 use crate::progress::Work;
@@ -25,11 +29,28 @@ const LEAST_AIR: f64 = 1.0;
 /// Longest straight link through air, mm.
 const LONGEST_LINK: f64 = 80.0;
 
+/// Heights that the tool lifts by for a straight link, mm.
+const LIFTS: [f64; 9] = [0.0, 0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
+
+/// Shortest way over a thin rest for which the tool leaves the rest, mm: more than two ramps.
+const LEAST_PAUSE: f64 = 8.0;
+
+/// Way over a thin rest to the air that the tool takes rather than a ramp, mm.
+const NEAR_AIR: f64 = 2.0;
+
+/// Length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
+const RAMP: f64 = 2.0;
+const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
+
+/// Error of the free width that the planner finds, mm: a pass keeps the allowances to it.
+const FOUND_TO: f64 = 0.05;
+
 /// Passes of one operation, reduced one after the other.
 struct Reduction<'a> {
     program: &'a Program,
     operation: &'a Operation,
     direct: &'a DirectLinks<'a>,
+    sphere: ClearanceSphere,
     /// Stock that is no deeper in the tool is left to the next operation, mm.
     thickness: f64,
     /// Error of the depth between the rays of the stock, mm.
@@ -42,8 +63,6 @@ struct Reduction<'a> {
 /// A pass that cuts.
 struct Reduced {
     pass: ClPass,
-    /// Dense stations from the first to the last.
-    line: Vec<PathPoint>,
     /// Length of the path through stock and through air, mm.
     lengths: [f64; 2],
 }
@@ -62,29 +81,31 @@ pub(super) fn reduce(
         program,
         operation,
         direct,
+        sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
         by,
         cutter: cutter_alone(solid, 0.0),
         grown: ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) },
     };
     let mut kept: Vec<ClPass> = Vec::new();
-    let (mut lengths, mut joined) = ([0.0; 2], 0);
+    let (mut lengths, mut linked) = ([0.0; 2], 0);
     let count = planned.passes.len();
     for pass in std::mem::take(&mut planned.passes) {
         work.step(());
-        let Some(mut reduced) = reduction.reduced(pass, field) else { continue };
-        if let Some(end) = kept.last().and_then(|before| before.points.last()) {
-            reduced.pass.direct = reduction.joins(end, &reduced.pass, field);
+        for mut reduced in reduction.reduced(&pass, field) {
+            if let Some(end) = kept.last().and_then(|before| before.points.last()) {
+                reduced.pass.link = reduction.link(end, &reduced.pass.points[0], field);
+            }
+            linked += usize::from(reduced.pass.link.is_some());
+            lengths = [0, 1].map(|k: usize| lengths[k] + reduced.lengths[k]);
+            let line = stations(&program.machine, &reduced.pass);
+            stock::simulate(field, &reduction.cutter, steps_of(&program.machine, &line, StepKind::Cut, 0.0));
+            kept.push(reduced.pass);
         }
-        joined += usize::from(reduced.pass.direct);
-        lengths = [0, 1].map(|k: usize| lengths[k] + reduced.lengths[k]);
-        let machine = &program.machine;
-        stock::simulate(field, &reduction.cutter, steps_of(machine, &reduced.line, StepKind::Cut, 0.0));
-        kept.push(reduced.pass);
     }
     let [cut, air] = lengths;
     planned.notes.push(format!(
-        "of {count} passes {} cut, {joined} of them joined to the pass before through air; {cut:.0} mm at cutting feed, {air:.0} mm through air at link feed; stock in cells of {:.2} mm",
+        "{count} passes planned; {} cut, {linked} of them linked to the one before through air; {cut:.0} mm at cutting feed, {air:.0} mm of leads at link feed; stock in cells of {:.2} mm",
         kept.len(),
         field.cell()
     ));
@@ -92,42 +113,134 @@ pub(super) fn reduce(
 }
 
 impl Reduction<'_> {
-    /// The part of a pass from the first cut to the last with its leads; `None` for a pass that cuts nothing.
-    fn reduced(&self, pass: ClPass, field: &mut Field) -> Option<Reduced> {
-        let mut line = stations(&self.program.machine, &pass);
-        let depths = self.depths(field, &line)?;
-        if !depths.iter().any(|depth| *depth > self.thickness) {
-            return None;
-        }
-        let run = self.with_leads(&line, &depths);
-        let fast = through_air(&line[run.clone()], &depths[run.start..run.end - 1]);
-        line = line[run].to_vec();
-        let mut reduced = ClPass { points: Vec::new(), air: Vec::new(), direct: false, ..pass };
-        let mut lengths = [0.0; 2];
-        for (i, station) in line.iter().enumerate() {
-            let [before, after] = [i.checked_sub(1).map(|b| fast[b]), fast.get(i).copied()];
-            if let Some(fast) = before {
-                lengths[usize::from(fast)] += (station.point.tip - line[i - 1].point.tip).norm();
+    /// The parts of a pass that cut, with their leads.
+    fn reduced(&self, pass: &ClPass, field: &mut Field) -> Vec<Reduced> {
+        let line = stations(&self.program.machine, pass);
+        let Some(depths) = self.depths(field, &line) else { return Vec::new() };
+        let mut parts: Vec<Reduced> = Vec::new();
+        let mut end = 0;
+        for stretch in self.stretches(&line, &depths) {
+            if stretch.end <= end {
+                continue;
             }
-            if station.planned || before != after {
-                if before == Some(true) {
-                    reduced.air.push(reduced.points.len());
-                }
-                reduced.points.push(station.point);
+            let start = self.end_of(&line, &depths, stretch.start, false, field);
+            let finish = self.end_of(&line, &depths, stretch.end, true, field);
+            end = finish.station;
+            let mut part = line[start.station..=finish.station].to_vec();
+            let mut depths = depths[start.station..finish.station].to_vec();
+            if let Some(place) = start.ramp {
+                part.insert(0, place);
+                depths.insert(0, f64::MAX);
             }
+            if let Some(place) = finish.ramp {
+                part.push(place);
+                depths.push(f64::MAX);
+            }
+            parts.push(assembled(pass, part, &depths));
         }
-        Some(Reduced { pass: reduced, line, lengths })
+        parts
     }
 
-    /// True when the tool goes straight from the end of a pass to the start of the next through air, clear of the part.
-    fn joins(&self, end: &ClPoint, next: &ClPass, field: &mut Field) -> bool {
-        let Some(start) = next.points.first() else { return false };
-        let near = (start.tip - end.tip).norm() <= LONGEST_LINK;
-        near && self.direct.straight(end, start) && {
-            let link = ClPass { points: vec![*end, *start], air: Vec::new(), direct: false, ..next.clone() };
-            let line = stations(&self.program.machine, &link);
-            self.depths(field, &line).is_some_and(|depths| depths.iter().all(|d| *d == 0.0))
+    /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
+    /// to the last.
+    fn stretches(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
+        let deep = |i: &usize| depths[*i] > self.thickness;
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        let mut next = 0;
+        while let Some(start) = (next..depths.len()).find(deep) {
+            let end = (start..depths.len()).find(|i| !deep(i)).unwrap_or(depths.len());
+            next = end;
+            match stretches.last_mut() {
+                Some(last) if self.thickness == 0.0 || way(&line[last.end..=start]) < LEAST_PAUSE => last.end = end,
+                _ => stretches.push(start..end),
+            }
         }
+        stretches
+    }
+
+    /// Where a part of a pass begins or ends: in air, where air is near; else over its first or last station, so that the
+    /// tool ramps through a thin rest; else in the air farther on.
+    fn end_of(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool, field: &mut Field) -> PassEnd {
+        let steps: Vec<usize> = if at_end { (station..depths.len()).collect() } else { (0..station).rev().collect() };
+        let beyond = |step: usize| if at_end { step + 1 } else { step };
+        let to_air = steps.iter().position(|i| depths[*i] == 0.0);
+        let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
+        if self.thickness > 0.0
+            && way_to_air > NEAR_AIR
+            && let Some(ramp) = self.ramp(line, &steps, station, beyond, field)
+        {
+            return PassEnd { station, ramp: Some(ramp) };
+        }
+        // The pass ends in air, with its lead.
+        let required = if at_end { self.operation.lead_out } else { self.operation.lead_in }.get();
+        let (mut last, mut lead) = (station, 0.0);
+        for step in steps {
+            if depths[step] == 0.0 {
+                lead += length(line, step);
+            }
+            last = beyond(step);
+            if lead >= required {
+                break;
+            }
+        }
+        PassEnd { station: last, ramp: None }
+    }
+
+    /// A place in air, over or beside a station some way before the first or behind the last of a cut, from which or to
+    /// which the tool goes straight, clear of the part.
+    fn ramp(
+        &self,
+        line: &[PathPoint],
+        steps: &[usize],
+        station: usize,
+        beyond: impl Fn(usize) -> usize,
+        field: &mut Field,
+    ) -> Option<PathPoint> {
+        let mut run = 0.0;
+        let before = steps.iter().find(|i| {
+            run += length(line, **i);
+            run >= RAMP
+        });
+        let beyond = beyond(*before.or(steps.last())?);
+        let from = line[beyond].point;
+        let along = (line[station].point.tip - from.tip).normalize();
+        let side = from.axis.cross(&along);
+        let least = self.operation.kind.roughing().map_or(0.0, |[_, vane, hub]| vane.get().min(hub.get())) - FOUND_TO;
+        for lift in RAMP_LIFTS {
+            for beside in [0.0, lift, -lift] {
+                let tip = from.tip + from.axis * lift + side * beside;
+                let place = ClPoint { tip, axis: from.axis, contact: None };
+                let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
+                if self.in_air(&[over, place], field) && self.direct.straight(&place, &line[station].point, least) {
+                    return Some(line[beyond].moved_to(place));
+                }
+            }
+        }
+        None
+    }
+
+    /// Places over the end of a pass and over the start of the next, with a straight way through air between them, clear
+    /// of the part; the ends themselves where the tool needs no lift.
+    fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<[ClPoint; 2]> {
+        if (start.tip - end.tip).norm() > LONGEST_LINK {
+            return None;
+        }
+        LIFTS.iter().find_map(|lift| {
+            let over = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
+            // The way up along the axis lies in the space that the tool has just cut.
+            let clear =
+                self.direct.straight(&over[0], &over[1], 0.0) && self.in_air(&[over[0], over[1], *start], field);
+            clear.then_some(over)
+        })
+    }
+
+    /// True when the tool meets no stock on a way.
+    fn in_air(&self, places: &[ClPoint], field: &mut Field) -> bool {
+        let mut points = places.to_vec();
+        points.dedup_by_key(|p| p.tip);
+        let pass = ClPass { label: String::new(), sector: 0, points, air: Vec::new(), link: None };
+        let line = stations(&self.program.machine, &pass);
+        self.depths(field, &line).is_none_or(|depths| depths.iter().all(|d| *d == 0.0))
     }
 
     /// Depth of the tool in the stock on each step between stations, mm; `None` without steps.
@@ -141,27 +254,34 @@ impl Reduction<'_> {
         }
         Some(depths)
     }
+}
 
-    /// From the first cut to the last, with the leads; as a range of stations.
-    fn with_leads(&self, line: &[PathPoint], depths: &[f64]) -> Range<usize> {
-        let deep = |d: &f64| *d > self.thickness;
-        let first = depths.iter().position(deep).unwrap_or(0);
-        let last = depths.iter().rposition(deep).unwrap_or(depths.len() - 1);
-        // A pass begins and ends in air.
-        let first = depths[..first].iter().rposition(|d| *d == 0.0).map_or(0, |i| i + 1);
-        let last = depths[last..].iter().position(|d| *d == 0.0).map_or(depths.len(), |i| last + i);
-        let (mut start, mut lead) = (first, 0.0);
-        while start > 0 && lead < self.operation.lead_in.get() {
-            start -= 1;
-            lead += length(line, start);
+/// End of a part of a pass.
+struct PassEnd {
+    station: usize,
+    /// Place in air before the first or behind the last station.
+    ramp: Option<PathPoint>,
+}
+
+/// A pass from the stations of its part, with the steps that run through air.
+fn assembled(pass: &ClPass, line: Vec<PathPoint>, depths: &[f64]) -> Reduced {
+    let fast = through_air(&line, depths);
+    let mut reduced =
+        ClPass { label: pass.label.clone(), sector: pass.sector, points: Vec::new(), air: Vec::new(), link: None };
+    let mut lengths = [0.0; 2];
+    for (i, station) in line.iter().enumerate() {
+        let [before, after] = [i.checked_sub(1).map(|b| fast[b]), fast.get(i).copied()];
+        if let Some(fast) = before {
+            lengths[usize::from(fast)] += (station.point.tip - line[i - 1].point.tip).norm();
         }
-        let (mut end, mut lead) = (last, 0.0);
-        while end < depths.len() && lead < self.operation.lead_out.get() {
-            lead += length(line, end);
-            end += 1;
+        if station.planned || before != after {
+            if before == Some(true) {
+                reduced.air.push(reduced.points.len());
+            }
+            reduced.points.push(station.point);
         }
-        start..end + 1
     }
+    Reduced { pass: reduced, lengths }
 }
 
 /// Length of a step, mm.

@@ -41,6 +41,13 @@ pub(super) struct PathPoint {
     pub(super) planned: bool,
 }
 
+impl PathPoint {
+    /// A planned place with the same axis.
+    pub(super) fn moved_to(self, point: ClPoint) -> Self {
+        Self { point, rotary: self.rotary, planned: true }
+    }
+}
+
 /// Stations of a pass, dense enough that two of them bound a step of the stock. Between planned stations the machine
 /// moves the tip straight and both rotary angles evenly.
 pub(super) fn stations(machine: &Machine, pass: &ClPass) -> Vec<PathPoint> {
