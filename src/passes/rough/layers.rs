@@ -14,6 +14,9 @@ const WHOLE: f64 = 1e-9;
 /// chord by a few micrometres, well within the roughing allowance.
 pub(super) const STATION_SPACING: f64 = 0.7;
 
+/// Shares of the way between two stations at which the distances are checked.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
 const BISECTIONS: u32 = 10;
 
@@ -22,7 +25,9 @@ pub(crate) struct Roughing<'a> {
     pub(crate) chart: ChannelChart<'a>,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
+    /// Distances to keep at the stations, and between them.
     keep: Keep,
+    between: Keep,
     /// The tool may be lifted over the hub by up to a step down.
     lifts: bool,
     pub(super) depth: f64,
@@ -126,6 +131,7 @@ impl<'a> Roughing<'a> {
                 hub: hub.get() + program.tolerances.chord_rough.get(),
                 clearance: program.clearance.get(),
             },
+            between: Keep { vane: vane.get(), hub: hub.get(), clearance: program.clearance.get() },
             lifts: matches!(operation.kind, OperationKind::Rough { .. })
                 || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             depth: depth.get(),
@@ -236,6 +242,18 @@ impl<'a> Roughing<'a> {
         self.lifted(u, level.v(&self.chart, u, w), w).is_some_and(|v| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
+        })
+    }
+
+    /// True when the tool keeps the allowances on a straight way from a station of a level to the next, along one border
+    /// of the free space.
+    pub(super) fn joined(&self, level: Level, stations: [&LayerStation; 2], side: usize) -> bool {
+        let [from, to] = stations.map(|s| self.cc_point(s.u, level, s.room[side]));
+        BETWEEN.iter().all(|t| {
+            let tip = from.position + (to.position - from.position) * *t;
+            let axis = (from.normal + (to.normal - from.normal) * *t).normalize();
+            self.obstacles.walls_clear(self.solid, &tip, &axis, &self.between)
+                && self.obstacles.hub_clear(self.solid, &tip, &axis, &self.between)
         })
     }
 

@@ -78,8 +78,8 @@ impl Roughing<'_> {
         (0.0..=1.0).contains(&u) && v < 1.0 && (last || v > 0.0)
     }
 
-    /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually. A tool that
-    /// hardly fits has spaces here and there, which no path joins.
+    /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually, and the
+    /// tool keeps its distances along them. A tool that hardly fits has spaces here and there, which no path joins.
     fn continuous(&self, level: Level, stations: &[LayerStation]) -> Vec<Range<usize>> {
         let goes_on = |k: usize| {
             let (from, to) = (&stations[k], &stations[k + 1]);
@@ -88,8 +88,9 @@ impl Roughing<'_> {
             let moved = [0, 1].map(|side: usize| (to.room[side] - from.room[side]).abs() * width);
             from.room[0].max(to.room[0]) <= from.room[1].min(to.room[1])
                 && moved.iter().all(|mm| *mm <= STEEPEST * STATION_SPACING)
+                && [0, 1].iter().all(|side| self.joined(level, [from, to], *side))
         };
-        let breaks = (1..stations.len()).filter(|k| !goes_on(k - 1));
+        let breaks: Vec<usize> = (1..stations.len()).into_par_iter().filter(|k| !goes_on(k - 1)).collect();
         let borders: Vec<usize> = std::iter::once(0).chain(breaks).chain([stations.len()]).collect();
         borders.windows(2).map(|w| w[0]..w[1]).collect()
     }
