@@ -32,9 +32,9 @@ pub struct ClPass {
     pub points: Vec<ClPoint>,
     /// Indices of the stations that the tool reaches from the station before through air, at link feed; in order.
     pub air: Vec<usize>,
-    /// Places over the end of the pass before and over the start of this one; the tool goes straight between them. They
-    /// are these ends themselves where the tool does not lift. `None` where the link is not decided yet.
-    pub link: Option<[ClPoint; 2]>,
+    /// Places between the end of the pass before and the start of this one; the tool goes straight from each to the next.
+    /// `None` where the link is not decided yet.
+    pub link: Option<Vec<ClPoint>>,
 }
 
 /// Tip and axis of the tool, and its contact.

@@ -33,8 +33,8 @@ struct LinkMove {
 /// Passes with the direct links between neighbours, and the sphere for all other links.
 struct Links<'a> {
     passes: &'a [ClPass],
-    /// For each pass and its successor the places of the direct link, if there is one.
-    short: Vec<Option<[ClPoint; 2]>>,
+    /// For each pass and its successor the places between them on the direct link, if there is one.
+    short: Vec<Option<Vec<ClPoint>>>,
     sphere: ClearanceSphere,
 }
 
@@ -92,15 +92,16 @@ impl<'a> Links<'a> {
             .par_windows(2)
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
-                let finishing = || direct_links.between(from, to).filter(|_| operation.kind.finishes());
-                let link = pair[1].link.or_else(finishing)?;
+                let finishing = || operation.kind.finishes().then(|| direct_links.between(from, to)).flatten();
+                let link = pair[1].link.clone().or_else(|| finishing().map(Vec::from))?;
                 // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;
                 let [out, back] = [from, to].map(|p| lifted(&sphere, p));
                 let over = (length(&[*from, out]) + length(&[back, *to])) / feed
                     + sphere.way(&out.tip, &back.tip) / program.machine.rapid;
-                (length(&[*from, link[0], link[1], *to]) / feed <= over).then_some(link)
+                let path: Vec<ClPoint> = [*from].into_iter().chain(link.iter().copied()).chain([*to]).collect();
+                (length(&path) / feed <= over).then_some(link)
             })
             .collect();
         Self { passes, short, sphere }
@@ -127,12 +128,9 @@ impl<'a> Links<'a> {
             let pass = u32::try_from(index).unwrap_or(u32::MAX);
             let mut add = |kind: MoveKind, to: ClPoint| moves.push(LinkMove { kind, to, pass });
             let start = ClPoint { contact: None, ..*first };
-            match index.checked_sub(1).and_then(|before| self.short[before]) {
+            match index.checked_sub(1).and_then(|before| self.short[before].as_ref()) {
                 Some(over) if index > run.start => {
-                    let before = self.passes[index - 1].points.last().map(|p| p.tip);
-                    // The places of a straight link are the ends of both passes themselves.
-                    let over = over.into_iter().filter(|p| Some(p.tip) != before && p.tip != start.tip);
-                    for to in over.chain([start]) {
+                    for to in over.iter().copied().chain([start]) {
                         add(MoveKind::Link, to);
                     }
                 }

@@ -30,7 +30,7 @@ const LEAST_AIR: f64 = 1.0;
 const LONGEST_LINK: f64 = 80.0;
 
 /// Heights that the tool lifts by for a straight link, mm.
-const LIFTS: [f64; 9] = [0.0, 0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
+const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 
 /// Shortest way over a thin rest for which the tool leaves the rest, mm: more than two ramps.
 const LEAST_PAUSE: f64 = 8.0;
@@ -39,7 +39,7 @@ const LEAST_PAUSE: f64 = 8.0;
 const NEAR_AIR: f64 = 2.0;
 
 /// Length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
-const RAMP: f64 = 2.0;
+const RAMP: f64 = 1.0;
 const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
 
 /// Error of the free width that the planner finds, mm: a pass keeps the allowances to it.
@@ -219,26 +219,40 @@ impl Reduction<'_> {
         None
     }
 
-    /// Places over the end of a pass and over the start of the next, with a straight way through air between them, clear
-    /// of the part; the ends themselves where the tool needs no lift.
-    fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<[ClPoint; 2]> {
+    /// Places between the end of a pass and the start of the next, with straight ways through air between them, clear of
+    /// the part; none where the tool needs no lift. A place over one of both ends is enough where the tool can rise or
+    /// come down on its way.
+    fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<Vec<ClPoint>> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }
+        if self.clear(&[*end, *start], field) {
+            return Some(Vec::new());
+        }
         LIFTS.iter().find_map(|lift| {
-            let over = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
+            let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             // The way up along the axis lies in the space that the tool has just cut.
-            let clear =
-                self.direct.straight(&over[0], &over[1], 0.0) && self.in_air(&[over[0], over[1], *start], field);
-            clear.then_some(over)
+            if !self.clear(&[up, down], field) || !self.in_air(&[down, *start], field) {
+                return None;
+            }
+            if self.clear(&[*end, down], field) {
+                return Some(vec![down]);
+            }
+            if self.clear(&[up, *start], field) {
+                return Some(vec![up]);
+            }
+            Some(vec![up, down])
         })
+    }
+
+    /// True when the tool goes straight from one place to another through air, clear of the part.
+    fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
+        self.direct.straight(&places[0], &places[1], 0.0) && self.in_air(places, field)
     }
 
     /// True when the tool meets no stock on a way.
     fn in_air(&self, places: &[ClPoint], field: &mut Field) -> bool {
-        let mut points = places.to_vec();
-        points.dedup_by_key(|p| p.tip);
-        let pass = ClPass { label: String::new(), sector: 0, points, air: Vec::new(), link: None };
+        let pass = ClPass { label: String::new(), sector: 0, points: places.to_vec(), air: Vec::new(), link: None };
         let line = stations(&self.program.machine, &pass);
         self.depths(field, &line).is_none_or(|depths| depths.iter().all(|d| *d == 0.0))
     }
