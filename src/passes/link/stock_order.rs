@@ -55,6 +55,9 @@ struct Reduction<'a> {
     thickness: f64,
     /// Error of the depth between the rays of the stock, mm.
     by: f64,
+    /// Depth up to which the cutter is in air, mm: that error, and what two ways of the tool along the same line leave
+    /// between them, each within the chord tolerance.
+    slivers: f64,
     /// The cutter, and the tool with its cutter enlarged by this error.
     cutter: ToolSolid,
     grown: ToolSolid,
@@ -84,6 +87,7 @@ pub(super) fn reduce(
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
         by,
+        slivers: by + 2.0 * program.tolerances.chord_rough.get(),
         cutter: cutter_alone(solid, 0.0),
         grown: ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) },
     };
@@ -262,7 +266,11 @@ impl Reduction<'_> {
         let mut depths = vec![0.0_f64; line.len().checked_sub(1).filter(|n| *n > 0)?];
         let steps = steps_of(&self.program.machine, line, StepKind::Rapid, self.by);
         for met in stock::simulate(field, &self.grown, steps).collisions {
-            let depth = if met.what == Touched::Cutter { met.depth } else { met.depth.max(self.by) };
+            let depth = match met.what {
+                Touched::Cutter if met.depth <= self.slivers => 0.0,
+                Touched::Cutter => met.depth,
+                _ => met.depth.max(self.slivers),
+            };
             let at = &mut depths[met.block as usize];
             *at = at.max(depth);
         }

@@ -1,10 +1,11 @@
 //! Plan of the operation `rough`: lines along the channel, level by level.
 //!
-//! Before: an operation. After: for each level lines at whole stepovers from one wall, as far as the free space goes,
-//! and a line along the other wall, the far wall. The first line that the tool cuts at a place is a slot; it is the line
-//! one stepover from the near wall, where there is one, so that both walls are milled in the sense of the job. The line
-//! along the near wall runs back, all others run in one direction, and the material lies to the same side of the tool.
-//! A line ends where it meets the far wall. The near wall is chosen such that lines begin at the wide end.
+//! Before: an operation. After: for each level lines at whole stepovers from both walls, the innermost first. A line
+//! runs in along one wall and out along the other, so that the material lies on the same side of the tool everywhere.
+//! Where the channel is narrower than the line, both of its legs run in the middle, as far as the next line outward
+//! leaves more than a stepover between its legs; the second leg then finds air. So each place has as few lines as its
+//! width needs. The first line that the tool cuts at a place is a slot. Both legs are passes of their own, so that the
+//! second is reduced against the stock that the first leaves.
 //!
 //! A line begins outside of the stock, or on its neighbour, which is cut by then.
 
@@ -31,7 +32,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
     let free = |run: &LevelRun| run.stations.iter().map(|s| free(&roughing, run, s)).fold(0.0, f64::max);
     let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
-    check_points(cx, operation, (widest / stepover.get() + 2.0) * stations as f64)?;
+    check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
     let mut lines = Vec::new();
     for level in &levels {
@@ -42,7 +43,8 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
                 format!("level {}", level.number)
             };
             let run_lines = RunLines::new(&roughing, run, stepover.get(), milling);
-            lines.extend(run_lines.all().into_iter().map(|(line, points)| (format!("{name} {line}"), points)));
+            let run_lines = run_lines.all().into_iter().enumerate();
+            lines.extend(run_lines.map(|(i, points)| (format!("{name} line {}", i + 1), points)));
         }
         work.step(());
     }
@@ -95,55 +97,39 @@ struct RunLines<'a> {
     roughing: &'a Roughing<'a>,
     run: &'a LevelRun,
     stepover: f64,
+    milling: Milling,
     /// Free space across the channel at each station, mm.
     free: Vec<f64>,
-    /// Index of the near wall.
-    near: usize,
-    /// True when the lines run towards higher stations.
-    forward: bool,
 }
 
 impl<'a> RunLines<'a> {
     fn new(roughing: &'a Roughing<'a>, run: &'a LevelRun, stepover: f64, milling: Milling) -> Self {
         let free: Vec<f64> = run.stations.iter().map(|s| free(roughing, run, s)).collect();
-        let forward = match run.open {
-            [true, true] => free.first() > free.last(),
-            [first, _] => first,
-        };
-        let far_second = (second_to_the_right(roughing, run) == forward) == (milling == Milling::Climb);
-        Self { roughing, run, stepover, free, near: usize::from(!far_second), forward }
+        Self { roughing, run, stepover, milling, free }
     }
 
-    /// All lines with their names, in the order of cutting.
-    fn all(&self) -> Vec<(String, Vec<CcPoint>)> {
-        let whole = 0..self.run.stations.len();
-        let (slots, beside): (Vec<_>, Vec<_>) = self
-            .pieces(1)
-            .into_iter()
-            .partition(|piece| [true, false].iter().any(|way| self.starts_outside(piece, *way)));
-        let mut lines = Vec::new();
-        for piece in &slots {
-            let way = if self.starts_outside(piece, self.forward) { self.forward } else { !self.forward };
-            lines.push(self.line(piece, way, 1));
+    /// All legs in the order of cutting: from the middle to the walls, then those that begin on a neighbour.
+    fn all(&self) -> Vec<Vec<CcPoint>> {
+        let widest = self.free.iter().copied().fold(0.0, f64::max);
+        let most = (0.5 * (widest / self.stepover + 1.0)).ceil() as usize;
+        let (mut lines, mut late) = (Vec::new(), Vec::new());
+        for k in (0..most).rev() {
+            for piece in self.pieces(k) {
+                if self.outside(&piece) == [false; 2] {
+                    late.insert(0, (piece, k));
+                } else {
+                    lines.extend(self.legs(&piece, k));
+                }
+            }
         }
-        let slotted = lines.len();
-        let back = if self.starts_outside(&whole, !self.forward) { !self.forward } else { self.forward };
-        lines.push(self.line(&whole, back, 0));
-        lines.extend(beside.iter().map(|piece| self.line(piece, self.forward, 1)));
-        let most = (self.free.iter().copied().fold(0.0, f64::max) / self.stepover).ceil() as usize;
-        for k in 2..most {
-            lines.extend(self.pieces(k).iter().map(|piece| self.line(piece, self.forward, k)));
-        }
-        let far = self.directed(whole, self.forward).map(|i| (i, self.run.stations[i].room[1 - self.near]));
-        lines.push(self.points(far));
-        let name =
-            |i: usize| if i < slotted.max(1) { "slot".to_owned() } else { format!("line {}", i + 1 - slotted.max(1)) };
-        lines.into_iter().enumerate().map(|(i, points)| (name(i), points)).collect()
+        lines.extend(late.iter().flat_map(|(piece, k)| self.legs(piece, *k)));
+        lines
     }
 
-    /// Ranges of stations at which the free space is wider than `k` stepovers.
+    /// Ranges of stations of the line `k` stepovers from the walls: there the next line outward leaves more than a
+    /// stepover between its legs. The line along the walls goes everywhere.
     fn pieces(&self, k: usize) -> Vec<Range<usize>> {
-        let least = k as f64 * self.stepover;
+        let least = if k == 0 { f64::NEG_INFINITY } else { (2.0 * k as f64 - 1.0) * self.stepover };
         let mut pieces = Vec::new();
         let mut first = 0;
         while let Some(start) = (first..self.free.len()).find(|i| self.free[*i] > least) {
@@ -156,40 +142,54 @@ impl<'a> RunLines<'a> {
         pieces
     }
 
-    /// True when a line over a piece begins outside of the stock.
-    fn starts_outside(&self, piece: &Range<usize>, forward: bool) -> bool {
-        if forward { piece.start == 0 && self.run.open[0] } else { piece.end == self.free.len() && self.run.open[1] }
+    /// Ends of a piece that lie outside of the stock.
+    fn outside(&self, piece: &Range<usize>) -> [bool; 2] {
+        [piece.start == 0 && self.run.open[0], piece.end == self.free.len() && self.run.open[1]]
     }
 
-    fn directed(&self, piece: Range<usize>, forward: bool) -> impl Iterator<Item = usize> + use<> {
-        let count = piece.len();
-        (0..count).map(move |i| if forward { piece.start + i } else { piece.end - 1 - i })
-    }
-
-    /// Place across the channel at a distance from the near wall.
-    fn beside_near(&self, station: usize, distance: f64) -> f64 {
+    /// Place across the channel at a distance from a wall, at most in the middle.
+    fn leg(&self, station: usize, wall: usize, distance: f64) -> f64 {
         let s = &self.run.stations[station];
-        let share = (distance / self.free[station].max(f64::MIN_POSITIVE)).min(1.0);
-        s.room[self.near] + share * (s.room[1 - self.near] - s.room[self.near])
+        let share = (distance / self.free[station].max(f64::MIN_POSITIVE)).min(0.5);
+        s.room[wall] + share * (s.room[1 - wall] - s.room[wall])
     }
 
-    /// The line `k` stepovers from the near wall over a piece. A line that cannot begin outside begins on its neighbour
-    /// nearer to that wall.
-    fn line(&self, piece: &Range<usize>, forward: bool, k: usize) -> Vec<CcPoint> {
-        let distance = k as f64 * self.stepover;
-        let start = self.directed(piece.clone(), forward).next().unwrap_or(0);
-        let crossing = if k > 0 && !self.starts_outside(piece, forward) {
-            (self.stepover / STATION_SPACING).ceil() as usize
-        } else {
-            0
+    /// The line `k` stepovers from the walls over a piece: from the outside, or from the wider end, to the other end and
+    /// across, and back. A line that cannot begin outside begins on the next line outward.
+    fn legs(&self, piece: &Range<usize>, k: usize) -> Vec<Vec<CcPoint>> {
+        let ends = [piece.start, piece.end - 1];
+        let forward = match self.outside(piece) {
+            [true, false] => true,
+            [false, true] => false,
+            _ => self.free[ends[0]] > self.free[ends[1]],
         };
-        let over = (0..crossing).map(|i| distance - self.stepover * (1.0 - i as f64 / crossing as f64));
-        let over = over.map(|d| (start, self.beside_near(start, d)));
-        self.points(over.chain(self.directed(piece.clone(), forward).map(|i| (i, self.beside_near(i, distance)))))
+        let inward: Vec<usize> = if forward { piece.clone().collect() } else { piece.clone().rev().collect() };
+        let (Some(first), Some(last)) = (inward.first().copied(), inward.last().copied()) else { return Vec::new() };
+        // The wall of the leg inward.
+        let wall =
+            usize::from((second_to_the_right(self.roughing, self.run) == forward) == (self.milling == Milling::Climb));
+        let distance = k as f64 * self.stepover;
+        let leg = |i: usize, wall: usize| (i, self.leg(i, wall, distance));
+        let neighbour = if k > 0 && self.outside(piece) == [false; 2] { distance - self.stepover } else { distance };
+        let entry = self.across(first, self.leg(first, wall, neighbour), self.leg(first, wall, distance));
+        let turn = self.across(last, leg(last, wall).1, leg(last, 1 - wall).1);
+        let up = inward.iter().map(|i| leg(*i, wall));
+        let down = inward.iter().rev().map(|i| leg(*i, 1 - wall));
+        let crossed = (!turn.is_empty()).then(|| leg(last, 1 - wall));
+        let legs: [Vec<(usize, f64)>; 2] =
+            [entry.into_iter().chain(up).chain(turn).chain(crossed).collect(), down.collect()];
+        legs.map(|mut places| {
+            places.dedup();
+            places.into_iter().map(|(i, w)| self.roughing.cc_point(self.run.stations[i].u, self.run.level, w)).collect()
+        })
+        .into()
     }
 
-    fn points(&self, places: impl Iterator<Item = (usize, f64)>) -> Vec<CcPoint> {
-        places.map(|(i, w)| self.roughing.cc_point(self.run.stations[i].u, self.run.level, w)).collect()
+    /// Places across the channel from one to another, without the last.
+    fn across(&self, station: usize, from: f64, to: f64) -> Vec<(usize, f64)> {
+        let length = (to - from).abs() * across(self.roughing, self.run, self.run.stations[station].u);
+        let count = (length / STATION_SPACING).ceil() as usize;
+        (0..count).map(|k| (station, from + (to - from) * k as f64 / count as f64)).collect()
     }
 }
 
