@@ -130,7 +130,9 @@ impl<'a> Links<'a> {
             let start = ClPoint { contact: None, ..*first };
             match index.checked_sub(1).and_then(|before| self.short[before].as_ref()) {
                 Some(over) if index > run.start => {
-                    for to in over.iter().copied().chain([start]) {
+                    let before = self.passes[index - 1].points.last();
+                    let stays = before.is_some_and(|p| p.tip == start.tip && p.axis == start.axis);
+                    for to in over.iter().copied().chain((!stays).then_some(start)) {
                         add(MoveKind::Link, to);
                     }
                 }

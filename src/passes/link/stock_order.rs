@@ -19,12 +19,15 @@ use crate::progress::Work;
 use crate::stock::{self, Field, StepKind, Touched};
 use std::ops::Range;
 
-/// Way at cutting feed before a cut and behind it, mm: the tool slows down from link feed, and the stock is known to the
-/// cell of the simulation.
-const BESIDE_CUT: f64 = 0.5;
+/// Least way at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
+const BESIDE_CUT: f64 = 0.3;
 
 /// Least length of a run through air, mm: on a shorter one the change of feed gains no time.
 const LEAST_AIR: f64 = 1.0;
+
+/// Depth beyond the error between the rays up to which a cutter that slides along its own cut is in air, mm: the planned
+/// stations keep their lines to less.
+const ROUNDING: f64 = 0.02;
 
 /// Longest straight link through air, mm.
 const LONGEST_LINK: f64 = 80.0;
@@ -55,8 +58,7 @@ struct Reduction<'a> {
     thickness: f64,
     /// Error of the depth between the rays of the stock, mm.
     by: f64,
-    /// Depth up to which the cutter is in air, mm: that error, and what two ways of the tool along the same line leave
-    /// between them, each within the chord tolerance.
+    /// Depth up to which the cutter is in air, mm.
     slivers: f64,
     /// The cutter, and the tool with its cutter enlarged by this error.
     cutter: ToolSolid,
@@ -87,7 +89,7 @@ pub(super) fn reduce(
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
         by,
-        slivers: by + 2.0 * program.tolerances.chord_rough.get(),
+        slivers: by + ROUNDING,
         cutter: cutter_alone(solid, 0.0),
         grown: ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) },
     };
@@ -230,7 +232,8 @@ impl Reduction<'_> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }
-        if self.clear(&[*end, *start], field) {
+        let stays = start.tip == end.tip && start.axis == end.axis;
+        if stays || self.clear(&[*end, *start], field) {
             return Some(Vec::new());
         }
         LIFTS.iter().find_map(|lift| {

@@ -6,7 +6,7 @@ use crate::kin::{Angles, Machine, between};
 use crate::stock::{Field, Step, StepKind};
 
 /// Longest tip motion in a step, mm; passes are cut to this accuracy.
-const STEP_LENGTH: f64 = 1.0;
+const STEP_LENGTH: f64 = 0.5;
 
 /// Largest turn of a step, radians; limits the motion at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
