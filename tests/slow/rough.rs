@@ -53,15 +53,18 @@ fn the_allowances_are_kept() {
     assert!(compared > 300, "{compared}");
 }
 
-/// The simulation of the verifier: no link removes stock, nothing collides, and most of the time cuts.
+/// The simulation of the verifier, in cells of a tenth of the tools: nothing collides, no link removes as much as a cut,
+/// and links remove next to nothing. Later tools run over cusps of the earlier ones, which are narrower than the cells of
+/// the planner, so that their links meet a little more.
 #[test]
 fn links_remove_nothing() {
     let (program, motion) = ROUGHED.planned();
-    let mut settings = Settings::default();
+    let mut settings = Settings { cell: Some(0.2), ..Settings::default() };
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
-    for operation in &report.operations {
-        assert_eq!(operation.collisions.len(), 0);
-        assert!(operation.by_links < 1e-3 * operation.removed, "{operation:?}");
+    for (operation, most) in report.operations.iter().zip([1e-3, 1e-2]) {
+        println!("{}: links remove {:.3} of {:.3} mm3", operation.name, operation.by_links, operation.removed);
+        assert!(operation.collisions.is_empty() && operation.link.is_none(), "{}", operation.name);
+        assert!(operation.by_links < most * operation.removed, "{}", operation.name);
     }
 }
 

@@ -37,7 +37,7 @@ const HEIGHT_STEP: f64 = 1.0;
 const MOST_TURN: f64 = 0.35;
 
 /// Largest turn of a rotary axis on a straight link through air, radians.
-const MOST_STRAIGHT_TURN: f64 = 2.0;
+const MOST_STRAIGHT_TURN: f64 = 1.5;
 
 /// Least way of the tip on a link, mm: a block at feed must move its tip.
 const LEAST_WAY: f64 = 1e-2;

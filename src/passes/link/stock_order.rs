@@ -29,6 +29,9 @@ const LEAST_AIR: f64 = 1.0;
 /// stations keep their lines to less.
 const ROUNDING: f64 = 0.02;
 
+/// Distance that the cutter keeps from the known stock on a link, mm: cusps narrower than a cell stand between the rays.
+const LINK_FREE: f64 = 0.1;
+
 /// Longest straight link through air, mm.
 const LONGEST_LINK: f64 = 80.0;
 
@@ -58,11 +61,13 @@ struct Reduction<'a> {
     thickness: f64,
     /// Error of the depth between the rays of the stock, mm.
     by: f64,
-    /// Depth up to which the cutter is in air, mm.
+    /// Depth up to which the cutter slides along its own cut, mm.
     slivers: f64,
     /// The cutter, and the tool with its cutter enlarged by this error.
     cutter: ToolSolid,
     grown: ToolSolid,
+    /// The tool with its cutter enlarged by this error and by the free distance of links.
+    linking: ToolSolid,
 }
 
 /// A pass that cuts.
@@ -82,6 +87,8 @@ pub(super) fn reduce(
 ) {
     let solid = &program.tools[operation.tool].solid;
     let by = error_between_rays(field, solid);
+    let enlarged =
+        |by: f64| ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) };
     let reduction = Reduction {
         program,
         operation,
@@ -91,7 +98,8 @@ pub(super) fn reduce(
         by,
         slivers: by + ROUNDING,
         cutter: cutter_alone(solid, 0.0),
-        grown: ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) },
+        grown: enlarged(by),
+        linking: enlarged(by + LINK_FREE),
     };
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
@@ -122,7 +130,7 @@ impl Reduction<'_> {
     /// The parts of a pass that cut, with their leads.
     fn reduced(&self, pass: &ClPass, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
-        let Some(depths) = self.depths(field, &line) else { return Vec::new() };
+        let Some(depths) = self.depths(&line, (&self.grown, self.by), field) else { return Vec::new() };
         let mut parts: Vec<Reduced> = Vec::new();
         let mut end = 0;
         for stretch in self.stretches(&line, &depths) {
@@ -150,7 +158,7 @@ impl Reduction<'_> {
     /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
     /// to the last.
     fn stretches(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
-        let deep = |i: &usize| depths[*i] > self.thickness;
+        let deep = |i: &usize| depths[*i] > self.thickness.max(self.slivers);
         let mut stretches: Vec<Range<usize>> = Vec::new();
         let mut next = 0;
         while let Some(start) = (next..depths.len()).find(deep) {
@@ -169,7 +177,7 @@ impl Reduction<'_> {
     fn end_of(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool, field: &mut Field) -> PassEnd {
         let steps: Vec<usize> = if at_end { (station..depths.len()).collect() } else { (0..station).rev().collect() };
         let beyond = |step: usize| if at_end { step + 1 } else { step };
-        let to_air = steps.iter().position(|i| depths[*i] == 0.0);
+        let to_air = steps.iter().position(|i| depths[*i] <= self.slivers);
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
@@ -181,11 +189,12 @@ impl Reduction<'_> {
         let required = if at_end { self.operation.lead_out } else { self.operation.lead_in }.get();
         let (mut last, mut lead) = (station, 0.0);
         for step in steps {
-            if depths[step] == 0.0 {
+            if depths[step] <= self.slivers {
                 lead += length(line, step);
             }
             last = beyond(step);
-            if lead >= required {
+            // Along a cut that the tool has made before, a lead at cutting feed is needless.
+            if lead >= if depths[step] > 0.0 { required.min(BESIDE_CUT) } else { required } {
                 break;
             }
         }
@@ -217,7 +226,9 @@ impl Reduction<'_> {
                 let tip = from.tip + from.axis * lift + side * beside;
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
-                if self.in_air(&[over, place], field) && self.direct.straight(&place, &line[station].point, least) {
+                if self.in_air(&[over, place], (&self.grown, self.by), 0.0, field)
+                    && self.direct.straight(&place, &line[station].point, least)
+                {
                     return Some(line[beyond].moved_to(place));
                 }
             }
@@ -239,7 +250,9 @@ impl Reduction<'_> {
         LIFTS.iter().find_map(|lift| {
             let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             // The way up along the axis lies in the space that the tool has just cut.
-            if !self.clear(&[up, down], field) || !self.in_air(&[down, *start], field) {
+            if !self.clear(&[up, down], field)
+                || !self.in_air(&[down, *start], (&self.grown, self.by), self.slivers, field)
+            {
                 return None;
             }
             if self.clear(&[*end, down], field) {
@@ -254,26 +267,26 @@ impl Reduction<'_> {
 
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
-        self.direct.straight(&places[0], &places[1], 0.0) && self.in_air(places, field)
+        self.direct.straight(&places[0], &places[1], 0.0)
+            && self.in_air(places, (&self.linking, self.by + LINK_FREE), 0.0, field)
     }
 
-    /// True when the tool meets no stock on a way.
-    fn in_air(&self, places: &[ClPoint], field: &mut Field) -> bool {
-        let pass = ClPass { label: String::new(), sector: 0, points: places.to_vec(), air: Vec::new(), link: None };
+    /// True when the tool, with its cutter enlarged by `by`, meets no stock deeper than `most` on a straight way.
+    fn in_air(&self, [from, to]: &[ClPoint; 2], (tool, by): (&ToolSolid, f64), most: f64, field: &mut Field) -> bool {
+        let points = vec![*from, *to];
+        let pass = ClPass { label: String::new(), sector: 0, points, air: Vec::new(), link: None };
         let line = stations(&self.program.machine, &pass);
-        self.depths(field, &line).is_none_or(|depths| depths.iter().all(|d| *d == 0.0))
+        self.depths(&line, (tool, by), field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
     }
 
-    /// Depth of the tool in the stock on each step between stations, mm; `None` without steps.
-    fn depths(&self, field: &mut Field, line: &[PathPoint]) -> Option<Vec<f64>> {
+    /// Depth in the stock of the tool, with its cutter enlarged by `by`, on each step between stations, mm; `None`
+    /// without steps.
+    fn depths(&self, line: &[PathPoint], (tool, by): (&ToolSolid, f64), field: &mut Field) -> Option<Vec<f64>> {
         let mut depths = vec![0.0_f64; line.len().checked_sub(1).filter(|n| *n > 0)?];
-        let steps = steps_of(&self.program.machine, line, StepKind::Rapid, self.by);
-        for met in stock::simulate(field, &self.grown, steps).collisions {
-            let depth = match met.what {
-                Touched::Cutter if met.depth <= self.slivers => 0.0,
-                Touched::Cutter => met.depth,
-                _ => met.depth.max(self.slivers),
-            };
+        let steps = steps_of(&self.program.machine, line, StepKind::Rapid, by);
+        for met in stock::simulate(field, tool, steps).collisions {
+            // A shank or a holder that touches stock is never in air.
+            let depth = if met.what == Touched::Cutter { met.depth } else { met.depth.max(2.0 * self.slivers) };
             let at = &mut depths[met.block as usize];
             *at = at.max(depth);
         }
