@@ -53,7 +53,7 @@ fn the_allowances_are_kept() {
     assert!(compared > 300, "{compared}");
 }
 
-/// The simulation of the verifier, in cells of a tenth of the tools: nothing collides, no link removes as much as a cut,
+/// The simulation of the verifier, in cells of a tenth of the tools: nothing collides, no link removes more than a cut,
 /// and links remove next to nothing. Later tools run over cusps of the earlier ones, which are narrower than the cells of
 /// the planner, so that their links meet a little more.
 #[test]
@@ -63,7 +63,8 @@ fn links_remove_nothing() {
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
     for (operation, most) in report.operations.iter().zip([1e-3, 1e-2]) {
         println!("{}: links remove {:.3} of {:.3} mm3", operation.name, operation.by_links, operation.removed);
-        assert!(operation.collisions.is_empty() && operation.link.is_none(), "{}", operation.name);
+        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value));
+        assert!(operation.collisions.is_empty() && link <= cut, "{}: {link} {cut}", operation.name);
         assert!(operation.by_links < most * operation.removed, "{}", operation.name);
     }
 }
