@@ -25,6 +25,8 @@ pub enum ContractKind {
     OrientationError,
     /// Largest removal rate.
     RemovalRate,
+    /// Largest arc of the circle of the cutter in the stock.
+    Engagement,
     /// Largest thickness of stock that roughing leaves for the finishing operations.
     Rest,
     /// Volume of stock outside of the part.
@@ -82,7 +84,7 @@ pub enum OfOperations {
 
 impl ContractKind {
     /// All quantities, in the order in which messages list them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Gouge,
         Self::Excess,
         Self::Clearance(Guarded::Body),
@@ -95,6 +97,7 @@ impl ContractKind {
         Self::ContourError,
         Self::OrientationError,
         Self::RemovalRate,
+        Self::Engagement,
         Self::Rest,
         Self::RestVolume,
     ];
@@ -114,6 +117,7 @@ impl ContractKind {
             Self::ContourError => "contour-error",
             Self::OrientationError => "orientation-error",
             Self::RemovalRate => "removal-rate",
+            Self::Engagement => "engagement",
             Self::Rest => "rest",
             Self::RestVolume => "rest-volume",
         }
@@ -169,7 +173,7 @@ impl ContractKind {
             Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest | Self::ContourError => {
                 Bound::Length(Mm(value))
             }
-            Self::OrientationError => Bound::Angle(Rad::from_deg(value)),
+            Self::OrientationError | Self::Engagement => Bound::Angle(Rad::from_deg(value)),
             Self::Air | Self::AxisSpeed => Bound::Share(value),
             Self::Time => Bound::Time(Sec(value)),
             Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),

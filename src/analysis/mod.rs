@@ -10,6 +10,7 @@ pub mod outliers;
 pub mod part_kind;
 pub mod reach;
 mod retract;
+mod stock_height;
 pub mod throat;
 pub mod tolerance_budget;
 pub mod twist;
@@ -52,6 +53,7 @@ pub fn check(program: &Program, sink: &mut Sink) {
     }
     flank::report(program, sink);
     retract::check(program, sink);
+    stock_height::check(program, sink);
     reach::check(program, &throat, sink);
     beside::check(program, sink);
 }

@@ -19,6 +19,7 @@ const LONGEST: f64 = 100.0;
 const LONGEST_TIME: f64 = 6e5;
 
 /// Largest angle of a bound, rad.
+const LARGEST_ARC: f64 = std::f64::consts::TAU;
 const LARGEST_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Largest volume in mm3 and largest removal rate in mm3/min: a cubic metre.
@@ -166,6 +167,9 @@ impl ContractReader<'_, '_> {
                 "from 0 to 1000000 cm3/min",
                 "removal-rate <= 2000 mm3/min",
             ),
+            ContractKind::Engagement => {
+                (Dimension::ANGLE, 1f64.to_degrees(), LARGEST_ARC, "from 0 to 360 deg", "engagement <= 60 deg")
+            }
             ContractKind::RestVolume => {
                 (Dimension::VOLUME, 1.0, LARGEST_VOLUME, "from 0 to 1000000 cm3", "rest-volume <= 500 mm3")
             }

@@ -273,6 +273,11 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             format!("the removal rate is {is} ({what}); allowed {wanted}"),
             "use a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
         ),
+        ContractKind::Engagement => (
+            verification::ENGAGEMENT,
+            format!("the engagement is {is} ({what}); allowed {wanted}"),
+            "use a smaller `stepover`, or require it of the operations that cut no slots",
+        ),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
             format!("the rest volume is {is} ({what}); allowed {wanted}"),

@@ -4,7 +4,7 @@ use super::certificate::Certificate;
 use super::clearance::Clearance;
 use super::dynamics::{Departure, Run};
 use super::proof::piece::At;
-use super::stock::{OperationStock, StockReport};
+use super::stock::{OperationStock, Peak, StockReport};
 use super::surface::SurfaceReport;
 use crate::contract::{ContractKind, Guarded, Region};
 use crate::part::SurfaceClass;
@@ -82,7 +82,13 @@ pub(super) fn measure(
         ContractKind::OrientationError => Ok(departure(certificate, region, orientation)),
         ContractKind::Rest => rest(certificate, region, after),
         ContractKind::Air => air(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
-        ContractKind::RemovalRate => removal_rate(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
+        ContractKind::RemovalRate => {
+            // The stock has mm3/s.
+            Ok(largest(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region, |o| o.rate, 60.0))
+        }
+        ContractKind::Engagement => {
+            Ok(largest(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region, |o| o.arc, 1.0))
+        }
         ContractKind::RestVolume => {
             rest_volume(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, after, narrow)
         }
@@ -196,22 +202,22 @@ fn air(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
     Ok(Figure { value, found: None, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
 }
 
-/// Largest removal rate, mm3/min.
-fn removal_rate(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
+/// The largest of the peaks of the chosen operations, in the unit of the contract, which is `unit` of the stock's.
+fn largest(stock: &StockReport, region: &Region, peak: impl Fn(&OperationStock) -> Option<Peak>, unit: f64) -> Figure {
     let chosen = region.operations();
-    let rates = stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true));
-    let largest = rates.filter_map(|o| o.rate.map(|r| (o, r))).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
-    Ok(largest.map_or_else(
+    let operations = stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true));
+    let largest = operations.filter_map(|o| peak(o).map(|p| (o, p))).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+    largest.map_or_else(
         || none(0.0, "nothing is removed"),
-        |(o, r)| Figure {
-            value: r.value * 60.0,
+        |(o, p)| Figure {
+            value: p.value * unit,
             found: None,
             what: o.name.clone(),
-            point: Some(r.tip),
-            at: Some(r.at),
+            point: Some(p.tip),
+            at: Some(p.at),
             operation: Some(o.operation as usize),
         },
-    ))
+    )
 }
 
 /// Stock after an operation, or at the end, less the finished part. A cut into the part reduces this value.

@@ -34,7 +34,9 @@ static ALONE: LazyLock<[Certificate; 2]> = LazyLock::new(|| [0, 1].map(alone));
 
 /// The whole program with every contract that the tests look at, all with bounds that hold; and their figures.
 static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
-    use ContractKind::{Air, AxisSpeed, ContourError, Excess, Gouge, OrientationError, RemovalRate, RestVolume, Time};
+    use ContractKind::{
+        Air, AxisSpeed, ContourError, Engagement, Excess, Gouge, OrientationError, RemovalRate, RestVolume, Time,
+    };
     use SurfaceClass::{Fillet, Hub, Pressure, Suction};
     let body = ContractKind::Clearance;
     let mut contracts = vec![
@@ -73,6 +75,8 @@ static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
         on(Air, 1.0, &[0], &[]),
         on(RemovalRate, 1e9, &[], &[]),
         on(RemovalRate, 1e9, &[1], &[]),
+        on(Engagement, 360.0, &[], &[]),
+        on(Engagement, 360.0, &[1], &[]),
     ];
     contracts.extend(SurfaceClass::ALL.map(|s| on(body(Guarded::Shank), 0.0, &[], &[s])));
     let (certificate, sink) = judged(&contracts, &[]);
@@ -252,7 +256,7 @@ fn a_failed_error_between_blocks_tells_its_parts_its_place_and_the_way_out() {
 
 #[test]
 fn figures_of_the_stock_are_told_apart() {
-    use ContractKind::{Air, RemovalRate, RestVolume};
+    use ContractKind::{Air, Engagement, RemovalRate, RestVolume};
     let (program, _) = &*PLANNED;
     let stock = ASKED.0.stock.as_ref().unwrap();
     let [flank, channel] = [0, 1].map(|o| &stock.operations[o]);
@@ -274,6 +278,10 @@ fn figures_of_the_stock_are_told_apart() {
     let rates = [flank, channel].map(|o| o.rate.unwrap().value * 60.0);
     assert_eq!(asked(RemovalRate, &[1], &[]), rates[1]);
     assert_eq!(asked(RemovalRate, &[], &[]), rates[0].max(rates[1]));
+    let arcs = [flank, channel].map(|o| o.arc.unwrap().value);
+    assert_eq!(asked(Engagement, &[1], &[]), arcs[1]);
+    assert_eq!(asked(Engagement, &[], &[]), arcs[0].max(arcs[1]));
+    assert!(arcs[1] > 1.0 && arcs.iter().all(|arc| *arc <= 360.0), "{arcs:?}");
 }
 
 #[test]

@@ -317,6 +317,7 @@ fn contracts_of_each_kind_are_read() {
          require contour-error     <= 5 um on flank\n\
          require orientation-error <= 0.02 deg\n\
          require removal-rate <= 2.5 cm3/min on expand\n\
+         require engagement <= 90 deg on expand\n\
          require rest         <= 1000 um on operation expand2\n\
          require rest-volume  <= 1.5 cm3\n\
          allow   excess on fillet \"blended by hand\"\n\
@@ -345,6 +346,7 @@ fn contracts_of_each_kind_are_read() {
         is(ContractKind::ContourError, 0.005, &[4], &[]),
         is(ContractKind::OrientationError, 0.02, &[], &[]),
         is(ContractKind::RemovalRate, 2500.0, &[1, 3], &[]),
+        is(ContractKind::Engagement, 90.0, &[1, 3], &[]),
         is(ContractKind::Rest, 1.0, &[3], &[]),
         is(ContractKind::RestVolume, 1500.0, &[], &[]),
     ];

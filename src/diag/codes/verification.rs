@@ -62,6 +62,8 @@ tools and stalls weak spindles.\n\nRemedy: use a lower `feed`, or smaller steps 
 It is larger than `require rest-volume` allows. The volume of the part is that of a closed mesh of its surfaces. A \
 gouge reduces the rest volume, so require `gouge` too. The cells of the simulation limit the accuracy of small \
 volumes.\n\nRemedy: use operations for all faces and sectors, smaller steps, or a tool that reaches the material.";
+    ENGAGEMENT = "IMP0719", "engagement is larger than the job allows",
+        "The engagement is the largest arc of the circle of the cutter that is in the simulated stock. In some move it is larger than `require engagement` allows. A slot has 180 deg. A cut of width b with a cutter of radius R has the angle whose cosine is 1 - b / R.\n\nRemedy: use a smaller `stepover`, or name the operations that cut no slots: `require engagement <= 60 deg on rough2`.";
     CONTOUR_ERROR = "IMP0717", "the control deviates from the verified motion by more than the job allows",
         "The verified motion moves the tip along straight lines and turns A and C in proportion to its path. A real \
 control rounds the corners between blocks within its tolerance, and its drives move straight between two cycles. The \
