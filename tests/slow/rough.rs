@@ -124,3 +124,18 @@ fn each_form_of_levels_reaches_the_floor() {
         assert!(rest.holds, "{}: {}", form.name(), rest.found);
     }
 }
+
+/// A wheel with few long vanes, roughed from one item: every contract holds, no island stands, and no link removes more
+/// than a cut.
+#[test]
+fn a_pump_wheel_is_roughed_from_one_item() {
+    let compiled = Compiled::new(jobs::program("pump", None));
+    for contract in &compiled.certificate.contracts {
+        println!("{}: {:.3}", contract.name(), contract.found);
+        assert!(contract.holds, "{}: {}", contract.name(), contract.found);
+    }
+    for operation in &compiled.certificate.stock.as_ref().expect("a stock").operations {
+        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value));
+        assert!(operation.collisions.is_empty() && link <= cut, "{}: {link} {cut}", operation.name);
+    }
+}

@@ -28,6 +28,8 @@ pub(crate) struct Roughing<'a> {
     /// Distances to keep at the stations, and between them.
     keep: Keep,
     between: Keep,
+    /// The axis does not turn on the leads.
+    straight_leads: bool,
     /// The tool may be lifted over the hub by up to a step down.
     lifts: bool,
     pub(super) depth: f64,
@@ -132,6 +134,7 @@ impl<'a> Roughing<'a> {
                 clearance: program.clearance.get(),
             },
             between: Keep { vane: vane.get(), hub: hub.get(), clearance: program.clearance.get() },
+            straight_leads: matches!(operation.kind, OperationKind::Rough { .. }),
             lifts: matches!(operation.kind, OperationKind::Rough { .. })
                 || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             depth: depth.get(),
@@ -155,9 +158,9 @@ impl<'a> Roughing<'a> {
         self.solid.radius()
     }
 
-    /// Tool axis at a place of the chart, sector 0.
+    /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
-        self.chart.axis(u, v, w, self.edge())
+        self.chart.axis(if self.straight_leads { u.clamp(0.0, 1.0) } else { u }, v, w, self.edge())
     }
 
     /// Station of a line in the chart, sector 0.
