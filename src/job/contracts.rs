@@ -18,8 +18,10 @@ const LONGEST: f64 = 100.0;
 /// Longest time of a bound, min: more than a year.
 const LONGEST_TIME: f64 = 6e5;
 
-/// Largest angle of a bound, rad.
+/// Largest arc of a bound on the engagement, rad.
 const LARGEST_ARC: f64 = std::f64::consts::TAU;
+
+/// Largest angle of another bound, rad.
 const LARGEST_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Largest volume in mm3 and largest removal rate in mm3/min: a cubic metre.

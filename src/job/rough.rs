@@ -28,8 +28,8 @@ const KNOWN: [&str; 13] = [
 /// Default of `rest over` for the tools after the first, mm.
 const REST: Mm = Mm(0.2);
 
-/// A length of the item that has a default for each tool.
-struct Length {
+/// Step of the tool down or across, which has a default for each tool.
+struct StepSize {
     name: &'static str,
     /// Defaults as shares of the diameter, for a tool with a flat end and for one with a ball.
     flat: f64,
@@ -38,8 +38,8 @@ struct Length {
     most: fn(&ToolSpec) -> Mm,
 }
 
-const DEPTH: Length = Length { name: "depth", flat: 0.375, ball: 0.33, most: |tool| tool.flute };
-const STEPOVER: Length = Length { name: "stepover", flat: 0.75, ball: 0.4, most: |tool| tool.diameter };
+const DEPTH: StepSize = StepSize { name: "depth", flat: 0.375, ball: 0.33, most: |tool| tool.flute };
+const STEPOVER: StepSize = StepSize { name: "stepover", flat: 0.75, ball: 0.4, most: |tool| tool.diameter };
 
 impl OperationReader<'_> {
     /// The operations of a `rough` item, one for each tool, in the order of the job.
@@ -141,7 +141,7 @@ fn each<'a>(
     }
 }
 
-impl Length {
+impl StepSize {
     /// The value of an expression, or the default of a tool.
     fn of(&self, p: &mut Properties<'_, '_>, expr: Option<&Expr>, tool: Option<&ToolSpec>) -> Option<Mm> {
         let tool = tool?;

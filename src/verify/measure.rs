@@ -65,6 +65,7 @@ pub(super) fn measure(
     certificate: &Certificate,
     narrow: &dyn NarrowMeasure,
 ) -> Result<Figure, Unmeasured> {
+    let stock = || certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock);
     match kind {
         ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.point, s.gouge.at))),
         ContractKind::Excess => {
@@ -81,17 +82,11 @@ pub(super) fn measure(
         ContractKind::ContourError => Ok(departure(certificate, region, contour)),
         ContractKind::OrientationError => Ok(departure(certificate, region, orientation)),
         ContractKind::Rest => rest(certificate, region, after),
-        ContractKind::Air => air(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region),
-        ContractKind::RemovalRate => {
-            // The stock has mm3/s.
-            Ok(largest(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region, |o| o.rate, 60.0))
-        }
-        ContractKind::Engagement => {
-            Ok(largest(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, region, |o| o.arc, 1.0))
-        }
-        ContractKind::RestVolume => {
-            rest_volume(certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock)?, after, narrow)
-        }
+        ContractKind::Air => air(stock()?, region),
+        // The stock has mm3/s.
+        ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate, 60.0)),
+        ContractKind::Engagement => Ok(largest(stock()?, region, |o| o.arc, 1.0)),
+        ContractKind::RestVolume => rest_volume(stock()?, after, narrow),
     }
 }
 

@@ -2,10 +2,12 @@
 
 mod channel_chart;
 pub(crate) mod limits;
+mod maximal_ranges;
 mod obstacles;
 mod tilt;
 
 pub(crate) use channel_chart::ChannelChart;
+pub(crate) use maximal_ranges::maximal_ranges;
 pub use obstacles::Obstacles;
 pub(crate) use obstacles::{Ends, Keep};
 pub(crate) use tilt::AxisTilt;

@@ -1,8 +1,9 @@
 //! Roughing passes against the stock that they find, one after the other.
 //!
 //! Before: the passes of a `rough` operation in all sectors. After: passes that cut, from the first contact with the
-//! stock to the last, with their leads. On leads and between two cuts the tool runs through air at link feed, except for
-//! the last millimetre before a cut and the first behind it. A pass whose start the tool reaches from the end of the pass before on a straight way through air, clear of the part, is joined to it.
+//! stock to the last, with their leads. On leads and between two cuts the tool runs through air at link feed. Where the
+//! tool reaches the start of a pass from the end of the pass before on straight ways through air, clear of the part, the
+//! pass has this link.
 //!
 //! After rest machining a pass keeps only the stretches on which more than the thickness of the job is left. Where air
 //! is far from the end of a stretch, the tool ramps in from above or beside the pass.
@@ -15,6 +16,7 @@ use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, steps_of, way};
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
+use crate::passes::context::maximal_ranges;
 use crate::progress::Work;
 use crate::stock::{self, Field, StepKind, Touched};
 use std::ops::Range;
@@ -59,15 +61,27 @@ struct Reduction<'a> {
     sphere: ClearanceSphere,
     /// Stock that is no deeper in the tool is left to the next operation, mm.
     thickness: f64,
-    /// Error of the depth between the rays of the stock, mm.
-    by: f64,
     /// Depth up to which the cutter slides along its own cut, mm.
     slivers: f64,
-    /// The cutter, and the tool with its cutter enlarged by this error.
     cutter: ToolSolid,
-    grown: ToolSolid,
-    /// The tool with its cutter enlarged by this error and by the free distance of links.
-    linking: ToolSolid,
+    /// The tool, its cutter enlarged by the error of the depth between the rays of the stock.
+    cutting: EnlargedTool,
+    /// The tool, its cutter enlarged by this error and by the free distance of links.
+    linking: EnlargedTool,
+}
+
+/// A tool with an enlarged cutter.
+struct EnlargedTool {
+    solid: ToolSolid,
+    /// Enlargement, mm.
+    by: f64,
+}
+
+impl EnlargedTool {
+    fn new(tool: &ToolSolid, by: f64) -> Self {
+        let solid = ToolSolid { shank: tool.shank.clone(), holder: tool.holder.clone(), ..cutter_alone(tool, by) };
+        Self { solid, by }
+    }
 }
 
 /// A pass that cuts.
@@ -87,19 +101,16 @@ pub(super) fn reduce(
 ) {
     let solid = &program.tools[operation.tool].solid;
     let by = error_between_rays(field, solid);
-    let enlarged =
-        |by: f64| ToolSolid { shank: solid.shank.clone(), holder: solid.holder.clone(), ..cutter_alone(solid, by) };
     let reduction = Reduction {
         program,
         operation,
         direct,
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
-        by,
         slivers: by + ROUNDING,
         cutter: cutter_alone(solid, 0.0),
-        grown: enlarged(by),
-        linking: enlarged(by + LINK_FREE),
+        cutting: EnlargedTool::new(solid, by),
+        linking: EnlargedTool::new(solid, by + LINK_FREE),
     };
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
@@ -130,7 +141,7 @@ impl Reduction<'_> {
     /// The parts of a pass that cut, with their leads.
     fn reduced(&self, pass: &ClPass, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
-        let Some(depths) = self.depths(&line, (&self.grown, self.by), field) else { return Vec::new() };
+        let Some(depths) = self.depths(&line, &self.cutting, field) else { return Vec::new() };
         let mut parts: Vec<Reduced> = Vec::new();
         let mut end = 0;
         for stretch in self.stretches(&line, &depths) {
@@ -150,7 +161,7 @@ impl Reduction<'_> {
                 part.push(place);
                 depths.push(f64::MAX);
             }
-            parts.push(assembled(pass, part, &depths));
+            parts.push(assembled(pass, &part, &depths));
         }
         parts
     }
@@ -158,15 +169,14 @@ impl Reduction<'_> {
     /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
     /// to the last.
     fn stretches(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
-        let deep = |i: &usize| depths[*i] > self.thickness.max(self.slivers);
+        let least = self.thickness.max(self.slivers);
         let mut stretches: Vec<Range<usize>> = Vec::new();
-        let mut next = 0;
-        while let Some(start) = (next..depths.len()).find(deep) {
-            let end = (start..depths.len()).find(|i| !deep(i)).unwrap_or(depths.len());
-            next = end;
+        for deep in maximal_ranges(depths.len(), |i| depths[i] > least) {
             match stretches.last_mut() {
-                Some(last) if self.thickness == 0.0 || way(&line[last.end..=start]) < LEAST_PAUSE => last.end = end,
-                _ => stretches.push(start..end),
+                Some(last) if self.thickness == 0.0 || way(&line[last.end..=deep.start]) < LEAST_PAUSE => {
+                    last.end = deep.end;
+                }
+                _ => stretches.push(deep),
             }
         }
         stretches
@@ -226,7 +236,7 @@ impl Reduction<'_> {
                 let tip = from.tip + from.axis * lift + side * beside;
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
-                if self.in_air(&[over, place], (&self.grown, self.by), 0.0, field)
+                if self.in_air(&[over, place], &self.cutting, 0.0, field)
                     && self.direct.straight(&place, &line[station].point, least)
                 {
                     return Some(line[beyond].moved_to(place));
@@ -250,9 +260,7 @@ impl Reduction<'_> {
         LIFTS.iter().find_map(|lift| {
             let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             // The way up along the axis lies in the space that the tool has just cut.
-            if !self.clear(&[up, down], field)
-                || !self.in_air(&[down, *start], (&self.grown, self.by), self.slivers, field)
-            {
+            if !self.clear(&[up, down], field) || !self.in_air(&[down, *start], &self.cutting, self.slivers, field) {
                 return None;
             }
             if self.clear(&[*end, down], field) {
@@ -267,24 +275,22 @@ impl Reduction<'_> {
 
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
-        self.direct.straight(&places[0], &places[1], 0.0)
-            && self.in_air(places, (&self.linking, self.by + LINK_FREE), 0.0, field)
+        self.direct.straight(&places[0], &places[1], 0.0) && self.in_air(places, &self.linking, 0.0, field)
     }
 
-    /// True when the tool, with its cutter enlarged by `by`, meets no stock deeper than `most` on a straight way.
-    fn in_air(&self, [from, to]: &[ClPoint; 2], (tool, by): (&ToolSolid, f64), most: f64, field: &mut Field) -> bool {
+    /// True when a tool meets no stock deeper than `most` on a straight way.
+    fn in_air(&self, [from, to]: &[ClPoint; 2], tool: &EnlargedTool, most: f64, field: &mut Field) -> bool {
         let points = vec![*from, *to];
         let pass = ClPass { label: String::new(), sector: 0, points, air: Vec::new(), link: None };
         let line = stations(&self.program.machine, &pass);
-        self.depths(&line, (tool, by), field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
+        self.depths(&line, tool, field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
     }
 
-    /// Depth in the stock of the tool, with its cutter enlarged by `by`, on each step between stations, mm; `None`
-    /// without steps.
-    fn depths(&self, line: &[PathPoint], (tool, by): (&ToolSolid, f64), field: &mut Field) -> Option<Vec<f64>> {
+    /// Depth of a tool in the stock on each step between stations, mm; `None` without steps.
+    fn depths(&self, line: &[PathPoint], tool: &EnlargedTool, field: &mut Field) -> Option<Vec<f64>> {
         let mut depths = vec![0.0_f64; line.len().checked_sub(1).filter(|n| *n > 0)?];
-        let steps = steps_of(&self.program.machine, line, StepKind::Rapid, by);
-        for met in stock::simulate(field, tool, steps).collisions {
+        let steps = steps_of(&self.program.machine, line, StepKind::Rapid, tool.by);
+        for met in stock::simulate(field, &tool.solid, steps).collisions {
             // A shank or a holder that touches stock is never in air.
             let depth = if met.what == Touched::Cutter { met.depth } else { met.depth.max(2.0 * self.slivers) };
             let at = &mut depths[met.block as usize];
@@ -302,15 +308,15 @@ struct PassEnd {
 }
 
 /// A pass from the stations of its part, with the steps that run through air.
-fn assembled(pass: &ClPass, line: Vec<PathPoint>, depths: &[f64]) -> Reduced {
-    let fast = through_air(&line, depths);
+fn assembled(pass: &ClPass, line: &[PathPoint], depths: &[f64]) -> Reduced {
+    let fast = through_air(line, depths);
     let mut reduced =
         ClPass { label: pass.label.clone(), sector: pass.sector, points: Vec::new(), air: Vec::new(), link: None };
     let mut lengths = [0.0; 2];
     for (i, station) in line.iter().enumerate() {
         let [before, after] = [i.checked_sub(1).map(|b| fast[b]), fast.get(i).copied()];
         if let Some(fast) = before {
-            lengths[usize::from(fast)] += (station.point.tip - line[i - 1].point.tip).norm();
+            lengths[usize::from(fast)] += length(line, i - 1);
         }
         if station.planned || before != after {
             if before == Some(true) {
@@ -330,10 +336,7 @@ fn length(line: &[PathPoint], step: usize) -> f64 {
 /// For each step whether the tool runs through air at link feed: leads and gaps between cuts, less the way beside cuts.
 fn through_air(line: &[PathPoint], depths: &[f64]) -> Vec<bool> {
     let mut fast = vec![false; depths.len()];
-    let mut next = 0;
-    while let Some(start) = (next..depths.len()).find(|i| depths[*i] == 0.0) {
-        let end = (start..depths.len()).find(|i| depths[*i] > 0.0).unwrap_or(depths.len());
-        next = end;
+    for Range { start, end } in maximal_ranges(depths.len(), |i| depths[i] == 0.0) {
         let (mut from, mut to) = (start, end);
         let mut beside = 0.0;
         while start > 0 && from < to && beside < BESIDE_CUT {

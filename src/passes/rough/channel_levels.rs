@@ -15,7 +15,7 @@ use super::levels::{LevelRun, RoughLevel};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::Milling;
-use crate::passes::context::{PassContext, limits::check_points};
+use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
 use std::ops::Range;
 
 /// Plans a rough operation.
@@ -97,7 +97,8 @@ struct RunLines<'a> {
     roughing: &'a Roughing<'a>,
     run: &'a LevelRun,
     stepover: f64,
-    milling: Milling,
+    /// Index of the wall along which a line runs towards higher stations.
+    wall_forward: usize,
     /// Free space across the channel at each station, mm.
     free: Vec<f64>,
 }
@@ -105,7 +106,8 @@ struct RunLines<'a> {
 impl<'a> RunLines<'a> {
     fn new(roughing: &'a Roughing<'a>, run: &'a LevelRun, stepover: f64, milling: Milling) -> Self {
         let free: Vec<f64> = run.stations.iter().map(|s| free(roughing, run, s)).collect();
-        Self { roughing, run, stepover, milling, free }
+        let climbs = milling == Milling::Climb;
+        Self { roughing, run, stepover, wall_forward: usize::from(second_to_the_right(roughing, run) == climbs), free }
     }
 
     /// All legs in the order of cutting: from the middle to the walls, then those that begin on a neighbour.
@@ -130,16 +132,8 @@ impl<'a> RunLines<'a> {
     /// stepover between its legs. The line along the walls goes everywhere.
     fn pieces(&self, k: usize) -> Vec<Range<usize>> {
         let least = if k == 0 { f64::NEG_INFINITY } else { (2.0 * k as f64 - 1.0) * self.stepover };
-        let mut pieces = Vec::new();
-        let mut first = 0;
-        while let Some(start) = (first..self.free.len()).find(|i| self.free[*i] > least) {
-            let end = (start..self.free.len()).find(|i| self.free[*i] <= least).unwrap_or(self.free.len());
-            first = end;
-            if end - start > 1 {
-                pieces.push(start..end);
-            }
-        }
-        pieces
+        let wide = maximal_ranges(self.free.len(), |i| self.free[i] > least);
+        wide.into_iter().filter(|piece| piece.len() > 1).collect()
     }
 
     /// Ends of a piece that lie outside of the stock.
@@ -158,7 +152,8 @@ impl<'a> RunLines<'a> {
     /// across, and back. A line that cannot begin outside begins on the next line outward.
     fn legs(&self, piece: &Range<usize>, k: usize) -> Vec<Vec<CcPoint>> {
         let ends = [piece.start, piece.end - 1];
-        let forward = match self.outside(piece) {
+        let outside = self.outside(piece);
+        let forward = match outside {
             [true, false] => true,
             [false, true] => false,
             _ => self.free[ends[0]] > self.free[ends[1]],
@@ -166,11 +161,10 @@ impl<'a> RunLines<'a> {
         let inward: Vec<usize> = if forward { piece.clone().collect() } else { piece.clone().rev().collect() };
         let (Some(first), Some(last)) = (inward.first().copied(), inward.last().copied()) else { return Vec::new() };
         // The wall of the leg inward.
-        let wall =
-            usize::from((second_to_the_right(self.roughing, self.run) == forward) == (self.milling == Milling::Climb));
+        let wall = if forward { self.wall_forward } else { 1 - self.wall_forward };
         let distance = k as f64 * self.stepover;
         let leg = |i: usize, wall: usize| (i, self.leg(i, wall, distance));
-        let neighbour = if k > 0 && self.outside(piece) == [false; 2] { distance - self.stepover } else { distance };
+        let neighbour = if k > 0 && outside == [false; 2] { distance - self.stepover } else { distance };
         let entry = self.across(first, self.leg(first, wall, neighbour), self.leg(first, wall, distance));
         let turn = self.across(last, leg(last, wall).1, leg(last, 1 - wall).1);
         let up = inward.iter().map(|i| leg(*i, wall));

@@ -5,7 +5,9 @@
 
 use super::layers::{LayerStation, Level, Roughing, STATION_SPACING, length_of, limit_leads};
 use crate::method::Levels;
+use crate::passes::context::maximal_ranges;
 use crate::progress::Progress;
+use nalgebra::Point3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -107,34 +109,27 @@ impl Roughing<'_> {
         let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
         let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, last)).collect();
-        let step = |i: usize| (middle(grid[i + 1]) - middle(grid[i])).norm();
+        let places: Vec<Point3<f64>> = grid.iter().map(|u| middle(*u)).collect();
+        let step = |i: usize| (places[i + 1] - places[i]).norm();
         let mut wanted = inside.clone();
-        let mut first = 0;
-        while let Some(start) = (first..=count).find(|i| inside[*i]) {
-            let end = (start..=count).find(|i| !inside[*i]).unwrap_or(count + 1) - 1;
+        for stretch in maximal_ranges(count + 1, |i| inside[i]) {
             for (back, reach) in [(true, lead[0]), (false, lead[1])] {
-                let (mut i, mut run) = (if back { start } else { end }, 0.0);
+                let (mut i, mut run) = (if back { stretch.start } else { stretch.end - 1 }, 0.0);
                 while run < reach && (if back { i > 0 } else { i < count }) {
                     run += step(if back { i - 1 } else { i });
                     i = if back { i - 1 } else { i + 1 };
                     wanted[i] = true;
                 }
             }
-            first = end + 1;
         }
         let fits: Vec<Option<[f64; 2]>> =
             (0..=count).into_par_iter().map(|i| if wanted[i] { self.room(grid[i], level) } else { None }).collect();
         let mut level_found = RoughLevel { number, runs: Vec::new(), length: [0.0; 2] };
         level_found.length[0] = (0..count).filter(|i| inside[*i] && inside[i + 1]).map(step).sum();
-        let mut i = 0;
-        while i <= count {
-            if fits[i].is_none() {
-                i += 1;
-                continue;
-            }
-            let end = (i..=count).find(|k| fits[*k].is_none()).unwrap_or(count + 1) - 1;
+        for fitting in maximal_ranges(count + 1, |i| fits[i].is_some()) {
+            let i = fitting.start;
             let mut stations: Vec<LayerStation> =
-                (i..=end).filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
+                fitting.filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
             if limit_leads(&mut stations, |k, _| inside[i + k]).is_ok() {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
@@ -148,7 +143,6 @@ impl Roughing<'_> {
                     }
                 }
             }
-            i = end + 1;
         }
         level_found
     }
