@@ -26,7 +26,7 @@ use crate::units::trim;
 use std::ops::Range;
 
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
-const MOST_CELL: f64 = 1.0;
+const MOST_CELL: f64 = 0.5;
 
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;

@@ -22,10 +22,10 @@ use crate::stock::{self, Field, StepKind, Touched};
 use std::ops::Range;
 
 /// Least way at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
-const BESIDE_CUT: f64 = 0.3;
+const BESIDE_CUT: f64 = 0.2;
 
 /// Least length of a run through air, mm: on a shorter one the change of feed gains no time.
-const LEAST_AIR: f64 = 1.0;
+const LEAST_AIR: f64 = 0.4;
 
 /// Depth beyond the error between the rays up to which a cutter that slides along its own cut is in air, mm: the planned
 /// stations keep their lines to less.
@@ -117,14 +117,9 @@ pub(super) fn reduce(
     let count = planned.passes.len();
     for pass in std::mem::take(&mut planned.passes) {
         work.step(());
-        for mut reduced in reduction.reduced(&pass, field) {
-            if let Some(end) = kept.last().and_then(|before| before.points.last()) {
-                reduced.pass.link = reduction.link(end, &reduced.pass.points[0], field);
-            }
+        for reduced in reduction.reduced(&pass, kept.last().and_then(|p| p.points.last()).copied(), field) {
             linked += usize::from(reduced.pass.link.is_some());
             lengths = [0, 1].map(|k: usize| lengths[k] + reduced.lengths[k]);
-            let line = stations(&program.machine, &reduced.pass);
-            stock::simulate(field, &reduction.cutter, steps_of(&program.machine, &line, StepKind::Cut, 0.0));
             kept.push(reduced.pass);
         }
     }
@@ -138,38 +133,95 @@ pub(super) fn reduce(
 }
 
 impl Reduction<'_> {
-    /// The parts of a pass that cut, with their leads.
-    fn reduced(&self, pass: &ClPass, field: &mut Field) -> Vec<Reduced> {
+    /// The parts of a pass that cut, with their leads, and with their links from the end of the pass before. Removes
+    /// their cuts from the stock.
+    fn reduced(&self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
-        let Some(depths) = self.depths(&line, &self.cutting, field) else { return Vec::new() };
+        let Some(mut depths) = self.depths(&line, &self.cutting, field) else { return Vec::new() };
         let mut parts: Vec<Reduced> = Vec::new();
-        let mut end = 0;
-        for stretch in self.stretches(&line, &depths) {
-            if stretch.end <= end {
-                continue;
-            }
+        let mut done = 0;
+        while let Some(stretch) = self.stretches(&line[done..], &depths[done..]).first() {
+            let stretch = stretch.start + done..stretch.end + done;
             let start = self.end_of(&line, &depths, stretch.start, false, field);
-            let finish = self.end_of(&line, &depths, stretch.end, true, field);
-            end = finish.station;
-            let mut part = line[start.station..=finish.station].to_vec();
-            let mut depths = depths[start.station..finish.station].to_vec();
-            if let Some(place) = start.ramp {
-                part.insert(0, place);
-                depths.insert(0, f64::MAX);
+            let first = start.ramp.first().unwrap_or(&line[start.station]).point;
+            let link = before.and_then(|end| self.link(&end, &first, field));
+            let mut part = start.ramp;
+            let mut found = self.depths(&part, &self.cutting, field).unwrap_or_default();
+            self.cut(&part, field);
+            part.pop();
+            found.extend_from_slice(&depths[start.station..]);
+            let end = self.cut_to_end(&line, start.station, stretch.end, &mut depths, field);
+            found.truncate(part.len() + end - start.station);
+            let finish = self.end_of(&line, &depths, end, true, field);
+            self.cut(&line[end..=finish.station], field);
+            part.extend_from_slice(&line[start.station..=finish.station]);
+            found.extend_from_slice(&depths[end..finish.station]);
+            if let Some(out) = self.depths(&finish.ramp, &self.cutting, field) {
+                self.cut(&finish.ramp, field);
+                part.extend_from_slice(&finish.ramp[1..]);
+                found.extend(out);
             }
-            if let Some(place) = finish.ramp {
-                part.push(place);
-                depths.push(f64::MAX);
-            }
-            parts.push(assembled(pass, &part, &depths));
+            let mut reduced = assembled(pass, &part, &found);
+            reduced.pass.link = link;
+            before = reduced.pass.points.last().copied();
+            parts.push(reduced);
+            done = finish.station;
         }
         parts
+    }
+
+    /// Cuts from a station until nothing is left to cut up to another station, and returns the station where that is.
+    /// The rear half of a cutter passes where its front half has cut, so that the tool is done before all of it has left
+    /// the stock that it found. Updates the depths behind the returned station.
+    fn cut_to_end(
+        &self,
+        line: &[PathPoint],
+        from: usize,
+        to: usize,
+        depths: &mut Vec<f64>,
+        field: &mut Field,
+    ) -> usize {
+        let mut rear = 0.0;
+        let mut at = to;
+        while at > from && rear < 2.0 * self.cutter.radius() {
+            at -= 1;
+            rear += length(line, at);
+        }
+        self.cut(&line[from..=at], field);
+        while let Some(next) = self.next_cut(&line[at..=to], field) {
+            self.cut(&line[at..=at + next], field);
+            at += next;
+        }
+        if let Some(behind) = self.depths(&line[at..], &self.cutting, field) {
+            depths.truncate(at);
+            depths.extend(behind);
+        }
+        at
+    }
+
+    /// End of the first step that cuts.
+    fn next_cut(&self, line: &[PathPoint], field: &mut Field) -> Option<usize> {
+        let cuts = |line: &[PathPoint], field: &mut Field| {
+            self.depths(line, &self.cutting, field)?.iter().position(|d| *d > self.slivers)
+        };
+        // Mostly the first step cuts, and a look at one step costs little.
+        cuts(line.get(..2)?, field).or_else(|| cuts(line, field)).map(|step| step + 1)
+    }
+
+    /// Removes the cut along stations from the stock.
+    fn cut(&self, line: &[PathPoint], field: &mut Field) {
+        stock::simulate(field, &self.cutter, steps_of(&self.program.machine, line, StepKind::Cut, 0.0));
+    }
+
+    /// Depth in the stock from which the tool has to cut, mm.
+    fn least(&self) -> f64 {
+        self.thickness.max(self.slivers)
     }
 
     /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
     /// to the last.
     fn stretches(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
-        let least = self.thickness.max(self.slivers);
+        let least = self.least();
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for deep in maximal_ranges(depths.len(), |i| depths[i] > least) {
             match stretches.last_mut() {
@@ -191,9 +243,11 @@ impl Reduction<'_> {
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
-            && let Some(ramp) = self.ramp(line, &steps, station, beyond, field)
+            && let Some(place) = self.ramp_end(line, &steps, station, beyond, field)
         {
-            return PassEnd { station, ramp: Some(ramp) };
+            let here = ClPoint { contact: None, ..line[station].point };
+            let ends = if at_end { [here, place] } else { [place, here] };
+            return PassEnd { station, ramp: self.straight_way(ends) };
         }
         // The pass ends in air, with its lead.
         let required = if at_end { self.operation.lead_out } else { self.operation.lead_in }.get();
@@ -208,19 +262,19 @@ impl Reduction<'_> {
                 break;
             }
         }
-        PassEnd { station: last, ramp: None }
+        PassEnd { station: last, ramp: Vec::new() }
     }
 
     /// A place in air, over or beside a station some way before the first or behind the last of a cut, from which or to
     /// which the tool goes straight, clear of the part.
-    fn ramp(
+    fn ramp_end(
         &self,
         line: &[PathPoint],
         steps: &[usize],
         station: usize,
         beyond: impl Fn(usize) -> usize,
         field: &mut Field,
-    ) -> Option<PathPoint> {
+    ) -> Option<ClPoint> {
         let mut run = 0.0;
         let before = steps.iter().find(|i| {
             run += length(line, **i);
@@ -239,7 +293,7 @@ impl Reduction<'_> {
                 if self.in_air(&[over, place], &self.cutting, 0.0, field)
                     && self.direct.straight(&place, &line[station].point, least)
                 {
-                    return Some(line[beyond].moved_to(place));
+                    return Some(place);
                 }
             }
         }
@@ -280,10 +334,13 @@ impl Reduction<'_> {
 
     /// True when a tool meets no stock deeper than `most` on a straight way.
     fn in_air(&self, [from, to]: &[ClPoint; 2], tool: &EnlargedTool, most: f64, field: &mut Field) -> bool {
-        let points = vec![*from, *to];
-        let pass = ClPass { label: String::new(), sector: 0, points, air: Vec::new(), link: None };
-        let line = stations(&self.program.machine, &pass);
-        self.depths(&line, tool, field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
+        self.depths(&self.straight_way([*from, *to]), tool, field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
+    }
+
+    /// Stations of a straight way.
+    fn straight_way(&self, ends: [ClPoint; 2]) -> Vec<PathPoint> {
+        let pass = ClPass { label: String::new(), sector: 0, points: ends.into(), air: Vec::new(), link: None };
+        stations(&self.program.machine, &pass)
     }
 
     /// Depth of a tool in the stock on each step between stations, mm; `None` without steps.
@@ -303,8 +360,8 @@ impl Reduction<'_> {
 /// End of a part of a pass.
 struct PassEnd {
     station: usize,
-    /// Place in air before the first or behind the last station.
-    ramp: Option<PathPoint>,
+    /// Stations from a place in air to this one, or from this one to the place; empty without a ramp.
+    ramp: Vec<PathPoint>,
 }
 
 /// A pass from the stations of its part, with the steps that run through air.

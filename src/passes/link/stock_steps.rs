@@ -6,7 +6,7 @@ use crate::kin::{Angles, Machine, between};
 use crate::stock::{Field, Step, StepKind};
 
 /// Longest tip motion in a step, mm; passes are cut to this accuracy.
-const STEP_LENGTH: f64 = 0.5;
+const STEP_LENGTH: f64 = 0.25;
 
 /// Largest turn of a step, radians; limits the motion at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
@@ -39,13 +39,6 @@ pub(super) struct PathPoint {
     rotary: Angles,
     /// False for stations inserted between the planned ones.
     pub(super) planned: bool,
-}
-
-impl PathPoint {
-    /// A planned place with the same axis.
-    pub(super) fn moved_to(self, point: ClPoint) -> Self {
-        Self { point, rotary: self.rotary, planned: true }
-    }
 }
 
 /// Stations of a pass, dense enough that two of them bound a step of the stock. Between planned stations the machine
