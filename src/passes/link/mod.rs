@@ -7,3 +7,4 @@ pub(crate) mod link_moves;
 pub mod rest_machining;
 mod stock_order;
 mod stock_steps;
+mod through_air;

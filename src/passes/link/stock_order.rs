@@ -13,12 +13,13 @@
 
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, steps_of, way};
+use super::stock_steps::{PathPoint, cutter_alone, stations, steps_of, way};
+use super::through_air::ThroughAir;
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
 use crate::passes::context::maximal_ranges;
 use crate::progress::Work;
-use crate::stock::{self, Field, StepKind, Touched};
+use crate::stock::{self, Field, StepKind};
 use std::ops::Range;
 
 /// Least way at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
@@ -26,19 +27,6 @@ const BESIDE_CUT: f64 = 0.2;
 
 /// Least length of a run through air, mm: on a shorter one the change of feed gains no time.
 const LEAST_AIR: f64 = 0.4;
-
-/// Depth beyond the error between the rays up to which a cutter that slides along its own cut is in air, mm: the planned
-/// stations keep their lines to less.
-const ROUNDING: f64 = 0.02;
-
-/// Distance that the cutter keeps from the known stock on a link, mm: cusps narrower than a cell stand between the rays.
-const LINK_FREE: f64 = 0.1;
-
-/// Longest straight link through air, mm.
-const LONGEST_LINK: f64 = 80.0;
-
-/// Heights that the tool lifts by for a straight link, mm.
-const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 
 /// Shortest way over a thin rest for which the tool leaves the rest, mm: more than two ramps.
 const LEAST_PAUSE: f64 = 8.0;
@@ -57,31 +45,11 @@ const FOUND_TO: f64 = 0.05;
 struct Reduction<'a> {
     program: &'a Program,
     operation: &'a Operation,
-    direct: &'a DirectLinks<'a>,
+    air: ThroughAir<'a>,
     sphere: ClearanceSphere,
     /// Stock that is no deeper in the tool is left to the next operation, mm.
     thickness: f64,
-    /// Depth up to which the cutter slides along its own cut, mm.
-    slivers: f64,
     cutter: ToolSolid,
-    /// The tool, its cutter enlarged by the error of the depth between the rays of the stock.
-    cutting: EnlargedTool,
-    /// The tool, its cutter enlarged by this error and by the free distance of links.
-    linking: EnlargedTool,
-}
-
-/// A tool with an enlarged cutter.
-struct EnlargedTool {
-    solid: ToolSolid,
-    /// Enlargement, mm.
-    by: f64,
-}
-
-impl EnlargedTool {
-    fn new(tool: &ToolSolid, by: f64) -> Self {
-        let solid = ToolSolid { shank: tool.shank.clone(), holder: tool.holder.clone(), ..cutter_alone(tool, by) };
-        Self { solid, by }
-    }
 }
 
 /// A pass that cuts.
@@ -100,17 +68,13 @@ pub(super) fn reduce(
     (field, work): (&mut Field, &Work),
 ) {
     let solid = &program.tools[operation.tool].solid;
-    let by = error_between_rays(field, solid);
     let reduction = Reduction {
         program,
         operation,
-        direct,
+        air: ThroughAir::new(program, direct, solid, field),
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
-        slivers: by + ROUNDING,
         cutter: cutter_alone(solid, 0.0),
-        cutting: EnlargedTool::new(solid, by),
-        linking: EnlargedTool::new(solid, by + LINK_FREE),
     };
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
@@ -137,16 +101,16 @@ impl Reduction<'_> {
     /// their cuts from the stock.
     fn reduced(&self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
-        let Some(mut depths) = self.depths(&line, &self.cutting, field) else { return Vec::new() };
+        let Some(mut depths) = self.air.depths(&line, field) else { return Vec::new() };
         let mut parts: Vec<Reduced> = Vec::new();
         let mut done = 0;
         while let Some(stretch) = self.stretches(&line[done..], &depths[done..]).first() {
             let stretch = stretch.start + done..stretch.end + done;
             let start = self.end_of(&line, &depths, stretch.start, false, field);
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;
-            let link = before.and_then(|end| self.link(&end, &first, field));
+            let link = before.and_then(|end| self.air.link(&end, &first, field));
             let mut part = start.ramp;
-            let mut found = self.depths(&part, &self.cutting, field).unwrap_or_default();
+            let mut found = self.air.depths(&part, field).unwrap_or_default();
             self.cut(&part, field);
             part.pop();
             found.extend_from_slice(&depths[start.station..]);
@@ -156,7 +120,7 @@ impl Reduction<'_> {
             self.cut(&line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
             found.extend_from_slice(&depths[end..finish.station]);
-            if let Some(out) = self.depths(&finish.ramp, &self.cutting, field) {
+            if let Some(out) = self.air.depths(&finish.ramp, field) {
                 self.cut(&finish.ramp, field);
                 part.extend_from_slice(&finish.ramp[1..]);
                 found.extend(out);
@@ -192,7 +156,7 @@ impl Reduction<'_> {
             self.cut(&line[at..=at + next], field);
             at += next;
         }
-        if let Some(behind) = self.depths(&line[at..], &self.cutting, field) {
+        if let Some(behind) = self.air.depths(&line[at..], field) {
             depths.truncate(at);
             depths.extend(behind);
         }
@@ -202,7 +166,7 @@ impl Reduction<'_> {
     /// End of the first step that cuts.
     fn next_cut(&self, line: &[PathPoint], field: &mut Field) -> Option<usize> {
         let cuts = |line: &[PathPoint], field: &mut Field| {
-            self.depths(line, &self.cutting, field)?.iter().position(|d| *d > self.slivers)
+            self.air.depths(line, field)?.iter().position(|d| *d > self.air.slivers)
         };
         // Mostly the first step cuts, and a look at one step costs little.
         cuts(line.get(..2)?, field).or_else(|| cuts(line, field)).map(|step| step + 1)
@@ -215,7 +179,7 @@ impl Reduction<'_> {
 
     /// Depth in the stock from which the tool has to cut, mm.
     fn least(&self) -> f64 {
-        self.thickness.max(self.slivers)
+        self.thickness.max(self.air.slivers)
     }
 
     /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
@@ -239,7 +203,7 @@ impl Reduction<'_> {
     fn end_of(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool, field: &mut Field) -> PassEnd {
         let steps: Vec<usize> = if at_end { (station..depths.len()).collect() } else { (0..station).rev().collect() };
         let beyond = |step: usize| if at_end { step + 1 } else { step };
-        let to_air = steps.iter().position(|i| depths[*i] <= self.slivers);
+        let to_air = steps.iter().position(|i| depths[*i] <= self.air.slivers);
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
@@ -247,13 +211,13 @@ impl Reduction<'_> {
         {
             let here = ClPoint { contact: None, ..line[station].point };
             let ends = if at_end { [here, place] } else { [place, here] };
-            return PassEnd { station, ramp: self.straight_way(ends) };
+            return PassEnd { station, ramp: self.air.straight_way(ends) };
         }
         // The pass ends in air, with its lead.
         let required = if at_end { self.operation.lead_out } else { self.operation.lead_in }.get();
         let (mut last, mut lead) = (station, 0.0);
         for step in steps {
-            if depths[step] <= self.slivers {
+            if depths[step] <= self.air.slivers {
                 lead += length(line, step);
             }
             last = beyond(step);
@@ -290,70 +254,14 @@ impl Reduction<'_> {
                 let tip = from.tip + from.axis * lift + side * beside;
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
-                if self.in_air(&[over, place], &self.cutting, 0.0, field)
-                    && self.direct.straight(&place, &line[station].point, least)
+                if self.air.is_free(&[over, place], 0.0, field)
+                    && self.air.straight(&place, &line[station].point, least)
                 {
                     return Some(place);
                 }
             }
         }
         None
-    }
-
-    /// Places between the end of a pass and the start of the next, with straight ways through air between them, clear of
-    /// the part; none where the tool needs no lift. A place over one of both ends is enough where the tool can rise or
-    /// come down on its way.
-    fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<Vec<ClPoint>> {
-        if (start.tip - end.tip).norm() > LONGEST_LINK {
-            return None;
-        }
-        let stays = start.tip == end.tip && start.axis == end.axis;
-        if stays || self.clear(&[*end, *start], field) {
-            return Some(Vec::new());
-        }
-        LIFTS.iter().find_map(|lift| {
-            let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
-            // The way up along the axis lies in the space that the tool has just cut.
-            if !self.clear(&[up, down], field) || !self.in_air(&[down, *start], &self.cutting, self.slivers, field) {
-                return None;
-            }
-            if self.clear(&[*end, down], field) {
-                return Some(vec![down]);
-            }
-            if self.clear(&[up, *start], field) {
-                return Some(vec![up]);
-            }
-            Some(vec![up, down])
-        })
-    }
-
-    /// True when the tool goes straight from one place to another through air, clear of the part.
-    fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
-        self.direct.straight(&places[0], &places[1], 0.0) && self.in_air(places, &self.linking, 0.0, field)
-    }
-
-    /// True when a tool meets no stock deeper than `most` on a straight way.
-    fn in_air(&self, [from, to]: &[ClPoint; 2], tool: &EnlargedTool, most: f64, field: &mut Field) -> bool {
-        self.depths(&self.straight_way([*from, *to]), tool, field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
-    }
-
-    /// Stations of a straight way.
-    fn straight_way(&self, ends: [ClPoint; 2]) -> Vec<PathPoint> {
-        let pass = ClPass { label: String::new(), sector: 0, points: ends.into(), air: Vec::new(), link: None };
-        stations(&self.program.machine, &pass)
-    }
-
-    /// Depth of a tool in the stock on each step between stations, mm; `None` without steps.
-    fn depths(&self, line: &[PathPoint], tool: &EnlargedTool, field: &mut Field) -> Option<Vec<f64>> {
-        let mut depths = vec![0.0_f64; line.len().checked_sub(1).filter(|n| *n > 0)?];
-        let steps = steps_of(&self.program.machine, line, StepKind::Rapid, tool.by);
-        for met in stock::simulate(field, &tool.solid, steps).collisions {
-            // A shank or a holder that touches stock is never in air.
-            let depth = if met.what == Touched::Cutter { met.depth } else { met.depth.max(2.0 * self.slivers) };
-            let at = &mut depths[met.block as usize];
-            *at = at.max(depth);
-        }
-        Some(depths)
     }
 }
 
