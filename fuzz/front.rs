@@ -22,6 +22,8 @@ pub struct Texts<'a> {
     pub tools: Option<&'a str>,
     /// Any curve file.
     pub curves: &'a str,
+    /// Any mesh file.
+    pub mesh: &'a [u8],
 }
 
 /// The small job of the fault campaign, and its curves.
@@ -30,6 +32,7 @@ pub const SMALL: Texts<'_> = Texts {
     machine: None,
     tools: None,
     curves: include_str!("../jobs/small/vane_curves.csv"),
+    mesh: &[],
 };
 
 impl Files for Texts<'_> {
@@ -43,6 +46,10 @@ impl Files for Texts<'_> {
 
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         find(path, Some(self.curves), &[])
+    }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        Ok(SourceFile { data: self.mesh.to_vec(), ..SourceFile::text(path, "") })
     }
 }
 

@@ -352,7 +352,7 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
     })
 }
 
-/// Hashes of all texts of the run. Of the path of the job only the file name is kept, so that the same job gives the
+/// Hashes of all files that the run has read. Of the path of the job only the file name is kept, so that the same job gives the
 /// same bytes from another folder or by another path.
 fn inputs(sources: &SourceMap) -> Inputs {
     let own_name = |file: &SourceFile| {
@@ -360,7 +360,7 @@ fn inputs(sources: &SourceMap) -> Inputs {
         path.file_name().map_or_else(|| file.name.clone(), |n| n.display().to_string())
     };
     let name = |file: &SourceFile| if file.origin == Origin::Given { own_name(file) } else { file.name.clone() };
-    Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.text.as_str())))
+    Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.bytes())))
 }
 
 /// Outputs of a program that was accepted.

@@ -39,6 +39,8 @@ pub struct SourceFile {
     pub name: String,
     /// Whole text.
     pub text: String,
+    /// Bytes of a file that is no text, such as a mesh; its `text` is empty.
+    pub data: Vec<u8>,
     /// Path seen from the working folder, where the name is not this path.
     pub path: Option<String>,
     /// Origin.
@@ -51,6 +53,11 @@ impl SourceFile {
     /// A text without a file.
     pub fn text(name: impl Into<String>, text: impl Into<String>) -> Self {
         Self { name: name.into(), text: text.into(), ..Self::default() }
+    }
+
+    /// The bytes of the file.
+    pub fn bytes(&self) -> &[u8] {
+        if self.data.is_empty() { self.text.as_bytes() } else { &self.data }
     }
 
     /// Path seen from the working folder.

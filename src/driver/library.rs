@@ -1,4 +1,4 @@
-//! Machine, tool and curve files on the disk, and the library that ships with the compiler.
+//! Machine, tool, curve and mesh files on the disk, and the library that ships with the compiler.
 
 use super::reading;
 use crate::diag::codes::files;
@@ -15,6 +15,9 @@ const MAX_LIBRARY: u64 = 4 << 20;
 /// Largest curve file that is read.
 const MAX_CURVES: u64 = 64 << 20;
 
+/// Largest mesh file that is read: that of [`crate::stock::stl::MOST_TRIANGLES`] in the binary form.
+const MAX_MESH: u64 = 256 << 20;
+
 /// Files of a job. The order of search is the library of the command line, the `_lib` folders from the folder of the
 /// job upwards, and the library that ships with the compiler. The folder of the job is that of the job file itself,
 /// with symbolic links resolved, so the result depends neither on the spelling of the path nor on the working folder.
@@ -24,7 +27,7 @@ pub struct DiskFiles {
     shown: PathBuf,
     /// The folder of the job, with symbolic links resolved.
     folder: PathBuf,
-    /// Another folder with curve files.
+    /// Another folder with curve and mesh files.
     curves: Option<PathBuf>,
     libraries: Vec<(PathBuf, Origin)>,
 }
@@ -94,7 +97,7 @@ impl DiskFiles {
     }
 
     /// The file of a path in the job, with symbolic links resolved, and the origin of its folder.
-    fn curve_file(&self, path: &str) -> Result<(PathBuf, Origin), Missing> {
+    fn named(&self, path: &str) -> Result<(PathBuf, Origin), Missing> {
         let mut fault = Missing { reason: "there is no such file".to_owned(), ..Missing::default() };
         for start in [Some(&self.folder), self.curves.as_ref()].into_iter().flatten() {
             match start.join(path).canonicalize() {
@@ -112,6 +115,14 @@ impl DiskFiles {
         }
         Err(fault)
     }
+
+    /// Path of a file that the job names, seen from the working folder.
+    fn shown_path(&self, path: &str, file: PathBuf) -> String {
+        let as_written = self.shown.join(path);
+        let same = as_written.canonicalize().is_ok_and(|f| f == file);
+        let shown = if same { as_written } else { file };
+        shown.display().to_string()
+    }
 }
 
 fn unreadable(reason: String) -> Missing {
@@ -119,18 +130,25 @@ fn unreadable(reason: String) -> Missing {
 }
 
 /// Reads a regular file only; anything else, such as a device, could be endless.
-fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
+fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Missing> {
     let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
     if !(regular.is_file() || regular.is_dir()) {
         return Err(unreadable("it is not a regular file".to_owned()));
     }
     let bytes = reading::read(path, most).map_err(|e| unreadable(reading::reason(&e)))?;
-    let bytes = bytes.ok_or_else(|| unreadable(format!("it is larger than {} MB, the limit", most >> 20)))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
+    bytes.ok_or_else(|| unreadable(format!("it is larger than {} MB, the limit", most >> 20)))
+}
+
+fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
+    let text = String::from_utf8(read_bytes(path, most)?).map_err(|e| {
         unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
     })?;
-    let disk = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    Ok(SourceFile { origin, disk: Some(disk), ..SourceFile::text(printable(name), text) })
+    Ok(SourceFile { origin, disk: Some(itself(path)), ..SourceFile::text(printable(name), text) })
+}
+
+/// The path with symbolic links resolved.
+fn itself(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
 impl Files for DiskFiles {
@@ -143,11 +161,15 @@ impl Files for DiskFiles {
     }
 
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
-        let (file, origin) = self.curve_file(path)?;
+        let (file, origin) = self.named(path)?;
         let found = read(&file, path, MAX_CURVES, origin)?;
-        let as_written = self.shown.join(path);
-        let same = as_written.canonicalize().is_ok_and(|f| f == file);
-        let shown = if same { as_written } else { file };
-        Ok(SourceFile { path: Some(shown.display().to_string()), ..found })
+        Ok(SourceFile { path: Some(self.shown_path(path, file)), ..found })
+    }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        let (file, origin) = self.named(path)?;
+        let (data, disk) = (read_bytes(&file, MAX_MESH)?, Some(itself(&file)));
+        let name = printable(path).into_owned();
+        Ok(SourceFile { name, data, origin, disk, path: Some(self.shown_path(path, file)), ..SourceFile::default() })
     }
 }

@@ -105,7 +105,7 @@ fn measure(
     let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     let known = sink.diags().len();
     let fits = verify::memory::check(program, &motion.motion, sink);
-    let mut stock = Vec::new();
+    let mut stock = Vec::from_iter(rest_stock::at_start(program).filter(|_| check.run.report.is_some()));
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
     let asked = rest_stock::Asked {
         cell: check.run.stock_cell,

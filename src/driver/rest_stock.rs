@@ -34,6 +34,7 @@ pub(super) fn examine(
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {
     let names = names(program, &motion);
+    stages.extend(at_start(program).filter(|_| options.report.is_some()));
     let stages = options.report.is_some().then_some(stages);
     let asked = Asked { cell: options.stock_cell, folder: options.stock.as_deref(), outputs, stages };
     simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
@@ -76,6 +77,12 @@ pub(super) fn simulated<T>(
         }
         None => verified,
     }
+}
+
+/// What is left of the blank before the first operation, in the form of the report.
+pub(super) fn at_start(program: &Program) -> Option<StockStage> {
+    let mesh = program.stock.left.as_deref()?.clone();
+    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles })
 }
 
 /// Stock after an operation in the form of the report.

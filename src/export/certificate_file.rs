@@ -44,9 +44,9 @@ pub struct InputFile {
 /// All input texts of the program; the first is the job.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inputs {
-    /// SHA-256 over length (8 bytes, little endian) and bytes of each text in order, without the names.
+    /// SHA-256 over length (8 bytes, little endian) and bytes of each file in order, without the names.
     pub sha256: String,
-    /// The texts.
+    /// The files.
     pub files: Vec<InputFile>,
 }
 
@@ -111,15 +111,15 @@ fn hexadecimal(hash: Sha256) -> String {
 }
 
 impl Inputs {
-    /// Hashes of texts with their names and origins.
-    pub fn new<'a>(texts: impl IntoIterator<Item = (String, Origin, &'a str)>) -> Self {
+    /// Hashes of files with their names and origins.
+    pub fn new<'a>(read: impl IntoIterator<Item = (String, Origin, &'a [u8])>) -> Self {
         let mut all = Sha256::new();
         let mut files = Vec::new();
-        for (name, origin, text) in texts {
-            // Lengths keep texts apart. Names are left out, so that the hash of a job does not depend on its folder.
-            all.update((text.len() as u64).to_le_bytes());
-            all.update(text.as_bytes());
-            let (bytes, sha256) = (text.len() as u64, sha256(text.as_bytes()));
+        for (name, origin, content) in read {
+            // Lengths keep files apart. Names are left out, so that the hash of a job does not depend on its folder.
+            all.update((content.len() as u64).to_le_bytes());
+            all.update(content);
+            let (bytes, sha256) = (content.len() as u64, sha256(content));
             files.push(InputFile { name, origin: origin.word().to_owned(), bytes, sha256 });
         }
         Self { sha256: hexadecimal(all), files }

@@ -27,6 +27,10 @@ pub fn program(program: &Program) -> String {
     part(&mut t, &program.part);
     let s = &program.stock;
     let _ = writeln!(t, "stock turned over shroud {} bore radius {} back {}", s.over_shroud, s.bore_radius, s.back);
+    if let Some(left) = &s.left {
+        let (vertices, triangles) = (left.vertices.len(), left.triangles.len());
+        let _ = writeln!(t, "left {vertices} vertices {triangles} triangles volume {:.3} mm3", left.volume());
+    }
     let radius = s.clamping.radius.map_or_else(|| "any".to_owned(), |r| r.to_string());
     let _ = writeln!(t, "clamping below {} radius {radius}", s.clamping.below);
     tools(&mut t, program);

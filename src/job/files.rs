@@ -22,6 +22,12 @@ pub trait Files {
     /// # Errors
     /// [`Missing`] when the file does not exist or cannot be read.
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing>;
+
+    /// Bytes of a file with the mesh of a solid.
+    ///
+    /// # Errors
+    /// [`Missing`] when the file does not exist or cannot be read.
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing>;
 }
 
 /// Why there is no text.
@@ -57,6 +63,18 @@ pub struct InMemory {
     pub tools: BTreeMap<String, String>,
     /// Curve files by the path in the job.
     pub curves: BTreeMap<String, String>,
+    /// Mesh files by the path in the job.
+    pub meshes: BTreeMap<String, Vec<u8>>,
+}
+
+/// A file that a job names by its path.
+fn named<T>(path: &str, given: &BTreeMap<String, T>, file: impl Fn(&T) -> SourceFile) -> Result<SourceFile, Missing> {
+    let found = given.get(path).ok_or_else(|| Missing {
+        reason: "there is no such file".to_owned(),
+        known: given.keys().cloned().collect(),
+        ..Missing::default()
+    })?;
+    Ok(SourceFile { name: path.to_owned(), origin: Origin::BesideJob, ..file(found) })
 }
 
 /// A text of a map, or of the shipped library.
@@ -89,12 +107,11 @@ impl Files for InMemory {
     }
 
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
-        let text = self.curves.get(path).ok_or_else(|| Missing {
-            reason: "there is no such file".to_owned(),
-            known: self.curves.keys().cloned().collect(),
-            ..Missing::default()
-        })?;
-        Ok(SourceFile { origin: Origin::BesideJob, ..SourceFile::text(path, text) })
+        named(path, &self.curves, |text| SourceFile::text("", text))
+    }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        named(path, &self.meshes, |bytes| SourceFile { data: bytes.clone(), ..SourceFile::default() })
     }
 }
 

@@ -15,6 +15,7 @@ mod properties;
 pub mod quantity;
 mod resolve;
 mod rough;
+mod stock_file;
 mod tools;
 
 pub use files::{Fault, Files, InMemory, Missing};

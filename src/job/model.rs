@@ -6,7 +6,9 @@ use crate::method::Planning;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::source::Span;
+use crate::stock::Mesh;
 use crate::units::{Mm, MmPerMin, Rad, Rpm};
+use std::sync::Arc;
 
 /// The whole job.
 #[derive(Clone, Debug)]
@@ -286,8 +288,8 @@ pub struct CurveRef {
     pub span: Span,
 }
 
-/// The blank, a solid of revolution.
-#[derive(Clone, Copy, Debug)]
+/// The blank, a solid of revolution, and what is left of it.
+#[derive(Clone, Debug)]
 pub struct StockSpec {
     /// Material over the vane tips.
     pub over_shroud: Mm,
@@ -297,7 +299,20 @@ pub struct StockSpec {
     pub back: Mm,
     /// Clamping.
     pub clamping: ClampingSpec,
+    /// What is left of the blank before the first operation; `None` is all of it.
+    pub left: Option<StockFile>,
     /// Whole item.
+    pub span: Span,
+}
+
+/// A solid from a file.
+#[derive(Clone, Debug)]
+pub struct StockFile {
+    /// Path as the job gives it.
+    pub file: String,
+    /// Its closed surface, part frame.
+    pub mesh: Arc<Mesh>,
+    /// Place of the path.
     pub span: Span,
 }
 

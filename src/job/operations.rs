@@ -45,7 +45,7 @@ pub(super) fn resolve(
     file: &File,
     tools: &[Declared],
     machine: Option<&MachineSpec>,
-    vanes: Option<u32>,
+    (vanes, cut_before): (Option<u32>, bool),
     cx: &mut Context<'_>,
 ) -> Vec<OperationSpec> {
     let mut out = Vec::new();
@@ -62,8 +62,8 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let first = used.names.len() == 1;
-        let mut reader = OperationReader { name, first, tools, machine, vanes, groove: layers };
+        let on_whole_blank = used.names.len() == 1 && !cut_before;
+        let mut reader = OperationReader { name, on_whole_blank, tools, machine, vanes, groove: layers };
         if kind.text == "rough" {
             let mut planned = reader.rough(item, cx).unwrap_or_default();
             for (k, operation) in planned.iter_mut().enumerate().skip(1) {
@@ -135,8 +135,8 @@ fn numbered(name: &str, number: usize, span: Span, used: &mut Used) -> String {
 
 pub(super) struct OperationReader<'a> {
     pub(super) name: String,
-    /// True for the first operation of the job.
-    pub(super) first: bool,
+    /// True for the first operation of a job that starts from the whole blank.
+    pub(super) on_whole_blank: bool,
     pub(super) tools: &'a [Declared],
     machine: Option<&'a MachineSpec>,
     vanes: Option<u32>,
@@ -349,14 +349,16 @@ impl OperationReader<'_> {
         let values = p.labelled("rest", &["over"], example);
         let (label, expr) = values.first()?;
         let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST)?;
-        if self.first {
+        if self.on_whole_blank {
             p.sink.push(
                 Diag::error(
                     codes::NO_REST_BEFORE,
                     format!("`{}` uses `rest over`, but no operation comes before it", self.name),
                 )
                 .label(Span { end: expr.span.end, ..label.span }, "earlier operations leave the rest")
-                .help("remove `rest` from the first operation"),
+                .help(
+                    "remove `rest` from the first operation, or give the stock what is left of it: `from \"left.stl\"`",
+                ),
             );
             return None;
         }

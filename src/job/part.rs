@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::curve_file::{self, MAX_POINTS};
 use super::eval::{mismatch, suggest, unknown_unit};
-use super::files::Fault;
+use super::files::{Fault, Missing};
 use super::limits;
 use super::model::{BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
@@ -351,21 +351,26 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
     good.then_some(out)
 }
 
+/// The fault of a file that the job names and that cannot be read.
+pub(super) fn not_read(kind: &str, file: &Text, missing: Missing) -> Diag {
+    let (code, help) = match missing.fault {
+        Fault::Outside => {
+            (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")
+        }
+        _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
+    };
+    let mut diag = Diag::error(code, format!("the {kind} file `{}` cannot be read", file.text));
+    if !missing.known.is_empty() {
+        diag = diag.note(format!("the {kind} files are {}", missing.known.join(", ")));
+    }
+    diag.label(file.span, missing.reason).help(help)
+}
+
 fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<PointsInText> {
     let found = match cx.files.curves(&file.text) {
         Ok(found) => found,
         Err(missing) => {
-            let (code, help) = match missing.fault {
-                Fault::Outside => {
-                    (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")
-                }
-                _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
-            };
-            let mut diag = Diag::error(code, format!("the curve file `{}` cannot be read", file.text));
-            if !missing.known.is_empty() {
-                diag = diag.note(format!("the curve files are {}", missing.known.join(", ")));
-            }
-            cx.sink.push(diag.label(file.span, missing.reason).help(help));
+            cx.sink.push(not_read("curve", file, missing));
             return None;
         }
     };

@@ -28,6 +28,10 @@ pub fn print(job: &Job) -> String {
     let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
     let diameter = s.clamping.diameter.map_or_else(|| "any".to_owned(), |d| d.to_string());
     let _ = writeln!(out, "  clamping below {}, diameter {diameter}", s.clamping.below);
+    if let Some(left) = &s.left {
+        let (triangles, volume) = (left.mesh.triangles.len(), left.mesh.volume());
+        let _ = writeln!(out, "  from {:?}: {triangles} triangles, {volume:.0} mm3", left.file);
+    }
     tools(&mut out, job);
     operations(&mut out, job);
     let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);

@@ -9,7 +9,7 @@ use super::model::{
 };
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
-use super::{contracts, operations, part, tools};
+use super::{contracts, operations, part, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::source::{SourceMap, Span};
@@ -38,7 +38,8 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let stock = stock(file, &mut cx);
     let tools = tools::resolve(file, &library, &mut cx);
     let vanes = part.as_ref().map(|p| p.vanes.0);
-    let operations = operations::resolve(file, &tools, machine.as_ref(), vanes, &mut cx);
+    let cut_before = stock.as_ref().is_some_and(|s| s.left.is_some());
+    let operations = operations::resolve(file, &tools, machine.as_ref(), (vanes, cut_before), &mut cx);
     let (chord, chord_rough) = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
@@ -188,7 +189,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
         return None;
     }
-    let known = ["over", "bore", "back", "clamping"];
+    let known = ["over", "bore", "back", "from", "clamping"];
     let mut p = Properties::new("the stock".to_owned(), span, &body, &known, &mut cx.scope, cx.sink);
     if !p.has("over") {
         p.missing("over", "over shroud 0 mm");
@@ -198,13 +199,18 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
     let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
     let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
+    let from = stock_file::path(&mut p);
     let clamping = p.take("clamping");
     let (over, bore, back) = (Mm(over?), Mm(bore?.0), Mm(back?.0));
     let clamping = match clamping {
         None => ClampingSpec { below: back, diameter: None, span: None },
         Some((word, values)) => clamping_of(word, &values, back, cx)?,
     };
-    Some(StockSpec { over_shroud: over, bore, back, clamping, span })
+    let left = match from? {
+        None => None,
+        Some(path) => Some(stock_file::read(path, cx)?),
+    };
+    Some(StockSpec { over_shroud: over, bore, back, clamping, left, span })
 }
 
 /// `clamping { below -42 mm  diameter 60 mm }`: both may be left out.

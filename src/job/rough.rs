@@ -64,9 +64,9 @@ impl OperationReader<'_> {
         let link_feed = self.link_feed(&mut p);
         let [lead_in, lead_out] = leads(&mut p);
         let given_rest = p.has("rest");
-        // `rest` of the first operation of a job speaks of its later tools.
-        let finds_rest = !self.first;
-        self.first &= count < 2;
+        // `rest` of the first operation on a whole blank speaks of its later tools.
+        let finds_rest = !self.on_whole_blank;
+        self.on_whole_blank &= count < 2;
         let rest = self.rest(&mut p);
         let sectors = self.sectors(&mut p);
         let allowances = allowances(&mut p);

@@ -2,6 +2,7 @@
 
 mod checks;
 mod curves;
+mod left;
 
 use crate::collide::{Cutter, Section, ToolSolid};
 use crate::contract::Scope;
@@ -23,6 +24,7 @@ use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryA
 use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
+use std::sync::Arc;
 
 /// Lowers a job. Faults of the geometry go to the sink.
 ///
@@ -37,7 +39,11 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         radius: clamping.diameter.map(|d| Mm(d.get() / 2.0)),
         by_default: clamping.span.is_none(),
     };
+    stock.left = job.stock.left.as_ref().map(|file| Arc::clone(&file.mesh));
     checks::stock(job, &part, sink);
+    if let Some(file) = job.stock.left.as_ref().filter(|_| !sink.has_errors()) {
+        left::check(file, &part, &stock, sink);
+    }
     if !sink.has_errors() {
         checks::off_hub(&job.part, &part, sink);
     }

@@ -1,7 +1,12 @@
-//! The turned blank and its clamping.
+//! The turned blank, what is left of it at the start, and its clamping.
 
 use super::Part;
+use crate::stock::mesh::halves;
+use crate::stock::{Field, FieldError, Mesh};
 use crate::units::Mm;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Turned blank: the result of the lathe. Milling removes the space between its outside and the part.
 #[derive(Clone, Debug)]
@@ -15,9 +20,16 @@ pub struct Stock {
     pub bore_radius: Mm,
     /// Height of the back face.
     pub back: Mm,
+    /// What is left of the blank before the first operation, as a closed mesh; `None` is all of it. What stands outside
+    /// of the profile does not count.
+    pub left: Option<Arc<Mesh>>,
     /// Clamping of the blank.
     pub clamping: Clamping,
 }
+
+/// Greatest depth of pieces of a triangle, for the search for its farthest point: 2^-12 of a triangle across a blank is
+/// less than a tenth of a millimetre.
+const MOST_HALVINGS: u32 = 24;
 
 /// Space of chuck and table: a cylinder about Z without a lower end, which no part of a tool may enter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +60,64 @@ impl Stock {
         profile.push([outlet, part.hub.meridian(1.0).point.y]);
         profile.push([outlet, back.get()]);
         let clamping = Clamping { below: back, radius: None, by_default: true };
-        Self { profile, over_shroud: over, bore_radius, back, clamping }
+        Self { profile, over_shroud: over, bore_radius, back, left: None, clamping }
+    }
+
+    /// The material before the first operation, on rays in cells of this edge, mm.
+    ///
+    /// # Errors
+    /// [`FieldError`].
+    pub fn field(&self, cell: f64) -> Result<Field, FieldError> {
+        Field::new(&self.profile, self.left.as_deref(), cell)
+    }
+
+    /// Distance of a point to the outside of the turned blank, mm; negative inside of it.
+    pub fn distance(&self, p: &Point3<f64>) -> f64 {
+        let (r, z) = (libm::hypot(p.x, p.y), p.z);
+        let (mut nearest, mut inside) = (f64::INFINITY, false);
+        for (i, a) in self.profile.iter().enumerate() {
+            let b = &self.profile[(i + 1) % self.profile.len()];
+            let (along, to) = ([b[0] - a[0], b[1] - a[1]], [r - a[0], z - a[1]]);
+            let square = along[0] * along[0] + along[1] * along[1];
+            let share =
+                if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+            nearest = nearest.min(libm::hypot(to[0] - share * along[0], to[1] - share * along[1]));
+            if (a[1] > z) != (b[1] > z) && r < a[0] + along[0] * (z - a[1]) / along[1] {
+                inside = !inside;
+            }
+        }
+        if inside { -nearest } else { nearest }
+    }
+
+    /// Place of what is left that stands farthest out of the turned blank, with its distance, mm, when this is more than
+    /// `most`. Found to a tenth of `most`.
+    pub fn farthest_out(&self, most: f64) -> Option<(Point3<f64>, f64)> {
+        let mesh = self.left.as_ref()?;
+        let corners = mesh.vertices.par_iter().map(|p| (*p, self.distance(p)));
+        let farther = |a: (Point3<f64>, f64), b: (Point3<f64>, f64)| if b.1 > a.1 { b } else { a };
+        let worst = corners.reduce(|| (Point3::origin(), f64::NEG_INFINITY), farther);
+        if worst.1 > most {
+            return Some(worst);
+        }
+        // All corners are near the blank, so the triangles are not larger than it.
+        let triangles = mesh.triangles.par_iter().map(|t| t.map(|i| mesh.vertices[i as usize]));
+        let found = triangles.filter_map(|t| self.out_between(&t, most, MOST_HALVINGS));
+        found.reduce_with(farther)
+    }
+
+    /// A place of a triangle farther out than `most`: the middle of a piece, in which no distance differs from that of the
+    /// middle by more than the radius of the piece.
+    fn out_between(&self, corners: &[Point3<f64>; 3], most: f64, halvings: u32) -> Option<(Point3<f64>, f64)> {
+        let [a, b, c] = corners;
+        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let radius = corners.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+        let distance = self.distance(&middle);
+        if distance > most {
+            return Some((middle, distance));
+        }
+        if distance + radius <= most || radius < 0.1 * most || halvings == 0 {
+            return None;
+        }
+        halves(corners).iter().find_map(|half| self.out_between(half, most, halvings - 1))
     }
 }

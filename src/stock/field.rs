@@ -1,6 +1,8 @@
 //! The tri-dexel field: rays along X, Y and Z through the centres of a grid of cubes, with the intervals of material on
 //! them.
 
+use super::mesh::Mesh;
+use super::slice::{Slices, both};
 use super::tile::{SIDE, Tile};
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -25,6 +27,8 @@ pub enum FieldError {
         /// Least possible cell, mm, slightly rounded up.
         least_cell: f64,
     },
+    /// The mesh has more surfaces behind one another than any workpiece.
+    Crowded,
 }
 
 /// Missing parts of a body.
@@ -89,14 +93,15 @@ pub(super) fn across(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
 
-impl Field {
-    /// Stock of revolution about Z: the inside of a closed profile of (r, z) points, r >= 0, with exact intersections
-    /// of the rays. The cell shrinks until the height is a whole number of cells, so that the rays across represent
-    /// both faces exactly.
-    ///
-    /// # Errors
-    /// [`FieldError`]: a cell that is not positive or too small, or a profile without inside.
-    pub fn turned(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
+/// Cubes around a profile.
+struct Grid {
+    cell: f64,
+    low: [f64; 3],
+    count: [usize; 3],
+}
+
+impl Grid {
+    fn new(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
         if !(cell > 0.0 && cell.is_finite()) {
             return Err(FieldError::BadCell);
         }
@@ -121,31 +126,50 @@ impl Field {
             return Err(FieldError::TooFine { rays: rays / (cell * cell), least_cell });
         }
         let count = size.map(|s| (s / cell - ROUNDING).ceil().max(1.0) as usize);
-        let low: [f64; 3] = std::array::from_fn(|k| middle[k] - 0.5 * cell * count[k] as f64);
-        let families = [0, 1, 2].map(|axis| {
+        let low = std::array::from_fn(|k| middle[k] - 0.5 * cell * count[k] as f64);
+        Ok(Self { cell, low, count })
+    }
+}
+
+impl Field {
+    /// Stock of revolution about Z: the inside of a closed profile of (r, z) points, r >= 0, with exact intersections
+    /// of the rays. The cell shrinks until the height is a whole number of cells, so that the rays across represent
+    /// both faces exactly.
+    ///
+    /// # Errors
+    /// [`FieldError`]: a cell that is not positive or too small, or a profile without inside.
+    pub fn turned(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
+        Self::new(profile, None, cell)
+    }
+
+    /// As [`Self::turned`]; with a closed mesh only what lies inside of both, with exact intersections of the rays.
+    ///
+    /// # Errors
+    /// As [`Self::turned`], or a mesh with too many surfaces behind one another.
+    pub fn new(profile: &[[f64; 2]], mesh: Option<&Mesh>, cell: f64) -> Result<Self, FieldError> {
+        let Grid { cell, low, count } = Grid::new(profile, cell)?;
+        let family = |axis: usize| -> Result<Family, FieldError> {
             let [u, v] = across(axis);
             let across = [count[u].div_ceil(SIDE), count[v].div_ceil(SIDE)];
-            let tiles = (0..across[0] * across[1])
-                .into_par_iter()
-                .map(|n| {
-                    let first = [n % across[0] * SIDE, n / across[0] * SIDE];
-                    let place = |k: usize, axis: usize, i: usize| low[axis] + cell * ((first[k] + i) as f64 + 0.5);
-                    let rays = [(count[u] - first[0]).min(SIDE), (count[v] - first[1]).min(SIDE)];
-                    let depth = [low[axis], low[axis] + cell * count[axis] as f64];
-                    Tile::new([place(0, u, 0), place(1, v, 0)], cell, depth, rays, |i, j| {
-                        if axis == 2 {
-                            along_axis(profile, libm::hypot(place(0, u, i), place(1, v, j)))
-                        } else {
-                            // The ray lies at height z, at distance y from the axis.
-                            let (a, b) = (place(0, u, i), place(1, v, j));
-                            let (y, z) = if u == 2 { (b, a) } else { (a, b) };
-                            across_axis(profile, y, z)
-                        }
-                    })
-                })
-                .collect();
-            Family { across, tiles }
-        });
+            let place = |axis: usize, i: usize| low[axis] + cell * (i as f64 + 0.5);
+            let slices = mesh.map(|mesh| Slices::new(mesh, frame(axis), [place(u, 0), place(v, 0)], cell, count[v]));
+            let depth = [low[axis], low[axis] + cell * count[axis] as f64];
+            let tile = |n: usize| {
+                let first = [n % across[0] * SIDE, n / across[0] * SIDE];
+                let rays = [(count[u] - first[0]).min(SIDE), (count[v] - first[1]).min(SIDE)];
+                let inside = slices.as_ref().map(|s| s.tile([0, 1].map(|k: usize| first[k]..first[k] + rays[k])));
+                let inside = inside.transpose().map_err(|_| FieldError::Crowded)?;
+                let origin = [place(u, first[0]), place(v, first[1])];
+                Ok(Tile::new(origin, cell, depth, rays, |i, j| {
+                    let (a, b) = (place(u, first[0] + i), place(v, first[1] + j));
+                    let turned = inside_profile(profile, axis, a, b);
+                    inside.as_ref().map_or_else(|| turned.clone(), |rows| both(&turned, &rows[j][i]))
+                }))
+            };
+            let tiles: Result<Vec<Tile>, FieldError> = (0..across[0] * across[1]).into_par_iter().map(tile).collect();
+            Ok(Family { across, tiles: tiles? })
+        };
+        let families = [family(0)?, family(1)?, family(2)?];
         Ok(Self { cell, low, count, families })
     }
 
@@ -200,14 +224,15 @@ impl Field {
         tile.ray(row % SIDE, column % SIDE)
     }
 
-    /// Missing parts of a body of revolution about Z, the inside of a closed profile of (r, z) points. `None` when no
-    /// missing interval of a ray is longer than `least`, mm. Between the rays nothing is known.
-    pub fn uncut_under(&self, profile: &[[f64; 2]], least: f64) -> Option<Uncut> {
+    /// Missing parts of a body of revolution about Z, the inside of a closed profile of (r, z) points; with an earlier
+    /// field of the same grid only what that one still had. `None` when no missing interval of a ray is longer than
+    /// `least`, mm. Between the rays nothing is known.
+    pub fn uncut_under(&self, profile: &[[f64; 2]], least: f64, before: Option<&Self>) -> Option<Uncut> {
         let mut all = Missed::NOTHING;
         for axis in 0..3 {
             let rows: Vec<Missed> = (0..self.count[across(axis)[0]])
                 .into_par_iter()
-                .map(|row| self.missed(axis, row, profile, least))
+                .map(|row| self.missed(axis, row, profile, least, before))
                 .collect();
             for row in &rows {
                 all.join(row);
@@ -218,16 +243,13 @@ impl Field {
     }
 
     /// Missing parts of the body on a row of rays along an axis.
-    fn missed(&self, axis: usize, row: usize, profile: &[[f64; 2]], least: f64) -> Missed {
+    fn missed(&self, axis: usize, row: usize, profile: &[[f64; 2]], least: f64, before: Option<&Self>) -> Missed {
         let [u, v] = across(axis);
         let mut all = Missed::NOTHING;
         for column in 0..self.count[v] {
             let (a, b) = (self.centre(u, row), self.centre(v, column));
-            let due = match axis {
-                2 => along_axis(profile, libm::hypot(a, b)),
-                _ if u == 2 => across_axis(profile, b, a),
-                _ => across_axis(profile, a, b),
-            };
+            let due = inside_profile(profile, axis, a, b);
+            let due = before.map_or_else(|| due.clone(), |field| both(&due, &field.intervals(axis, row, column)));
             let ray = self.ray(axis, row, column);
             let there = || ray.into_iter().flat_map(super::ray::Ray::intervals);
             for [from, to] in due.into_iter().flat_map(|due| gaps(due, there())).filter(|gap| gap[1] - gap[0] > least) {
@@ -285,6 +307,16 @@ fn crossings(
     }
     found.sort_by(f64::total_cmp);
     found
+}
+
+/// Intervals inside of the profile on a ray along an axis (0 to 2), at places along the next two axes in cyclic order.
+fn inside_profile(profile: &[[f64; 2]], axis: usize, a: f64, b: f64) -> Vec<[f64; 2]> {
+    match axis {
+        // The ray lies at height b or a, at distance a or b from the axis.
+        0 => across_axis(profile, a, b),
+        1 => across_axis(profile, b, a),
+        _ => along_axis(profile, libm::hypot(a, b)),
+    }
 }
 
 /// Intervals of z at a distance from the axis.

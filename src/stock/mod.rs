@@ -2,7 +2,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`field`] | the rays: made from a turned blank, volume |
+//! | [`field`] | the rays: made from a turned blank or a mesh inside of it, volume |
+//! | `slice` | rows of rays through a closed mesh |
 //! | `ray` | sorted disjoint intervals of material |
 //! | `shape` | convex bodies of revolution: cutter, frusta of shank and holder |
 //! | `sweep` | such a body in motion: its signed distance, and the least value over time |
@@ -12,7 +13,9 @@
 //! | `run` | successive steps as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of the material |
 //! | [`simulate()`] | a stream of steps through all tiles |
-//! | [`mesh`] | closed triangle mesh of the remaining stock, STL |
+//! | [`mesh`] | closed triangle meshes |
+//! | `surface_nets` | mesh of the stock |
+//! | [`stl`] | STL files: writer and reader |
 //!
 //! Only ends of intervals are stored, each within [`END_ERROR`] of the surface of the tool that cut it, so that the
 //! errors of many cuts do not add up. Between the rays nothing is known: features smaller than a cell may exist there.
@@ -27,6 +30,9 @@ mod ray;
 mod run;
 mod shape;
 pub mod simulate;
+mod slice;
+pub mod stl;
+mod surface_nets;
 mod sweep;
 mod tile;
 

@@ -28,6 +28,7 @@ mod contracts;
 pub mod dynamics;
 pub mod finite;
 pub mod kept;
+pub mod left;
 pub mod machine;
 mod measure;
 pub mod memory;
@@ -149,6 +150,7 @@ pub fn certify_with(
         .filter(|(_, o)| !program.operations[o.operation].kind.finishes())
         .map(|(i, _)| i)
         .collect();
+    let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
@@ -161,7 +163,7 @@ pub fn certify_with(
         rapid,
         perimeter: perimeter::check(program, motion),
         machine: machine::check(program, motion),
-        rest: rest::reports(program, &samples, &design_cloud, &sweeps, &roughing, progress),
+        rest: rest::reports(program, (&samples, &design_cloud, left.as_ref()), &sweeps, &roughing, progress),
         stock: stock::simulate(program, motion, settings, progress, sink),
         carried: carried::check(program, motion, progress),
         clamping: clamping::check(program, motion),
@@ -171,6 +173,9 @@ pub fn certify_with(
     // The time that the machine takes, not the programmed time.
     for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
         operation.time = run.time;
+    }
+    if let Some(left) = &left {
+        left.report(program, &samples, sink);
     }
     report_faults(program, motion, &certificate, sink);
     perimeter::report(program, motion, &certificate.perimeter, sink);

@@ -2,8 +2,9 @@
 //!
 //! Two kinds of points are tested. On the design surfaces, the rest is the distance of the point to the swept cutters.
 //! Between part and stock, an island may stand at points of a grid that no cutter has passed; its rest is the distance
-//! of the point to the part.
+//! of the point to the part. Where the job starts from what is left of the blank, both count its surface like a cut.
 
+use super::left::Left;
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use crate::collide::Cloud;
@@ -131,8 +132,7 @@ pub(super) fn inside(profile: &[[f64; 2]], r: f64, z: f64) -> bool {
 /// channels remain full and are not tested.
 pub fn reports(
     program: &Program,
-    samples: &[Sample],
-    design: &Cloud,
+    (samples, design, start): (&[Sample], &Cloud, Option<&Left>),
     sweeps: &[Sweep<'_>],
     roughing: &[usize],
     progress: &Progress,
@@ -140,8 +140,10 @@ pub fn reports(
     let Some(last) = roughing.last() else { return Vec::new() };
     let void = void(program, design, progress);
     let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
-    let mut left: Vec<f64> = vec![super::surface::FAR; at_surface.len()];
-    let mut cleared: Vec<bool> = vec![false; void.len()];
+    let far = super::surface::FAR;
+    let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
+    let mut left: Vec<f64> = at_surface.par_iter().map(|s| thickness(&s.position)).collect();
+    let mut cleared: Vec<bool> = void.par_iter().map(|(p, _)| thickness(p) <= 0.0).collect();
     let mut reports = Vec::new();
     let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {

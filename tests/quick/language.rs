@@ -29,6 +29,10 @@ impl Files for Memory {
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         find(path, &[("vane_curves.csv", include_str!("../../jobs/reduced/vane_curves.csv"))])
     }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        find(path, &[])
+    }
 }
 
 fn find(name: &str, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {

@@ -172,6 +172,10 @@ impl Files for Memory {
     fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
         self.find(path)
     }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+        self.find(path)
+    }
 }
 
 /// Faults of a text as a whole, or of a part that is not there, have no place in it.
@@ -218,8 +222,8 @@ static CERTIFICATE: LazyLock<(String, String)> = LazyLock::new(|| {
         version: certificate_file::VERSION,
         compiler: "impellerc 0.1.0".to_owned(),
         inputs: certificate_file::Inputs::new([
-            ("small.imp".to_owned(), Origin::Given, JOBS[2][0]),
-            (CURVES.to_owned(), Origin::BesideJob, JOBS[2][1]),
+            ("small.imp".to_owned(), Origin::Given, JOBS[2][0].as_bytes()),
+            (CURVES.to_owned(), Origin::BesideJob, JOBS[2][1].as_bytes()),
         ]),
         nc: certificate_file::NcText::new("siemens-840d", &nc, lines),
         measured: serde_json::json!({ "contracts": [

@@ -12,6 +12,7 @@ mod bounded_work;
 mod campaign;
 mod flank;
 mod golden;
+mod left;
 mod links;
 mod orientation;
 mod part_volume;

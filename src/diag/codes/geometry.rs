@@ -20,6 +20,7 @@ Operations do not yet support two passages in a sector, edges of splitters, whic
 without straight rulings.\n\nExample: `splitter half { pressure ruled { ... } suction lofted { ... } angle 22.5 deg \
 }`.\n\nRemedy: use vanes with ruled faces and no splitters. `--emit ir` prints any part.";
     STOCK_HIGH = "IMP0314", "blank too high over the shroud", include_str!("pages/IMP0314.md");
+    LEFT_OUTSIDE = "IMP0315", "what is left stands out of the turned blank", include_str!("pages/IMP0315.md");
     OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",

@@ -22,5 +22,6 @@ crate::codes! {
     UNUSED = "IMP0219", "unused name", include_str!("pages/IMP0219.md");
     CURVE_FILE = "IMP0220", "fault in a curve file", include_str!("pages/IMP0220.md");
     NOTHING_LEFT = "IMP0221", "contract without anything to check", include_str!("pages/IMP0221.md");
+    STOCK_FILE = "IMP0223", "fault in the file of the stock", include_str!("pages/IMP0223.md");
     NO_REST_BEFORE = "IMP0222", "rest machining without an operation before it", include_str!("pages/IMP0222.md");
 }

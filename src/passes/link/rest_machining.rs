@@ -85,7 +85,7 @@ fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
     .help("remove the operation, or give a smaller thickness after `rest over`")
 }
 
-/// The blank, with cells for the operation that needs the smallest.
+/// The stock before the first operation, with cells for the operation that needs the smallest.
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
@@ -93,12 +93,13 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         follows_stock(o).then_some((cell, o))
     });
     let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
-    Field::turned(&program.stock.profile, cell.min(MOST_CELL)).map_err(|error| {
+    program.stock.field(cell.min(MOST_CELL)).map_err(|error| {
         let reason = match error {
             FieldError::TooFine { rays, least_cell } => {
                 format!("cells of {cell:.3} mm need {rays:.1e} rays; on this stock {least_cell:.3} mm are possible")
             }
             FieldError::BadCell | FieldError::BadProfile => "the stock has no inside".to_owned(),
+            FieldError::Crowded => "its file has too many surfaces behind one another".to_owned(),
         };
         sink.push(
             Diag::error(

@@ -147,7 +147,7 @@ pub struct StockReport {
     pub cell: f64,
     /// Number of rays.
     pub rays: usize,
-    /// Volume of the blank, mm3.
+    /// Volume of the blank, or of what is left of it before the first operation, mm3.
     pub blank: f64,
     /// Operations in order.
     pub operations: Vec<OperationStock>,
@@ -238,7 +238,7 @@ pub fn simulate(
 ) -> Option<StockReport> {
     let profile = &program.stock.profile;
     let cell = settings.cell.unwrap_or_else(|| usual_cell(profile));
-    let mut field = match Field::turned(profile, cell) {
+    let mut field = match program.stock.field(cell) {
         Ok(field) => field,
         Err(error) => {
             sink.push(refusal(error, cell));
@@ -251,6 +251,7 @@ pub fn simulate(
     let mut missing = None;
     let below = below_surface(program);
     let disc = hub_disc(program, below);
+    let start = program.stock.left.is_some().then(|| field.clone());
     for (o, operation) in motion.operations.iter().enumerate() {
         let name = format!("{}, stock", program.operations[operation.operation].name);
         let work = progress.begin(name, operation.moves.len().saturating_sub(1));
@@ -260,7 +261,7 @@ pub fn simulate(
         report.removed = before - report.rest;
         before = report.rest;
         if missing.is_none() {
-            let uncut = field.uncut_under(&disc, below);
+            let uncut = field.uncut_under(&disc, below, start.as_ref());
             missing = uncut.map(|uncut| Missing {
                 operation: report.operation,
                 volume: uncut.volume,
@@ -571,6 +572,10 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
         FieldError::BadProfile => (
             "the stock has no inside".to_owned(),
             "check the declaration of the stock: its surface must enclose a volume".to_owned(),
+        ),
+        FieldError::Crowded => (
+            "the file of the stock has too many surfaces behind one another".to_owned(),
+            "give the closed surface of one workpiece, without inner shells".to_owned(),
         ),
         FieldError::TooFine { rays, least_cell } => (
             format!("cells of {cell} mm need {rays:.1e} rays through the stock, more than fit into memory"),

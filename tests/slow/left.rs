@@ -1,0 +1,87 @@
+//! Roughing that goes on after a tool broke half way.
+
+use crate::support::jobs::{self, Compiled};
+use impellerc::diag::{Sink, codes};
+use impellerc::ir::{Motion, Program};
+use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
+use impellerc::stock::{Field, stl};
+use impellerc::verify::stock::{Settings, StockReport, simulate};
+use std::sync::Arc;
+
+/// Cells of the mesh, mm: what the documents advise on a part of this size.
+const CELL: f64 = 0.25;
+
+/// The stock after the last operation of a motion, and the report.
+fn simulated(program: &Program, motion: &Motion) -> (StockReport, Field) {
+    let mut last = None;
+    let mut keep = |_: usize, field: &Field| last = Some(field.clone());
+    let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep) };
+    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
+    (report, last.expect("an operation"))
+}
+
+fn started(program: &Program, field: &Field) -> Program {
+    let mut program = program.clone();
+    program.stock.left = Some(Arc::new(stl::read(&field.mesh().stl("left")).expect("a closed mesh")));
+    assert!(program.stock.farthest_out(0.5).is_none());
+    program
+}
+
+#[test]
+fn roughing_goes_on_from_any_block() {
+    let whole = Compiled::new(jobs::program("rough", None));
+    let (program, motion) = whole.planned();
+    let (due, _) = simulated(program, motion);
+    let rest = |c: &Compiled| c.certificate.rest.last().expect("roughing").most;
+    for share in [0.02, 0.5] {
+        let mut broken = Motion { operations: vec![motion.operations[0].clone()] };
+        let count = broken.operations[0].moves.len();
+        broken.operations[0].moves.truncate((share * count as f64) as usize);
+        let (report, field) = simulated(program, &broken);
+        // Planned, and verified with all contracts: this fails otherwise.
+        let again = Compiled::new(started(program, &field));
+        let (found, _) = simulated(&again.program, &again.plan.motion);
+        let cut = |c: &Compiled| c.plan.motion.operations[0].moves.len();
+        println!(
+            "broken after {:.0} of {:.0} mm3: {} instead of {} moves, rest {:.3} instead of {:.3} mm, {:.0} instead of {:.0} mm3",
+            report.operations[0].removed,
+            due.operations[0].removed,
+            cut(&again),
+            cut(&whole),
+            rest(&again),
+            rest(&whole),
+            found.rest(),
+            due.rest()
+        );
+        // What is left at the end is what the whole run leaves: volumes differ by the edges that the mesh rounds, at the
+        // start, and the thickest rest by less than a cell.
+        let rounded = (report.rest() - found.blank).abs();
+        assert!((found.rest() - due.rest()).abs() < rounded + 0.003 * due.rest(), "{} {}", found.rest(), due.rest());
+        assert!((rest(&again) - rest(&whole)).abs() < CELL);
+        // The second tool finds its rest as before, and the first is not sent where it has been.
+        assert!((found.operations[1].removed - due.operations[1].removed).abs() < 0.25 * due.operations[1].removed);
+        let left = 1.0 - report.operations[0].removed / due.operations[0].removed;
+        assert!((cut(&again) as f64) < (left + 0.15) * cut(&whole) as f64, "{} moves of {}", cut(&again), cut(&whole));
+        assert!(found.collisions().next().is_none());
+    }
+}
+
+/// After the first operation was done, it finds next to nothing, and a remark or an error says so.
+#[test]
+fn a_finished_operation_finds_nothing() {
+    let whole = Compiled::new(jobs::program("rough", None));
+    let (program, motion) = whole.planned();
+    let first = Motion { operations: vec![motion.operations[0].clone()] };
+    let (report, field) = simulated(program, &first);
+    let again = started(program, &field);
+    let mut sink = Sink::default();
+    match pipeline::run(&again, &mut sink) {
+        Err(_) => assert!(sink.diags().iter().any(|d| d.code == codes::planning::NO_REST)),
+        Ok(plan) => {
+            let (found, _) = simulated(&again, &plan.motion);
+            println!("removed again {:.1} of {:.1} mm3", found.operations[0].removed, report.operations[0].removed);
+            assert!(found.operations[0].removed < 0.005 * report.operations[0].removed);
+        }
+    }
+}
