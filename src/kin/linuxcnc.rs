@@ -62,6 +62,16 @@ pub struct Settings<'a> {
 pub struct Ran {
     /// Time in which the line moves faster than its neighbours, s.
     pub time: f64,
+    /// The part of this time at the largest speed of the line; and of the rest of it, the part in which the next or the
+    /// previous line moves as well.
+    pub steady: f64,
+    /// See `steady`.
+    pub blends: f64,
+    /// Largest speed of the line as a share of its programmed speed: below 1, an axis limits it.
+    pub pace: f64,
+    /// Axis with the largest share of its speed, and axis with the largest share of its acceleration, by the tip on the
+    /// part.
+    pub axes: [usize; 2],
     /// Largest deviation of the tool from this line and the next line in the transition between them: of tip or flutes,
     /// mm, and of the axis, radians. The period in which the blend begins depends on the lines before. The deviation
     /// therefore includes the effect of a blend that begins one period earlier.
@@ -81,6 +91,9 @@ enum LineEnd {
 
 struct LineSegment {
     line: Line,
+    /// See [`Ran::pace`] and [`Ran::axes`].
+    pace: f64,
+    axes: [usize; 2],
     /// Length of the path of the tip, or of the rotary axes where the tip stands still.
     length: f64,
     direction: [f64; 3],
@@ -103,15 +116,22 @@ impl LineSegment {
         let least = |most: &JointPoint| {
             (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(NOTHING, f64::max)
         };
-        let own = length / least(&settings.machine.speeds());
+        let slowest = |most: &JointPoint| {
+            (0..5).max_by(|a, b| (d[*a].abs() / most[*a]).total_cmp(&(d[*b].abs() / most[*b]))).unwrap_or_default()
+        };
+        let (speeds, accelerations) = (settings.machine.speeds(), settings.machine.accelerations());
+        let own = length / least(&speeds);
         let asked = if line.time > 0.0 { own.min(length / line.time) } else { own };
+        let speed = asked.min(length / settings.machine.cycle);
         Some(Self {
             line: *line,
+            pace: speed * line.time / length,
+            axes: [slowest(&speeds), slowest(&accelerations)],
             length,
             direction: std::array::from_fn(|k| if moves { d[k] / way } else { 0.0 }),
             turns: d[3..].iter().any(|x| x.abs() >= TINY),
-            speed: asked.min(length / settings.machine.cycle),
-            acceleration: length / least(&settings.machine.accelerations()),
+            speed,
+            acceleration: length / least(&accelerations),
             end: LineEnd::Blend,
         })
     }
@@ -325,6 +345,24 @@ pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joint
     moved.iter().zip(machine.speeds()).map(|(d, speed)| d.abs() / speed).fold(0.0, f64::max)
 }
 
+/// Share of the largest speed of a line from which it runs steadily.
+const STEADY: f64 = 0.99;
+
+impl Ran {
+    /// Counts a period in which the line `own` moves at a speed. `other` is the line that moves as well, with its speed.
+    fn count(&mut self, time: f64, (own, speed): (&LineSegment, f64), other: Option<(&LineSegment, f64)>) {
+        self.time += time;
+        let along = |(line, speed): (&LineSegment, f64)| -> f64 {
+            speed * own.direction.iter().zip(&line.direction).map(|(a, b)| a * b).sum::<f64>()
+        };
+        if speed + other.map_or(0.0, along) >= STEADY * own.speed {
+            self.steady += time;
+        } else if other.is_some() {
+            self.blends += time;
+        }
+    }
+}
+
 /// Runs lines one after the other from rest to rest.
 pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     let mut of = Vec::with_capacity(lines.len());
@@ -338,6 +376,9 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
     set_ends(&mut segments, settings);
     let full = settings.machine.cycle;
     let mut ran = vec![Ran::default(); lines.len()];
+    for (segment, i) in segments.iter().zip(&of) {
+        (ran[*i].pace, ran[*i].axes) = (segment.pace, segment.axes);
+    }
     let fresh = Running { period: full, ..Running::default() };
     let (mut this, mut ahead) = (fresh, fresh);
     for (i, segment) in segments.iter().enumerate() {
@@ -349,7 +390,7 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
             let before = this.way;
             let skipped = even(segment, &this, full);
             this.way += skipped * full * this.speed;
-            ran[of[i]].time += skipped * full;
+            ran[of[i]].count(skipped * full, (segment, this.speed), None);
             let mut both = false;
             if this.last {
                 this.way = segment.length;
@@ -374,10 +415,15 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
                     both = true;
                 }
             }
-            let owner =
-                if this.speed > ahead.speed && !this.done { of[i] } else { of.get(i + 1).copied().unwrap_or(of[i]) };
-            ran[owner].time += full;
-            if let (true, Some(n), Some(corner)) = (both, next, &mut corner) {
+            let both = next.filter(|_| both);
+            match next.filter(|_| this.speed <= ahead.speed || this.done) {
+                None => ran[of[i]].count(full, (segment, this.speed), both.map(|n| (n, ahead.speed))),
+                Some(n) => {
+                    let other = both.filter(|_| !this.done).map(|_| (segment, this.speed));
+                    ran[of[i + 1]].count(full, (n, ahead.speed), other);
+                }
+            }
+            if let (Some(n), Some(corner)) = (both, &mut corner) {
                 corner.passes(segment, n, [before, this.way, ahead.way], settings);
             }
             if this.done {

@@ -5,6 +5,7 @@ use super::allowance::AllowanceReport;
 use super::carried::{CarriedReport, SEARCH};
 use super::clamping::ClampingReport;
 use super::clearance::Clearance;
+use super::dynamics::{LimitRow, rows};
 use super::kept::KeptSurfaces;
 use super::machine::{AXIS_UNITS, MachineReport};
 use super::perimeter::PerimeterReport;
@@ -308,6 +309,8 @@ impl Certificate {
         self.write_surroundings(program, motion, t)?;
         writeln!(t)?;
         self.write_runs(program, t)?;
+        writeln!(t)?;
+        self.write_limits(t)?;
         self.write_contracts(t)?;
         self.write_allowed(t)
     }
@@ -461,6 +464,25 @@ impl Certificate {
             )?;
         }
         Ok(())
+    }
+
+    /// For each operation and for the whole program the active limits in shares of the time.
+    fn write_limits(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(t, "active limits: what bounds the motion, in shares of the time of each kind of moves")?;
+        let mut before = "";
+        for row in self.limits() {
+            let shares: Vec<String> =
+                row.shares().iter().map(|(limit, share)| format!("{limit} {share:.1} %")).collect();
+            let name = if row.operation == before { "" } else { row.operation };
+            writeln!(t, "  {name:<12} {:<5} {:>8}  {}", row.moves, clock(row.time), shares.join(", "))?;
+            before = row.operation;
+        }
+        Ok(())
+    }
+
+    /// Times by active limit: each operation and kind of moves, then the whole program.
+    pub fn limits(&self) -> Vec<LimitRow<'_>> {
+        rows(self.operations.iter().map(|o| o.name.as_str()).zip(&self.machine.runs))
     }
 
     fn write_operations(&self, t: &mut String) -> std::fmt::Result {

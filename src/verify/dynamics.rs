@@ -20,12 +20,17 @@
 //! Where the axes have limits of jerk, the run is a slower one, see `jerk`. The time without these limits is kept as a
 //! lower bound.
 
+mod active;
+mod by_linuxcnc;
 mod jerk;
+
+pub use active::{ActiveLimit, Limit, LimitRow, rows};
 
 use super::proof::piece::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Chain, Joints, Machine, between, linuxcnc};
 use crate::method::Planning;
+use active::ActiveTimes;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
@@ -66,6 +71,8 @@ pub struct Run {
     pub within_accelerations: [f64; 3],
     /// Time of the same without limits of acceleration, s.
     pub programmed: [f64; 3],
+    /// Time of cutting, links and rapids by active limit. The sum of all is `time`.
+    pub limits: Vec<ActiveLimit>,
     /// Least share of the programmed feed that a cutting block reaches, and this block.
     pub slowest: Peak,
     /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
@@ -143,6 +150,8 @@ pub(super) struct MotionCell {
     kind: MoveKind,
     /// Programmed time, s.
     width: f64,
+    /// Programmed speed of the tip as a share of the feed of the job for this kind of move.
+    feed: f64,
     /// Largest |q'| and |q''|, the latter with the curvature that is divided into chords.
     rate: [f64; 5],
     second: [f64; 5],
@@ -177,7 +186,8 @@ pub(super) struct MovePart {
     /// y at its start, and largest y.
     from: f64,
     peak: f64,
-    /// Largest jerk of each axis.
+    /// Largest acceleration and jerk of each axis.
+    acceleration: Joint5,
     jerk: Joint5,
 }
 
@@ -186,6 +196,8 @@ pub(super) struct RunLimits {
     speed: [f64; 5],
     acceleration: [f64; 5],
     jerk: [f64; 5],
+    /// Process feed, link feed, and rapid speed of the tip, mm/s.
+    feeds: [f64; 3],
     chord: f64,
     height: f64,
     chain: Chain,
@@ -211,6 +223,7 @@ impl Run {
         time: [0.0; 3],
         within_accelerations: [0.0; 3],
         programmed: [0.0; 3],
+        limits: Vec::new(),
         slowest: Peak { value: 1.0, at: None },
         speed: [Peak::NONE; 5],
         asked: [Peak::NONE; 5],
@@ -308,6 +321,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         speed: machine.speeds(),
         acceleration: machine.accelerations(),
         jerk: machine.jerks(),
+        feeds: [declared.feed.get() / 60.0, declared.link_feed.get() / 60.0, machine.rapid],
         chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
         height: program.tools[declared.tool].solid.flute_length,
     };
@@ -320,6 +334,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
+    let corner = |at: usize, rate: f64| jerk::corner_shares(&limits, &cells, at, rate * rate);
+    report.limits = ActiveTimes::of_run(&limits, &cells, &parts, corner).named(machine.names());
     // Runs with a limit of jerk use smaller parts of the blocks, which may permit a faster run.
     for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
         *least = least.min(time);
@@ -327,7 +343,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
     if machine.planning == Planning::LinuxCnc {
         // The tolerance that the post writes for the whole program.
         let settings = linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height };
-        by_linuxcnc(&settings, &moves.moves, operation, &mut report, &mut errors);
+        by_linuxcnc::replace(&settings, (operation, &moves.moves), (&limits, &cells), &mut report, &mut errors);
     }
     report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
     report.orientation = Departure::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
@@ -343,6 +359,8 @@ fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<Moti
         if m.time > 0.0 {
             let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
             let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
+            let feed = block.tip.norm() / limits.feeds[number(m.kind)];
+            cells[block.cells.clone()].iter_mut().for_each(|cell| cell.feed = feed);
             join(limits, last.as_ref(), &mut block, &mut cells);
             last = Some(block);
         }
@@ -353,50 +371,26 @@ fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<Moti
     cells
 }
 
-/// The run without limits of jerk, cell by cell.
+/// The run without limits of jerk: up to three parts a cell.
 fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let nodes = passes(limits, cells);
-    let part = |(i, (cell, [from, to])): (usize, (&MotionCell, &[f64; 2]))| {
-        let (time, peak) = phases(limits, cell, *from, *to);
-        MovePart { cell: i, width: cell.width, time, from: *from, peak, jerk: [0.0; 5] }
-    };
-    cells.iter().zip(&nodes).enumerate().map(part).collect()
-}
-
-/// Replaces times, corners and speeds by those of LinuxCNC: its control does not plan by joints.
-fn by_linuxcnc(
-    settings: &linuxcnc::Settings,
-    moves: &[JointMove],
-    operation: u32,
-    report: &mut Run,
-    errors: &mut [BlockError],
-) {
-    let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
-    let ran = linuxcnc::run(&lines, settings);
-    report.time = [0.0; 3];
-    report.corners = Peak::NONE;
-    report.slowest = Peak { value: 1.0, at: None };
-    let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
-    // The corner at the end of a move. Between two rapids the deviation does not matter, since nothing is near.
-    let corner = |index: usize| -> [f64; 2] {
-        let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| !rapid(index) || !rapid(index + 1));
-        ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()])
-    };
-    for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
-        let at = At { operation, index };
-        report.time[number(m.kind)] += ran.time;
-        if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
-            report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
-        }
-        report.corners.raise(corner(index as usize)[0], at);
-        for (most, share) in report.speed.iter_mut().zip(ran.speed) {
-            most.raise(share, at);
+    let mut parts = Vec::with_capacity(cells.len());
+    for (i, (cell, [from, to])) in cells.iter().zip(nodes).enumerate() {
+        let (peak, slope, [up, even, down]) = phases(limits, cell, from, to);
+        let top = peak.sqrt();
+        let over = |width: f64, y: f64| 2.0 * width / (y.sqrt() + top);
+        let first = parts.len();
+        for (width, time, slope) in
+            [(up, over(up, from), slope), (even, even / top, 0.0), (down, over(down, to), slope)]
+        {
+            if width > 0.0 {
+                let acceleration = std::array::from_fn(|k| cell.second[k] * peak + 0.5 * cell.rate[k] * slope);
+                let from = if parts.len() == first { from } else { peak };
+                parts.push(MovePart { cell: i, width, time, from, peak, acceleration, jerk: [0.0; 5] });
+            }
         }
     }
-    for error in errors {
-        // The corner of an error is the corner at the start of its block.
-        error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
-    }
+    parts
 }
 
 /// Cells of a block; the corner at its start is set later.
@@ -433,6 +427,7 @@ fn block(
             block: index,
             kind,
             width,
+            feed: 0.0,
             rate: std::array::from_fn(|k| start_rate[k].abs().max(end_rate[k].abs())),
             second,
             cap: 1.0,
@@ -541,8 +536,8 @@ fn passes(limits: &RunLimits, cells: &[MotionCell]) -> Vec<[f64; 2]> {
     nodes
 }
 
-/// Time of a cell between two values of y, and the largest y in it.
-fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f64) {
+/// Largest y in a cell between two values of y, largest slope of y, and widths with rising, constant and falling y.
+fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f64, [f64; 3]) {
     // Both slopes intersect at the peak, unless the cap is lower.
     let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
     let slope = (0..5)
@@ -556,9 +551,5 @@ fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f6
     if sum > cell.width {
         (up, down) = (up * cell.width / sum, down * cell.width / sum);
     }
-    let top = peak.sqrt();
-    let over = |width: f64, y: f64| if width > 0.0 { 2.0 * width / (y.sqrt() + top) } else { 0.0 };
-    let even = (cell.width - up - down).max(0.0);
-    let even = if even > 0.0 { even / top } else { 0.0 };
-    (over(up, from) + even + over(down, to), peak)
+    (peak, slope, [up, (cell.width - up - down).max(0.0), down])
 }

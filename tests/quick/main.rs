@@ -16,6 +16,7 @@ mod channel_floor;
 mod circles;
 mod contracts;
 mod cost;
+mod engagement;
 mod envelope;
 mod error_formats;
 mod errors;

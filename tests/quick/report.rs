@@ -35,7 +35,7 @@ fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
 }
 
 /// Contracts that the reduced job keeps.
-const KEPT: &str = "require clearance >= 0.4 mm";
+const KEPT: &str = "require clearance >= 0.4 mm\nrequire engagement <= 180 deg on operation groove";
 
 /// What the job with these contracts said, its NC text, and its report.
 struct Compiled {
@@ -154,6 +154,26 @@ fn the_file_is_whole_bounded_and_the_same_again() {
     let folder = tempfile::tempdir().unwrap();
     let (_, again) = compile(folder.path(), KEPT);
     assert!(std::fs::read_to_string(again).unwrap() == html, "the same job made another report");
+}
+
+/// Every bar of active limits is whole; each operation has its histogram, and those with a contract its bound.
+#[test]
+fn bars_and_histograms_show_what_the_certificate_has() {
+    let html = std::fs::read_to_string(&COMPILED.report).unwrap();
+    let bars: Vec<&str> = html.split("<div class=bar>").skip(1).collect();
+    assert!(bars.len() > 4, "{} bars", bars.len());
+    for bar in bars {
+        let bar = &bar[..bar.find("</div>").unwrap()];
+        let parts = bar.split("flex:").skip(1).map(|p| p[..p.find(';').unwrap()].parse::<f64>().unwrap());
+        let sum: f64 = parts.sum();
+        assert!((sum - 100.0).abs() < 0.2, "{sum} %: {bar}");
+    }
+    let figures: Vec<&str> = html.split("<figure>").skip(1).map(|f| &f[..f.find("</figure>").unwrap()]).collect();
+    assert_eq!(figures.len(), 4);
+    for figure in figures {
+        assert_eq!(figure.matches("<rect").count(), 13, "air and twelve classes");
+        assert_eq!(figure.contains("at most 180"), figure.contains("<figcaption>groove:"), "{figure}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! Rust writes the tables and packs the geometry; the page draws the geometry with WebGL2 and canvas. The size of the
 //! file is bounded: its end states what is thinned, and within which tolerance.
 
+mod charts;
 mod markup;
 mod pack;
 mod part;
@@ -242,6 +243,8 @@ pub fn report(input: &Input<'_>) -> String {
             ("facts", &tables::header(input)),
             ("contracts", &tables::contracts(input, &places)),
             ("operations", &tables::operations(input, &places)),
+            ("limits", &charts::limits(input)),
+            ("arcs", &charts::arcs(input)),
             ("findings", &tables::findings(input, &places)),
             ("details", &tables::details(input, &places)),
             ("accuracy", &accuracy(input, &part, &paths, &stock)),

@@ -12,6 +12,7 @@
 //! faster than they begin. Before digits are lost, the run comes to rest at a corner: this run is feasible as well, and
 //! takes longer.
 
+use super::active::{Limit, LimitOfAxis, NO_CORNER};
 use super::{Joint5, MotionCell, MovePart, RunLimits};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
 use crate::kin::feedrate::ramp::{self, Creep, Even, Most, Ramp};
@@ -37,13 +38,23 @@ struct JerkSpan {
     cap: f64,
 }
 
+/// The largest of five values, and its place.
+fn largest(values: &Joint5) -> (f64, usize) {
+    (0..5).fold((0.0, 0), |most, k| if values[k] > most.0 { (values[k], k) } else { most })
+}
+
 /// Time to change the speed of each axis by `change`, s.
 fn pulse(limits: &RunLimits, change: &Joint5) -> f64 {
+    slowest(limits, change).0
+}
+
+/// The same with the axis that takes this time.
+fn slowest(limits: &RunLimits, change: &Joint5) -> (f64, usize) {
     let one = |k: usize| {
         let (v, a, j) = (change[k].abs(), limits.acceleration[k], limits.jerk[k]);
         if v * j >= a * a { v / a + a / j } else { 2.0 * (v / j).sqrt() }
     };
-    (0..5).filter(|k| limits.jerk[*k].is_finite()).map(one).fold(0.0, f64::max)
+    largest(&std::array::from_fn(|k| if limits.jerk[k].is_finite() { one(k) } else { 0.0 }))
 }
 
 /// Part of a corner that is not curvature, by the time of the block before it.
@@ -60,6 +71,32 @@ pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &M
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
     let tilt = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
     ((cell.flutes * root * time / 8.0).max(y * cell.rounding), tilt.max(y * cell.tilting))
+}
+
+/// Limits of the corner at the start of a cell with the shares that a run with y before the corner takes: of the
+/// tolerance by the deviation, and of the time between the middles of both blocks by the axis that takes longest to
+/// change its speed.
+pub(super) fn corner_shares(
+    limits: &RunLimits,
+    cells: &[MotionCell],
+    corner: usize,
+    y: f64,
+) -> [(f64, LimitOfAxis); 3] {
+    let before = corner.checked_sub(1).and_then(|b| cells.get(b));
+    let cell = cells.get(corner).filter(|c| c.ratio > 0.0);
+    let Some((before, cell)) = before.zip(cell) else { return NO_CORNER };
+    let root = y.sqrt();
+    let change = excess(before, cell).map(|e| e * root);
+    let (time, slow) = slowest(limits, &change);
+    let (a, j) = (limits.acceleration[slow], limits.jerk[slow]);
+    let by = if change[slow].abs() * j >= a * a { Limit::Acceleration } else { Limit::Jerk };
+    let jump: Joint5 = std::array::from_fn(|k| (cell.jump[k] * cell.ratio).abs() / limits.acceleration[k]);
+    let (most, axis) = largest(&jump);
+    [
+        ((cell.flutes * root * time / 8.0).max(y * cell.rounding) / limits.chord, (Limit::Corner, None)),
+        (time * root / cell.rounding_time, (by, Some(slow))),
+        (most * y / cell.rounding_time, (Limit::Acceleration, Some(axis))),
+    ]
 }
 
 /// Largest y before a corner.
@@ -85,7 +122,7 @@ fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
 
 /// Largest change of q'' by the time of a cell, between the middles of the cell and of its neighbours; cells beyond a
 /// stop do not count.
-fn twist(cells: &[MotionCell], i: usize) -> Joint5 {
+pub(super) fn twist(cells: &[MotionCell], i: usize) -> Joint5 {
     let cell = &cells[i];
     let mut most = [0.0_f64; 5];
     let behind = i.checked_sub(1).filter(|_| cell.ratio > 0.0).map(|b| (&cells[b], 1.0 / cell.ratio));
@@ -122,13 +159,15 @@ impl JerkRows<'_> {
     fn part(&self, span: usize, y: [f64; 3]) -> MovePart {
         let JerkSpan { cell, scale, width, .. } = self.spans[span];
         let square = scale * scale;
+        let [acceleration, jerk] = self.largest(span, &y);
         MovePart {
             cell,
             width: width / scale,
             time: jerk::time(width, y),
             from: y[0] / square,
             peak: y[0].max(y[1]).max(y[2]) / square,
-            jerk: self.largest(span, &y)[1],
+            acceleration,
+            jerk,
         }
     }
 }

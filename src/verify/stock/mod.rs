@@ -1,9 +1,11 @@
 //! V3: the simulated stock, operation by operation: the volume that each operation removes, the time of air cuts, and
 //! the stock that shank, holder and rapids meet.
 
+pub mod arcs;
 mod load;
 mod report;
 
+pub use arcs::ArcTimes;
 pub use report::report;
 
 use super::proof::piece::At;
@@ -106,6 +108,8 @@ pub struct OperationStock {
     pub air: f64,
     /// Time of the moves at feed, and time of their air cuts, s.
     pub feed: [f64; 2],
+    /// Time and way of the moves at feed over the arc of engagement.
+    pub arcs: ArcTimes,
     /// Largest extent of removed material along the tool axis, mm.
     pub depth: Option<Peak>,
     /// Largest extent across tip motion and axis, mm.
@@ -215,7 +219,22 @@ impl StockReport {
                 o.collisions.len()
             )?;
         }
-        writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)
+        writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)?;
+        self.write_arcs(t)
+    }
+
+    /// Time at feed over the arc of engagement.
+    fn write_arcs(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(t)?;
+        writeln!(t, "time at feed by the arc of engagement, h:mm:ss: in air, cutting, and of it up to the arc, deg")?;
+        let to: String = (1..=arcs::CLASSES).map(|k| format!(" {:>7.0}", k as f64 * arcs::CLASS)).collect();
+        writeln!(t, "  {:<12} {:>7} {:>7}{to}", "operation", "air", "cutting")?;
+        for o in &self.operations {
+            let figure = |s: &f64| if *s > 0.0 { clock(*s) } else { "-".to_owned() };
+            let times: String = o.arcs.time.iter().map(|s| format!(" {:>7}", figure(s))).collect();
+            writeln!(t, "  {:<12} {:>7} {:>7}{times}", o.name, clock(o.arcs.air[0]), clock(o.arcs.cutting()))?;
+        }
+        Ok(())
     }
 }
 
@@ -393,7 +412,8 @@ impl Milled {
 fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
     let milled = Milled::new(program, operation, o, field, work);
     let Milled { places, outcome, .. } = &milled;
-    let removal = Removal::new(places, &outcome.cuts, WINDOW_CELLS * field.cell());
+    let window = WINDOW_CELLS * field.cell();
+    let removal = Removal::new(places, &outcome.cuts, window);
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let radius = solid.cutter.widest_below(solid.flute_length);
@@ -412,6 +432,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         time: milled.time(&|_, _| true),
         air: milled.time(&|i, _| !removal.cuts[i]),
         feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
+        arcs: ArcTimes::new(places, &removal, &outcome.cuts, window, &arc),
         depth: milled.peak(&depth),
         width: milled.peak(&|c| c.side[1] - c.side[0]),
         arc: milled.peak(&arc),

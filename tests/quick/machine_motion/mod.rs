@@ -1,5 +1,6 @@
 //! Reached feed, time and deviation of the machine's motion, against closed forms and a brute-force run.
 
+mod active;
 mod times;
 
 use crate::support;

@@ -11,11 +11,12 @@ use proptest::prelude::*;
 
 /// Every figure of a run.
 fn figures(run: &Run) -> Vec<f64> {
-    let times = [run.time, run.within_accelerations, run.programmed].concat();
+    let limits = run.limits.iter().flat_map(|l| l.time);
+    let times = [run.time, run.within_accelerations, run.programmed].concat().into_iter().chain(limits);
     let peaks = [run.speed, run.asked, run.jerk].concat();
     let others = [run.slowest, run.corners, run.cycle].map(|p| p.value);
     let departures = [run.contour, run.orientation].map(|d| [d.value, d.corner]).concat();
-    times.into_iter().chain(peaks.iter().map(|p| p.value)).chain(others).chain(departures).collect()
+    times.chain(peaks.iter().map(|p| p.value)).chain(others).chain(departures).collect()
 }
 
 fn limited(speed: f64, acceleration: f64, jerk: f64, planning: Planning) -> Program {
@@ -73,6 +74,7 @@ proptest! {
         let due: f64 = motion.operations[0].moves.iter().map(|m| m.time).sum();
         let [spent, least, programmed] =
             [run.time, run.within_accelerations, run.programmed].map(|t| t.iter().sum::<f64>());
+        prop_assert!(super::active::are_whole(&run), "{:?}", run);
         prop_assert!((programmed - due).abs() <= 1e-9 * due, "programmed {} of {}", programmed, due);
         prop_assert!(least >= due * (1.0 - 1e-9), "{} is less than {}", least, due);
         if !linuxcnc {

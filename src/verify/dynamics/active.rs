@@ -1,0 +1,247 @@
+//! Active limits: for every moment of a run the limit that faster motion would exceed first.
+//!
+//! The pace of a limit is the share of its pace at which the run moves: at a pace of 0.75 the same motion, faster by
+//! a third, would reach the limit. With the share u of the limit, the pace is u for the process feed and for the speed of
+//! an axis, the square root of u for an acceleration, and the cube root of u for a jerk. The deviation at a corner grows
+//! about as the square of the pace. Accelerations and jerks are those of curvature and of changes of speed together.
+//!
+//! The process feed decides first, so that a block whose feed the planner has lowered counts for the limit that is near
+//! there. The reason follows from joints, limits and times alone.
+
+use super::{Joint5, MotionCell, MovePart, Run, RunLimits, number};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Least pace of the process feed at which it is active: feeds are rounded in texts, and chords shorten a path.
+const AT_FEED: f64 = 0.99;
+
+/// Least pace of any other limit at which it is active. The run is not the fastest: where it begins to speed up again it
+/// takes half of the jerk, a pace of 0.79, and its bounds hold over whole pieces of the path.
+const ACTIVE: f64 = 0.75;
+
+/// Kind of a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// Process feed for cuts, link feed for links, rapid speed of the tip for rapids.
+    Feed,
+    /// Speed of an axis.
+    Speed,
+    /// Acceleration of an axis.
+    Acceleration,
+    /// Jerk of an axis.
+    Jerk,
+    /// Rounding of a corner within the tolerance, and between the middles of its blocks.
+    Corner,
+    /// Feed of the block: lower than the feed of the job, and than any other limit demands.
+    BlockFeed,
+    /// None, from one time at the process feed to the next.
+    Rest,
+}
+
+/// Time in which a limit is active.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ActiveLimit {
+    /// The limit.
+    pub limit: Limit,
+    /// Name of the axis; `None` for limits that belong to no axis.
+    pub axis: Option<String>,
+    /// Time in cuts, links and rapids, s.
+    pub time: [f64; 3],
+}
+
+impl ActiveLimit {
+    /// The limit in words, for a kind of moves: cuts, links, rapids.
+    pub fn words(&self, kind: usize) -> String {
+        match (self.limit, &self.axis) {
+            (Limit::Feed, _) => ["process feed", "link feed", "rapid speed"][kind].to_owned(),
+            (Limit::Speed, Some(axis)) => format!("{axis} speed"),
+            (Limit::Acceleration, Some(axis)) => format!("{axis} acceleration"),
+            (Limit::Jerk, Some(axis)) => format!("{axis} jerk"),
+            (Limit::Corner, _) => "corners".to_owned(),
+            (Limit::BlockFeed, _) => "block feed".to_owned(),
+            _ => "rest".to_owned(),
+        }
+    }
+}
+
+/// Kinds of moves, in the order of times.
+const KINDS: [&str; 3] = ["cut", "link", "rapid"];
+
+/// Times of an operation in one kind of moves, or of the whole program, by active limit.
+pub struct LimitRow<'a> {
+    /// Operation; `total` for the whole program.
+    pub operation: &'a str,
+    /// Kind of moves; `all` for the whole program.
+    pub moves: &'static str,
+    /// Whole time, s.
+    pub time: f64,
+    /// Limits in words with their times, s, the longest first.
+    pub limits: Vec<(String, f64)>,
+}
+
+/// Rows of each operation and kind of moves that takes time, then that of the whole program.
+pub fn rows<'a>(runs: impl Iterator<Item = (&'a str, &'a Run)>) -> Vec<LimitRow<'a>> {
+    let mut rows = Vec::new();
+    let mut total: BTreeMap<String, f64> = BTreeMap::new();
+    let mut whole = 0.0;
+    for (operation, run) in runs {
+        for (kind, moves) in KINDS.into_iter().enumerate().filter(|(kind, _)| run.time[*kind] > 0.0) {
+            let own = run.limits.iter().filter(|l| l.time[kind] > 0.0);
+            let limits: Vec<(String, f64)> = own.map(|l| (l.words(kind), l.time[kind])).collect();
+            for (limit, time) in &limits {
+                *total.entry(limit.clone()).or_default() += time;
+            }
+            whole += run.time[kind];
+            rows.push(LimitRow { operation, moves, time: run.time[kind], limits: longest_first(limits) });
+        }
+    }
+    let limits = longest_first(total.into_iter().collect());
+    rows.push(LimitRow { operation: "total", moves: "all", time: whole, limits });
+    rows
+}
+
+/// A stable sort: equal times keep their order.
+fn longest_first(mut limits: Vec<(String, f64)>) -> Vec<(String, f64)> {
+    limits.sort_by(|a, b| b.1.total_cmp(&a.1));
+    limits
+}
+
+impl LimitRow<'_> {
+    /// Shares of the time in percent, in words; limits with less than 1 % come together as others.
+    pub fn shares(&self) -> Vec<(String, f64)> {
+        let percent = |time: f64| 100.0 * time / self.time;
+        let count = self.limits.partition_point(|l| percent(l.1) >= 1.0);
+        let mut shares: Vec<(String, f64)> = self.limits[..count].iter().map(|l| (l.0.clone(), percent(l.1))).collect();
+        if count < self.limits.len() {
+            shares.push(("others".to_owned(), percent(self.limits[count..].iter().map(|l| l.1).sum())));
+        }
+        shares
+    }
+}
+
+/// A limit and its axis.
+pub(super) type LimitOfAxis = (Limit, Option<usize>);
+
+/// No limit of a corner.
+pub(super) const NO_CORNER: [(f64, LimitOfAxis); 3] = [(0.0, (Limit::Rest, None)); 3];
+
+/// Motion in a part of a cell.
+pub(super) struct Pace<'a> {
+    pub(super) cell: &'a MotionCell,
+    /// Mean of dtau/dt.
+    pub(super) rate: f64,
+    /// Largest acceleration and jerk of each axis.
+    pub(super) acceleration: Joint5,
+    pub(super) jerk: Joint5,
+    /// Shares of the limits of the nearer corner of the block.
+    pub(super) corner: [(f64, LimitOfAxis); 3],
+}
+
+/// Times by limit and axis.
+#[derive(Default)]
+pub(super) struct ActiveTimes(BTreeMap<LimitOfAxis, [f64; 3]>);
+
+impl ActiveTimes {
+    /// Adds time of a kind of moves.
+    pub(super) fn add(&mut self, limit: LimitOfAxis, kind: usize, time: f64) {
+        if time > 0.0 {
+            self.0.entry(limit).or_default()[kind] += time;
+        }
+    }
+
+    /// The times with the names of the axes, without empty ones.
+    pub(super) fn named(self, names: [&str; 5]) -> Vec<ActiveLimit> {
+        let name = |axis: Option<usize>| axis.map(|k| names[k].to_owned());
+        self.0.into_iter().map(|((limit, axis), time)| ActiveLimit { limit, axis: name(axis), time }).collect()
+    }
+
+    /// Times of a run.
+    pub(super) fn of_run(
+        limits: &RunLimits,
+        cells: &[MotionCell],
+        parts: &[MovePart],
+        corner_shares: impl Fn(usize, f64) -> [(f64, LimitOfAxis); 3],
+    ) -> Self {
+        let mut moments: Vec<Moment> = Vec::with_capacity(parts.len());
+        for block in parts.chunk_by(|a, b| cells[a.cell].block == cells[b.cell].block) {
+            let middle = 0.5 * block.iter().map(|p| p.width).sum::<f64>();
+            let (first, last) = (block[0].cell, block[block.len() - 1].cell);
+            let mut at = 0.0;
+            for part in block {
+                let (cell, rate) = (&cells[part.cell], part.width / part.time);
+                let before = ((middle - at) / part.width).clamp(0.0, 1.0);
+                at += part.width;
+                let halves = [(before, first, rate / cells[first].ratio), (1.0 - before, last + 1, rate)];
+                for (share, corner, at_corner) in halves.into_iter().filter(|h| h.0 > 0.0) {
+                    let corner = corner_shares(corner, at_corner);
+                    let (acceleration, jerk) = (part.acceleration, part.jerk);
+                    let limit = active(limits, &Pace { cell, rate, acceleration, jerk, corner });
+                    moments.push(Moment { limit, kind: number(cell.kind), time: share * part.time });
+                }
+            }
+        }
+        let mut times = Self::default();
+        for (moment, near) in moments.iter().zip(nearest(&moments)) {
+            times.add(near.unwrap_or(moment.limit), moment.kind, moment.time);
+        }
+        times
+    }
+}
+
+/// A part of the run with its active limit.
+struct Moment {
+    limit: LimitOfAxis,
+    kind: usize,
+    time: f64,
+}
+
+/// For each part without an active limit the limit from which or towards which it changes its speed: the nearest one in
+/// time that the run reaches without the process feed between.
+fn nearest(moments: &[Moment]) -> Vec<Option<LimitOfAxis>> {
+    let mut found: Vec<Option<(f64, LimitOfAxis)>> = vec![None; moments.len()];
+    for backward in [false, true] {
+        let mut last: Option<(f64, LimitOfAxis)> = None;
+        for i in 0..moments.len() {
+            let i = if backward { moments.len() - 1 - i } else { i };
+            let Moment { limit, time, .. } = moments[i];
+            match limit.0 {
+                Limit::Feed => last = None,
+                Limit::Rest | Limit::BlockFeed => {
+                    let nearer = last.filter(|l| found[i].is_none_or(|f| l.0 < f.0));
+                    if limit.0 == Limit::Rest && nearer.is_some() {
+                        found[i] = nearer;
+                    }
+                    last = last.map(|(since, limit)| (since + time, limit));
+                }
+                _ => last = Some((0.0, limit)),
+            }
+        }
+    }
+    found.into_iter().map(|f| f.map(|(_, limit)| limit)).collect()
+}
+
+/// The active limit, and its axis.
+pub(super) fn active(limits: &RunLimits, run: &Pace) -> LimitOfAxis {
+    let cell = run.cell;
+    if cell.feed * run.rate >= AT_FEED {
+        return (Limit::Feed, None);
+    }
+    let none = if run.rate >= AT_FEED { Limit::BlockFeed } else { Limit::Rest };
+    let mut most = (ACTIVE, (none, None));
+    let mut raise = |pace: f64, limit: LimitOfAxis| {
+        if pace > most.0 {
+            most = (pace, limit);
+        }
+    };
+    for k in 0..5 {
+        raise(cell.rate[k] * run.rate / limits.speed[k], (Limit::Speed, Some(k)));
+        raise((run.acceleration[k] / limits.acceleration[k]).sqrt(), (Limit::Acceleration, Some(k)));
+        raise(libm::cbrt(run.jerk[k] / limits.jerk[k]), (Limit::Jerk, Some(k)));
+    }
+    // Away from the corner the run may be faster than at the corner: the corner holds it less there.
+    for (pace, limit) in run.corner.map(|(share, limit)| (share.sqrt(), limit)) {
+        raise(pace.min(1.0 / pace), limit);
+    }
+    most.1
+}
