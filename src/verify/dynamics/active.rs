@@ -12,8 +12,10 @@ use super::{Joint5, MotionCell, MovePart, Run, RunLimits, number};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Least pace of the process feed at which it is active: feeds are rounded in texts, and chords shorten a path.
-const AT_FEED: f64 = 0.99;
+/// Least pace of the process feed at which it is active. In the run the speed of the joints as a whole is constant over a
+/// corner, and that of the tip is not: where all blocks have one feed, the tip falls a few percent below it before a block
+/// in which the joints move less.
+const AT_FEED: f64 = 0.95;
 
 /// Least pace of any other limit at which it is active. The run is not the fastest: where it begins to speed up again it
 /// takes half of the jerk, a pace of 0.79, and its bounds hold over whole pieces of the path.
