@@ -26,7 +26,10 @@ use crate::units::trim;
 use std::ops::Range;
 
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
-const MOST_CELL: f64 = 0.5;
+const MOST_CELL: f64 = 1.0;
+
+/// Largest cell for `rough`, mm: its passes end where the stock ends, so that its error is time in air.
+const MOST_CELL_ROUGH: f64 = 0.5;
 
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
@@ -89,7 +92,8 @@ fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
-        let cell = o.rest.map_or(MOST_CELL, |t| (2.0 * rounding(cutter) * t.get()).sqrt());
+        let most = if matches!(o.kind, OperationKind::Rough { .. }) { MOST_CELL_ROUGH } else { MOST_CELL };
+        let cell = o.rest.map_or(most, |t| (2.0 * rounding(cutter) * t.get()).sqrt().min(most));
         follows_stock(o).then_some((cell, o))
     });
     let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
