@@ -26,11 +26,20 @@ pub enum ContractKind {
     /// Largest removal rate.
     RemovalRate,
     /// Largest arc of the circle of the cutter in the stock.
-    Engagement,
+    Engagement(Cuts),
     /// Largest thickness of stock that roughing leaves for the finishing operations.
     Rest,
     /// Volume of stock outside of the part.
     RestVolume,
+}
+
+/// Cuts whose engagement a contract limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Cuts {
+    /// All cuts.
+    All,
+    /// Cuts that are no slots: a slot is a cut with material on both sides of the cutter at full width.
+    OutsideSlots,
 }
 
 /// Parts of the tool, and the obstacle to which the clearance is measured.
@@ -84,7 +93,7 @@ pub enum OfOperations {
 
 impl ContractKind {
     /// All quantities, in the order in which messages list them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Gouge,
         Self::Excess,
         Self::Clearance(Guarded::Body),
@@ -97,13 +106,29 @@ impl ContractKind {
         Self::ContourError,
         Self::OrientationError,
         Self::RemovalRate,
-        Self::Engagement,
+        Self::Engagement(Cuts::All),
+        Self::Engagement(Cuts::OutsideSlots),
         Self::Rest,
         Self::RestVolume,
     ];
 
-    /// Name in the job language.
+    /// Name of the quantity with the cuts to which it is limited.
     pub fn name(self) -> &'static str {
+        match self {
+            Self::Engagement(Cuts::OutsideSlots) => "engagement outside of slots",
+            _ => self.quantity(),
+        }
+    }
+
+    /// The contract with a bound in the job language, without its scope.
+    pub fn statement(self, bound: Bound) -> String {
+        let (quantity, sign) = (self.quantity(), self.relation().sign());
+        let rest = self.name().strip_prefix(quantity).unwrap_or_default();
+        format!("{quantity} {sign} {bound}{rest}")
+    }
+
+    /// Name of the quantity in the job language.
+    pub fn quantity(self) -> &'static str {
         match self {
             Self::Gouge => "gouge",
             Self::Excess => "excess",
@@ -117,7 +142,7 @@ impl ContractKind {
             Self::ContourError => "contour-error",
             Self::OrientationError => "orientation-error",
             Self::RemovalRate => "removal-rate",
-            Self::Engagement => "engagement",
+            Self::Engagement(_) => "engagement",
             Self::Rest => "rest",
             Self::RestVolume => "rest-volume",
         }
@@ -159,6 +184,11 @@ impl ContractKind {
         self == other || (self == Self::Clearance(Guarded::Body) && parts.contains(&other))
     }
 
+    /// Whether an `allow` of this quantity takes operations and surfaces out of a contract on another one.
+    pub fn takes_out_of(self, other: Self) -> bool {
+        self == other || (self == Self::Engagement(Cuts::All) && matches!(other, Self::Engagement(_)))
+    }
+
     /// Meaning of operations in the scope of the quantity.
     pub fn of_operations(self) -> OfOperations {
         match self {
@@ -173,7 +203,7 @@ impl ContractKind {
             Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest | Self::ContourError => {
                 Bound::Length(Mm(value))
             }
-            Self::OrientationError | Self::Engagement => Bound::Angle(Rad::from_deg(value)),
+            Self::OrientationError | Self::Engagement(_) => Bound::Angle(Rad::from_deg(value)),
             Self::Air | Self::AxisSpeed => Bound::Share(value),
             Self::Time => Bound::Time(Sec(value)),
             Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),

@@ -10,7 +10,9 @@ mod stages;
 use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::junit::Judged;
 use crate::diag::{Aborted, Diag, Sink, printable};
-use crate::export::certificate_file::{self, BLANK, CertificateFile, HEAD, InputFile, Inputs, Lines, NcText, sha256};
+use crate::export::certificate_file::{
+    self, BLANK, CertificateFile, HEAD, InputFile, Inputs, NcText, OperationLines, sha256,
+};
 use crate::export::picture;
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, PostChoice, Program};
@@ -435,8 +437,8 @@ impl Written {
 }
 
 /// Lines of the operations in the text: those of their moves with the transformation on.
-fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Lines> {
-    let mut found: Vec<Lines> = Vec::new();
+fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<OperationLines> {
+    let mut found: Vec<OperationLines> = Vec::new();
     for (i, line) in nc.lines.iter().enumerate() {
         let Some((operation, index)) = line.source else { continue };
         let Some(operation) = motion.operations.get(operation as usize) else { continue };
@@ -447,7 +449,7 @@ fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Li
             Some(lines) if index > 1 => lines.last = i + 1,
             _ => {
                 let name = program.operations[operation.operation].name.clone();
-                found.push(Lines { name, first: i + 1, last: i + 1 });
+                found.push(OperationLines { name, first: i + 1, last: i + 1 });
             }
         }
     }

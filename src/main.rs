@@ -76,7 +76,8 @@ struct RunArguments {
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 
-    /// Cell size of the stock simulation, at most the default: 1 mm, more for parts over 200 mm
+    /// Cell size of the stock simulation, at most 1 mm (more for parts over 200 mm); default 1/8 of the radius of the
+    /// smallest cutter, 1/20 where the job requires `engagement`
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     stock_cell: Option<f64>,
 

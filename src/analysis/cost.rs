@@ -58,8 +58,18 @@ const NOT_JOINED: f64 = 0.1;
 /// Stations of a finishing line.
 const FINISHING_STATIONS: f64 = 405.0;
 
-/// Distance of the stations of roughing, mm.
+/// Distance of the stations of `groove` and `expand`, mm.
 const ROUGHING_STATION: f64 = 0.7;
+
+/// Deviation of a chord between two stations of `rough` from a circle of half the outlet radius, as a share of the
+/// tolerance of roughing: 0.7 mm on a part of 60 mm radius at 50 um.
+const OF_TOLERANCE: f64 = 0.04;
+
+/// Distance of the stations of `rough`, mm.
+pub(crate) fn rough_spacing(program: &Program) -> f64 {
+    let circle = 0.5 * program.part.hub.meridian(1.0).point.x;
+    (8.0 * circle * OF_TOLERANCE * program.tolerances.chord_rough.get()).sqrt()
+}
 
 /// Length of a V line of `expand` as a share of a line from inlet to outlet, on average: its legs meet where the
 /// channel is narrow.
@@ -68,6 +78,10 @@ const OF_V: f64 = 0.6;
 /// Share of the height that remains for a roughing operation after an earlier one of the same kind. The depth that the
 /// earlier operation has reached is known only while planning.
 const WENT_ON: f64 = 1.0 / 3.0;
+
+/// Share of the stations of a later tool of `rough` that counts: of the planned passes of `jobs/wheel400` and `jobs/turbo20`
+/// 0.05 to 0.2 cut.
+const LATER_ROUGH: f64 = 0.3;
 
 /// Most strips that a plan may optimise: each takes about a second of a processor.
 const MOST_STRIPS: u32 = 200;
@@ -88,13 +102,19 @@ impl Stations {
     /// Adds the stations of an operation, `planned` in each of its sectors.
     #[must_use]
     pub fn and(self, planned: f64, operation: &Operation) -> Self {
-        let copied = planned * operation.sectors.len() as f64;
+        let copied = planned * operation.sectors.len() as f64 * reduced(operation);
         Self { planned: self.planned + planned, copied: self.copied + copied }
     }
 
     fn bytes(self) -> f64 {
         PLANNED * self.planned + COPIED * self.copied
     }
+}
+
+/// Share of the stations of an operation that become blocks: a later tool of `rough` keeps what the tool before has left.
+fn reduced(operation: &Operation) -> f64 {
+    let after_another = matches!(operation.kind, OperationKind::Rough { .. }) && operation.rest.is_some();
+    if after_another { LATER_ROUGH } else { 1.0 }
 }
 
 /// Size of the motion of an operation.
@@ -161,7 +181,7 @@ impl Sizes {
         let sectors = operation.sectors.len() as f64;
         let of = |lines: f64, stations: f64, linked: f64| {
             let stations = Stations::default().and(lines * stations, operation);
-            Cost { lines: lines * sectors, stations, links: lines * sectors * linked }
+            Cost { lines: lines * sectors, stations, links: lines * sectors * linked * reduced(operation) }
         };
         let linked = |method: &AxisMethod| if *method == AxisMethod::Corridor { NOT_JOINED } else { 1.0 };
         match kind {
@@ -174,7 +194,7 @@ impl Sizes {
             OperationKind::Rough { depth, stepover, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / stepover.get()).ceil() + 1.0;
-                of(layers(depth) * pairs, 2.0 * OF_V * length / ROUGHING_STATION, 1.0)
+                of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), 1.0)
             }
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)

@@ -109,6 +109,7 @@ fn measure(
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
     let asked = rest_stock::Asked {
         cell: check.run.stock_cell,
+        usual: verify::stock::usual_cell(&program.stock.profile),
         folder: check.run.stock.as_deref(),
         outputs: &mut outputs,
         stages: stages_asked,

@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Asked<'a> {
     /// Edge of the cells, mm, instead of the default.
     pub(super) cell: Option<f64>,
+    /// Largest cell of the meshes where the simulation takes its default, mm.
+    pub(super) usual: f64,
     /// Folder for the meshes.
     pub(super) folder: Option<&'a Path>,
     /// Stages the meshes as files until all outputs are written.
@@ -36,7 +38,8 @@ pub(super) fn examine(
     let names = names(program, &motion);
     stages.extend(at_start(program).filter(|_| options.report.is_some()));
     let stages = options.report.is_some().then_some(stages);
-    let asked = Asked { cell: options.stock_cell, folder: options.stock.as_deref(), outputs, stages };
+    let usual = verify::stock::usual_cell(&program.stock.profile);
+    let asked = Asked { cell: options.stock_cell, usual, folder: options.stock.as_deref(), outputs, stages };
     simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
 }
 
@@ -52,17 +55,19 @@ pub(super) fn simulated<T>(
     sink: &mut Sink,
     work: impl FnOnce(&mut Settings<'_>, &mut Sink) -> Result<T, Aborted>,
 ) -> Result<T, Aborted> {
-    let Asked { cell, folder, outputs, mut stages } = asked;
+    let Asked { cell, usual, folder, outputs, mut stages } = asked;
     let wanted = folder.is_some() || stages.is_some();
     let mut failed: Option<Diag> = None;
     let mut after = |o: usize, field: &Field| {
         let name = names.get(o).map_or("", String::as_str);
-        let mesh = field.mesh();
+        let coarser = cell.is_none().then(|| field.coarser(usual));
+        let drawn = coarser.as_ref().unwrap_or(field);
+        let mesh = drawn.mesh();
         if let (Some(folder), None) = (folder, &failed) {
             failed = outputs.stage("--stock", &path(folder, o, name), &mesh.stl(name)).err();
         }
         if let Some(stages) = &mut stages {
-            stages.push(stage(name, mesh));
+            stages.push(stage(name, mesh, drawn.cell()));
         }
     };
     let mut settings = Settings { cell, after: None };
@@ -82,12 +87,12 @@ pub(super) fn simulated<T>(
 /// What is left of the blank before the first operation, in the form of the report.
 pub(super) fn at_start(program: &Program) -> Option<StockStage> {
     let mesh = program.stock.left.as_deref()?.clone();
-    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles })
+    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles, cell: 0.0 })
 }
 
 /// Stock after an operation in the form of the report.
-fn stage(name: &str, mesh: Mesh) -> StockStage {
-    StockStage { name: format!("after {name}"), positions: mesh.vertices, triangles: mesh.triangles }
+fn stage(name: &str, mesh: Mesh, cell: f64) -> StockStage {
+    StockStage { name: format!("after {name}"), positions: mesh.vertices, triangles: mesh.triangles, cell }
 }
 
 /// Mesh file of an operation. Its name begins with a number, so that a listing is in machining order.

@@ -52,7 +52,7 @@ pub struct Inputs {
 
 /// Lines of one operation in the NC text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Lines {
+pub struct OperationLines {
     /// Operation.
     pub name: String,
     /// Line of the first move with the transformation on, from 1. Move `index` of the operation is in line
@@ -81,7 +81,7 @@ pub struct NcText {
     /// First digits of the SHA-256 of every hundred lines of the body: they locate an edit of the text.
     pub runs: Vec<String>,
     /// Lines of the operations.
-    pub operations: Vec<Lines>,
+    pub operations: Vec<OperationLines>,
 }
 
 /// Content of the file.
@@ -191,7 +191,7 @@ fn runs(body: &str) -> Vec<String> {
 
 impl NcText {
     /// Hashes of a text.
-    pub fn new(post: &str, text: &str, operations: Vec<Lines>) -> Self {
+    pub fn new(post: &str, text: &str, operations: Vec<OperationLines>) -> Self {
         let (body_starts, body) = body(text);
         let head: Vec<&str> = head(text).into_iter().map(|(_, line)| line).collect();
         Self {
@@ -442,8 +442,8 @@ mod tests {
         let lines: Vec<String> = (0..250).map(|i| format!("G1 X{i}\n")).collect();
         let text = format!("; head\n{}", lines.concat());
         let operations = vec![
-            Lines { name: "one".to_owned(), first: 2, last: 150 },
-            Lines { name: "two".to_owned(), first: 151, last: 251 },
+            OperationLines { name: "one".to_owned(), first: 2, last: 150 },
+            OperationLines { name: "two".to_owned(), first: 151, last: 251 },
         ];
         let nc = NcText::new("any", &text, operations);
         assert_eq!((nc.body_lines, nc.body_starts, nc.runs.len()), (250, 2, 3));

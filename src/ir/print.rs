@@ -138,8 +138,7 @@ fn operations(t: &mut String, program: &Program) {
 fn contracts(t: &mut String, program: &Program) {
     let name = |o: &OperationId| program.operations[*o].name.clone();
     for c in &program.contracts {
-        let (kind, sign) = (c.kind.name(), c.kind.relation().sign());
-        let _ = writeln!(t, "require {kind} {sign} {}{}", c.bound, c.scope.text(name));
+        let _ = writeln!(t, "require {}{}", c.kind.statement(c.bound), c.scope.text(name));
     }
     for a in &program.allowed {
         let _ = writeln!(t, "allow {}{} {:?}", a.kind.name(), a.scope.text(name), a.reason);

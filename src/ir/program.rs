@@ -98,6 +98,8 @@ pub struct Tool {
     pub flutes: u32,
     /// Swept solid of cutter, shank and holder about the tool axis; zero is the tip.
     pub solid: ToolSolid,
+    /// Largest depth of cut at full width that the job or the library states.
+    pub max_depth: Option<Mm>,
     /// Its declaration.
     pub span: Span,
 }

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::eval::{suggest, unknown};
 use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationSpec};
 use super::quantity::Dimension;
-use crate::contract::{Guarded, OfOperations, Region, Scope};
+use crate::contract::{Cuts, Guarded, OfOperations, Region, Scope};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::part::SurfaceClass;
@@ -39,8 +39,9 @@ pub(super) fn resolve(
     let mut allowed: Vec<AllowedSpec> = Vec::new();
     for item in &file.items {
         match &item.kind {
-            ItemKind::Require { what, body, relation, bound, scope } => {
+            ItemKind::Require { what, body, relation, bound, outside, scope } => {
                 let Some(kind) = reader.kind(what, body.as_ref(), "required") else { continue };
+                let Some(kind) = reader.outside(kind, outside.as_ref()) else { continue };
                 reader.relation(kind, relation);
                 let scope = reader.scope(kind, scope);
                 let bound = reader.bound(kind, bound);
@@ -87,7 +88,7 @@ pub(super) fn resolve(
 fn requires(item: &Item, kind: ContractKind) -> bool {
     let ItemKind::Require { what, body, .. } = &item.kind else { return false };
     let text = body.as_ref().map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text));
-    ContractKind::ALL.into_iter().any(|k| k.name() == text && kind.covers(k))
+    ContractKind::ALL.into_iter().any(|k| k.quantity() == text && kind.covers(k))
 }
 
 /// Adds the default contracts: a quantity that the job neither requires nor allows is judged all the same.
@@ -117,10 +118,10 @@ struct ContractReader<'a, 'b> {
 impl ContractReader<'_, '_> {
     fn kind(&mut self, what: &Name, body: Option<&Name>, verb: &str) -> Option<ContractKind> {
         let text = body.map_or_else(|| what.text.clone(), |b| format!("{} {}", what.text, b.text));
-        if let Some(kind) = ContractKind::ALL.into_iter().find(|k| k.name() == text) {
+        if let Some(kind) = ContractKind::ALL.into_iter().find(|k| k.quantity() == text) {
             return Some(kind);
         }
-        let known: Vec<&str> = ContractKind::ALL.iter().map(|k| k.name()).collect();
+        let known: Vec<&str> = ContractKind::ALL.iter().map(|k| k.quantity()).collect();
         match body.filter(|_| known.contains(&what.text.as_str())) {
             Some(body) => {
                 let parts: Vec<&str> =
@@ -140,6 +141,25 @@ impl ContractReader<'_, '_> {
             }
         }
         None
+    }
+
+    /// The quantity limited to the cuts that `outside of` leaves.
+    fn outside(&mut self, kind: ContractKind, outside: Option<&Name>) -> Option<ContractKind> {
+        let Some(what) = outside else { return Some(kind) };
+        if kind != ContractKind::Engagement(Cuts::All) {
+            let message = format!("`{}` cannot be required outside of `{}`", kind.name(), what.text);
+            self.cx.sink.push(
+                Diag::error(codes::WRONG_FORM, message)
+                    .label(what.span, "only for `engagement`")
+                    .help("remove `outside of`, or name operations: `on flank`, `on operation NAME`"),
+            );
+            return None;
+        }
+        if what.text != "slots" {
+            self.cx.sink.push(unknown(&what.text, what.span, "kind of cut", ["slots"].into_iter()));
+            return None;
+        }
+        Some(ContractKind::Engagement(Cuts::OutsideSlots))
     }
 
     fn relation(&mut self, kind: ContractKind, relation: &Name) {
@@ -169,7 +189,7 @@ impl ContractReader<'_, '_> {
                 "from 0 to 1000000 cm3/min",
                 "removal-rate <= 2000 mm3/min",
             ),
-            ContractKind::Engagement => {
+            ContractKind::Engagement(_) => {
                 (Dimension::ANGLE, 1f64.to_degrees(), LARGEST_ARC, "from 0 to 360 deg", "engagement <= 60 deg")
             }
             ContractKind::RestVolume => {
@@ -337,7 +357,7 @@ impl ContractReader<'_, '_> {
             let mut region = contract.region(self.operations.len());
             let before = region.clone();
             let mut takers = Vec::new();
-            for a in allowed.iter().filter(|a| a.kind == contract.kind) {
+            for a in allowed.iter().filter(|a| a.kind.takes_out_of(contract.kind)) {
                 let taken = Region::of(&a.scope, self.operations.len());
                 let after = region.without(&taken);
                 if after != region {

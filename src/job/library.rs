@@ -1,7 +1,7 @@
 //! Machine and tool files: TOML through serde. Unknown keys are errors, and every quantity has its unit.
 
 use super::limits;
-use super::model::{CarriedSpec, CutterKind, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec};
+use super::model::{CarriedSpec, CutterKind, LinearSpec, LoadLimits, MachineKind, MachineSpec, RotarySpec, ToolSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
@@ -167,6 +167,10 @@ struct ToolTable {
     shank: Option<SpannedText>,
     reach: SpannedText,
     holder: Option<SpannedText>,
+    #[serde(rename = "max-chip")]
+    max_chip: Option<SpannedText>,
+    #[serde(rename = "max-depth")]
+    max_depth: Option<SpannedText>,
 }
 
 /// Holders and tools of all tool files of a job.
@@ -542,6 +546,8 @@ fn library_tool(
     let [corner, tip] = [&tool.corner, &tool.tip].map(|t| given(t, limits::CORNER));
     let [barrel, flute, neck_end] = [&tool.barrel, &tool.flute, &tool.neck_end].map(|t| given(t, limits::LENGTH));
     let [neck, shank] = [&tool.neck, &tool.shank].map(|t| given(t, limits::DIAMETER));
+    let [max_chip, max_depth] =
+        [(&tool.max_chip, limits::CHIP), (&tool.max_depth, limits::LENGTH)].map(|(t, range)| given(t, range));
     let (reach, diameter) = (size(&tool.reach, limits::LENGTH), size(&tool.diameter, limits::DIAMETER));
     let [least, steepest] = limits::TAPER;
     let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, least, steepest)));
@@ -590,6 +596,7 @@ fn library_tool(
         shank: shank.unwrap_or(diameter),
         reach,
         holder,
+        limits: LoadLimits { chip: max_chip, depth: max_depth },
         span,
     };
     if let Some(fault) = shape_fault(&spec) {

@@ -19,6 +19,9 @@ pub(super) const CORNER: [f64; 2] = [0.01, 250.0];
 /// Lengths along a tool, and the radius of a barrel, mm.
 pub(super) const LENGTH: [f64; 2] = [0.01, 1000.0];
 
+/// Feeds per tooth, mm.
+pub(super) const CHIP: [f64; 2] = [1e-5, 100.0];
+
 /// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. A side steeper
 /// than 45 deg to the axis would be a point mill, which the contact search does not support.
 pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];

@@ -405,8 +405,30 @@ pub struct ToolSpec {
     pub reach: Mm,
     /// Holder by name and sections: length, lower and upper diameter.
     pub holder: Option<(String, Vec<[Mm; 3]>)>,
+    /// Stated limits of its load.
+    pub limits: LoadLimits,
     /// Its item.
     pub span: Span,
+}
+
+/// Limits of the load that a job or a library states for a tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadLimits {
+    /// `max-chip`: largest feed per tooth.
+    pub chip: Option<Mm>,
+    /// `max-depth`: largest depth of cut at full width.
+    pub depth: Option<Mm>,
+}
+
+impl ToolSpec {
+    /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out.
+    pub fn largest_chip(&self) -> f64 {
+        /// Stick-outs in diameters up to which a share of the diameter holds; longer tools have the last share.
+        const SHARES: [(f64, f64); 3] = [(4.0, 0.03), (8.0, 0.0225), (f64::INFINITY, 0.015)];
+        let stick_out = self.reach.get() / self.diameter.get();
+        let share = SHARES.iter().find(|s| stick_out <= s.0).map_or(0.0, |s| s.1);
+        self.limits.chip.map_or(share * self.diameter.get(), Mm::get)
+    }
 }
 
 /// An operation.

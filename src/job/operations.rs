@@ -14,7 +14,7 @@ use crate::operation::by_lines;
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name};
-use crate::units::{Mm, MmPerMin, Rpm};
+use crate::units::{Mm, MmPerMin, Rpm, length, trim};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
@@ -316,7 +316,52 @@ impl OperationReader<'_> {
             p.out_of_range(expr.span, "feed", &FEED.text("mm/min"));
             return None;
         }
-        self.within_axes("feed", (feed, expr.span), p)
+        let feed = self.within_axes("feed", (feed, expr.span), p)?;
+        match (tool, speed) {
+            (Some(tool), Some(speed)) => self.within_chip(feed, expr.span, tool, speed, p),
+            _ => Some(feed),
+        }
+    }
+
+    /// The feed when its feed per tooth is within the limit of the tool.
+    fn within_chip(
+        &self,
+        feed: MmPerMin,
+        span: Span,
+        tool: &ToolSpec,
+        speed: Rpm,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<MmPerMin> {
+        let (teeth, most) = (speed.get() * f64::from(tool.flutes), tool.largest_chip());
+        let chip = feed.get() / teeth;
+        // Room for rounding where the job states the limit itself.
+        if chip <= most * (1.0 + 1e-9) {
+            return Some(feed);
+        }
+        let limit = match tool.limits.chip {
+            Some(_) => "its `max-chip`".to_owned(),
+            None => format!(
+                "{} % of its diameter of {} at a stick-out of {} diameters",
+                trim(100.0 * most / tool.diameter.get(), 2),
+                tool.diameter,
+                trim(tool.reach.get() / tool.diameter.get(), 1)
+            ),
+        };
+        p.sink.push(
+            Diag::error(
+                codes::CHIP,
+                format!("operation {} feeds {} by {} a tooth", self.name, tool.name, length(chip)),
+            )
+            .label(span, format!("the limit is {}", length(most)))
+            .note(format!("{} has {} flutes and a limit of {limit}", tool.name, tool.flutes))
+            .help(format!(
+                "use a feed of at most {} mm/min; a higher speed; or, where the maker of the tool allows it, `max-chip {}` \
+                 of the tool",
+                trim((teeth * most).floor(), 0),
+                Mm((chip * 1e4).ceil() / 1e4)
+            )),
+        );
+        None
     }
 
     fn within_axes(&self, name: &str, (feed, span): (f64, Span), p: &mut Properties<'_, '_>) -> Option<MmPerMin> {

@@ -38,9 +38,8 @@ pub fn print(job: &Job) -> String {
     let _ = writeln!(out, "clearance {}", job.clearance);
     let operation = |o: &usize| job.operations.get(*o).map_or_else(String::new, |o| o.name.clone());
     for c in &job.contracts {
-        let (name, relation) = (c.kind.name(), c.kind.relation().sign());
         let default = if c.default { ", the default" } else { "" };
-        let _ = writeln!(out, "require {name} {relation} {}{}{default}", c.bound, c.scope.text(operation));
+        let _ = writeln!(out, "require {}{}{default}", c.kind.statement(c.bound), c.scope.text(operation));
     }
     for a in &job.allowed {
         let _ = writeln!(out, "allow {}{} {:?}", a.kind.name(), a.scope.text(operation), a.reason);
@@ -117,6 +116,9 @@ fn tools(out: &mut String, job: &Job) {
             CutterKind::Flat | CutterKind::Ball => {}
         }
         let _ = writeln!(out, "  flutes {}\n  flute {}\n  shank {}\n  reach {}", t.flutes, t.flute, t.shank, t.reach);
+        for (name, limit) in [("max-chip", t.limits.chip), ("max-depth", t.limits.depth)] {
+            limit.map(|limit| writeln!(out, "  {name} {limit}"));
+        }
         let Some((name, sections)) = &t.holder else { continue };
         let _ = writeln!(out, "  holder {name}");
         for [length, lower, upper] in sections {

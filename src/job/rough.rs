@@ -25,8 +25,9 @@ const KNOWN: [&str; 13] = [
     "milling",
 ];
 
-/// Default of `rest over` for the tools after the first, mm.
-const REST: Mm = Mm(0.2);
+/// Default of `rest over` for the tools after the first: this share of the diameter, at most [`REST`].
+const REST_SHARE: f64 = 0.1;
+const REST: f64 = 0.2;
 
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
@@ -85,7 +86,7 @@ impl OperationReader<'_> {
             let [allowance_vane, allowance_hub] = allowances?;
             let rest = match (k, given_rest) {
                 (0, _) => rest?.filter(|_| finds_rest),
-                (_, false) => Some(REST),
+                (_, false) => spec.map(|tool| Mm(REST.min(REST_SHARE * tool.diameter.get()))),
                 (_, true) => rest?,
             };
             operations.push(OperationSpec {

@@ -4,7 +4,7 @@ use super::context::{Context, head};
 use super::eval::{suggest, unknown};
 use super::library::{ToolLibrary, shape_fault};
 use super::limits;
-use super::model::{CutterKind, OperationSpec, ToolSpec};
+use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
@@ -109,7 +109,7 @@ const fn range([least, largest]: [f64; 2]) -> Range {
 
 /// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
-    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder"];
+    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth"];
     known.extend_from_slice(match kind {
         "bull" => &["flute", "corner"],
         "tapered-ball" => &["flute", "angle"],
@@ -148,6 +148,7 @@ fn shape(
     let reach = p.required("reach", Dimension::LENGTH, LENGTH, "reach 40 mm");
     let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, DIAMETER, "shank 6 mm"));
     let holder = holder(library, &mut p);
+    let limits = load_limits(&mut p);
     let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
     let cutter = match cutter? {
         CutterKind::Lollipop { neck, neck_end } if neck_end.get() == f64::INFINITY => {
@@ -171,6 +172,7 @@ fn shape(
         },
         reach,
         holder: holder?,
+        limits: limits?,
         span: head,
     };
     if let Some(fault) = shape_fault(&spec) {
@@ -182,6 +184,18 @@ fn shape(
         return None;
     }
     Some(spec)
+}
+
+/// The limits of the load that a job states.
+fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
+    let chip =
+        p.has("max-chip").then(|| p.number("max-chip", Dimension::LENGTH, range(limits::CHIP), "max-chip 0.1 mm"));
+    let depth = p.has("max-depth").then(|| p.number("max-depth", Dimension::LENGTH, LENGTH, "max-depth 12 mm"));
+    let stated = |x: Option<Option<(f64, Span)>>| match x {
+        Some(found) => found.map(|f| Some(Mm(f.0))),
+        None => Some(None),
+    };
+    Some(LoadLimits { chip: stated(chip)?, depth: stated(depth)? })
 }
 
 /// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.

@@ -39,5 +39,5 @@ pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
 pub use rolling_ball::hub_normal;
 pub use row::{BladeRow, Part, Passage};
 pub use sample::{Sample, sample};
-pub use stock::{Clamping, Stock};
+pub use stock::{Clamping, Stock, profile_distance};
 pub use surface::{FaceSurface, Surface};

@@ -11,42 +11,10 @@ use super::{FaceId, FaceSurface, Part, Stock, Surface, SurfaceKind};
 use crate::geom::Revolution;
 use crate::geom::angle::nearest_turn;
 use crate::geom::proximity::Patch;
+use crate::stock::Mesh;
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Triangles that bound a solid, seen counter-clockwise from outside.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Solid {
-    /// Corners, mm.
-    pub vertices: Vec<Point3<f64>>,
-    /// Indices of the corners of each triangle.
-    pub triangles: Vec<[usize; 3]>,
-}
-
-impl Solid {
-    /// Enclosed volume by the divergence theorem, mm3.
-    pub fn volume(&self) -> f64 {
-        // From a corner instead of the origin: the terms are then not larger than the solid.
-        let Some(from) = self.vertices.first() else { return 0.0 };
-        let terms = self.triangles.iter().map(|t| {
-            let [a, b, c] = t.map(|i| self.vertices[i] - from);
-            a.dot(&b.cross(&c))
-        });
-        terms.sum::<f64>() / 6.0
-    }
-
-    /// True when each edge is used equally often in both directions: the mesh has no gaps.
-    pub fn is_closed(&self) -> bool {
-        let mut count: BTreeMap<(usize, usize), i64> = BTreeMap::new();
-        for [a, b, c] in &self.triangles {
-            for (p, q) in [(*a, *b), (*b, *c), (*c, *a)] {
-                *count.entry((p.min(q), p.max(q))).or_default() += if p < q { 1 } else { -1 };
-            }
-        }
-        count.values().all(|n| *n == 0)
-    }
-}
 
 /// A volume with an estimate of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +42,7 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
 
 /// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
 /// across a vane. `None` as for [`volume`].
-pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Solid> {
+pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Mesh> {
     if part.blades.len() > 1 {
         return None;
     }
@@ -263,15 +231,15 @@ impl<'a> Sheet<'a> {
 /// Joins grids that share the points of their borders to one solid.
 #[derive(Default)]
 struct Mesher {
-    solid: Solid,
-    known: BTreeMap<[u64; 3], usize>,
+    solid: Mesh,
+    known: BTreeMap<[u64; 3], u32>,
 }
 
 impl Mesher {
-    fn vertex(&mut self, p: &Point3<f64>) -> usize {
+    fn vertex(&mut self, p: &Point3<f64>) -> u32 {
         // Adding zero maps negative zero to positive zero.
         let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-        let next = self.solid.vertices.len();
+        let next = self.solid.vertices.len() as u32;
         let index = *self.known.entry(key).or_insert(next);
         if index == next {
             self.solid.vertices.push(*p);
@@ -281,7 +249,7 @@ impl Mesher {
 
     /// Two triangles per cell; `turned` when rows and columns run clockwise as seen from outside.
     fn grid(&mut self, rows: &[Vec<Point3<f64>>], turned: bool) {
-        let indices: Vec<Vec<usize>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(p)).collect()).collect();
+        let indices: Vec<Vec<u32>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(p)).collect()).collect();
         for pair in indices.windows(2) {
             for (low, high) in pair[0].windows(2).zip(pair[1].windows(2)) {
                 for [a, b, c] in [[low[0], low[1], high[1]], [low[0], high[1], high[0]]] {

@@ -45,6 +45,22 @@ pub struct Clamping {
 /// Pieces of the turned profile along the shroud: their chords deviate by less than 1 um from the meridian of a vane.
 const SHROUD_PIECES: usize = 200;
 
+/// Distance of a point (r, z) of the meridian plane to a closed profile, mm; negative inside of it.
+pub fn profile_distance(profile: &[[f64; 2]], [r, z]: [f64; 2]) -> f64 {
+    let (mut nearest, mut inside) = (f64::INFINITY, false);
+    for (i, a) in profile.iter().enumerate() {
+        let b = &profile[(i + 1) % profile.len()];
+        let (along, to) = ([b[0] - a[0], b[1] - a[1]], [r - a[0], z - a[1]]);
+        let square = along[0] * along[0] + along[1] * along[1];
+        let share = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+        nearest = nearest.min(libm::hypot(to[0] - share * along[0], to[1] - share * along[1]));
+        if (a[1] > z) != (b[1] > z) && r < a[0] + along[0] * (z - a[1]) / along[1] {
+            inside = !inside;
+        }
+    }
+    if inside { -nearest } else { nearest }
+}
+
 impl Stock {
     /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud and to the outlet
     /// radius, with a flat front face at the inlet of the hub.
@@ -73,20 +89,7 @@ impl Stock {
 
     /// Distance of a point to the outside of the turned blank, mm; negative inside of it.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
-        let (r, z) = (libm::hypot(p.x, p.y), p.z);
-        let (mut nearest, mut inside) = (f64::INFINITY, false);
-        for (i, a) in self.profile.iter().enumerate() {
-            let b = &self.profile[(i + 1) % self.profile.len()];
-            let (along, to) = ([b[0] - a[0], b[1] - a[1]], [r - a[0], z - a[1]]);
-            let square = along[0] * along[0] + along[1] * along[1];
-            let share =
-                if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-            nearest = nearest.min(libm::hypot(to[0] - share * along[0], to[1] - share * along[1]));
-            if (a[1] > z) != (b[1] > z) && r < a[0] + along[0] * (z - a[1]) / along[1] {
-                inside = !inside;
-            }
-        }
-        if inside { -nearest } else { nearest }
+        profile_distance(&self.profile, [libm::hypot(p.x, p.y), p.z])
     }
 
     /// Place of what is left that stands farthest out of the turned blank, with its distance, mm, when this is more than
@@ -119,5 +122,27 @@ impl Stock {
             return None;
         }
         halves(corners).iter().find_map(|half| self.out_between(half, most, halvings - 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_is_near_from_inside_and_outside() {
+        let square = [[5.0, 0.0], [5.0, 10.0], [15.0, 10.0], [15.0, 0.0]];
+        for (point, within, expected) in [
+            ([10.0, 5.0], 0.1, true),
+            ([15.5, 5.0], 0.4, false),
+            ([15.5, 5.0], 0.6, true),
+            ([3.0, 5.0], 1.0, false),
+            // Near the closing edge, from below.
+            ([10.0, -0.5], 0.6, true),
+            ([18.0, 14.0], 4.9, false),
+            ([18.0, 14.0], 5.1, true),
+        ] {
+            assert_eq!(profile_distance(&square, point) <= within, expected, "{point:?} {within}");
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::axis::{avoid_collision, orient_tool, smooth_axis};
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, time_feeds};
-use super::link::{link_moves, rest_machining};
+use super::link::{fast_leads, link_moves, rest_machining};
 use super::rough::{channel_levels, expand, groove};
 use super::{channel, copy_sectors, flank, point, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
@@ -39,7 +39,7 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
 /// As [`run`].
 pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
-    let obstacles = Obstacles::new(&program.part, &program.machine);
+    let obstacles = Obstacles::of(program);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
     // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
@@ -55,6 +55,9 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     sample_to_tolerance::run(&cx, &mut cl);
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    // The blank is the same in all sectors.
+    fast_leads::run(program, &mut cl);
+    cx.holds("fast-leads", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     copy_sectors::run(program, &mut cl);
     cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     // Passes that cut nothing are removed before links are made.

@@ -94,13 +94,13 @@ pub(super) fn across(axis: usize) -> [usize; 2] {
 }
 
 /// Cubes around a profile.
-struct Grid {
+struct FieldGrid {
     cell: f64,
     low: [f64; 3],
     count: [usize; 3],
 }
 
-impl Grid {
+impl FieldGrid {
     fn new(profile: &[[f64; 2]], cell: f64) -> Result<Self, FieldError> {
         if !(cell > 0.0 && cell.is_finite()) {
             return Err(FieldError::BadCell);
@@ -147,7 +147,7 @@ impl Field {
     /// # Errors
     /// As [`Self::turned`], or a mesh with too many surfaces behind one another.
     pub fn new(profile: &[[f64; 2]], mesh: Option<&Mesh>, cell: f64) -> Result<Self, FieldError> {
-        let Grid { cell, low, count } = Grid::new(profile, cell)?;
+        let FieldGrid { cell, low, count } = FieldGrid::new(profile, cell)?;
         let family = |axis: usize| -> Result<Family, FieldError> {
             let [u, v] = across(axis);
             let across = [count[u].div_ceil(SIDE), count[v].div_ceil(SIDE)];
@@ -171,6 +171,33 @@ impl Field {
         };
         let families = [family(0)?, family(1)?, family(2)?];
         Ok(Self { cell, low, count, families })
+    }
+
+    /// The field on some of its rays: with the largest cells of an odd number of its own cells that are no larger than
+    /// `cell`, mm.
+    #[must_use]
+    pub fn coarser(&self, cell: f64) -> Self {
+        let whole = (cell / self.cell + ROUNDING).floor().max(1.0) as usize;
+        let cells = if whole.is_multiple_of(2) { whole - 1 } else { whole };
+        let count = self.count.map(|n| n.div_ceil(cells));
+        // The centre of an odd number of cells is the centre of one of them.
+        let own = |i: usize| i * cells + cells / 2;
+        let place = |axis: usize, i: usize| self.low[axis] + self.cell * (own(i) as f64 + 0.5);
+        let cell = self.cell * cells as f64;
+        let families = [0, 1, 2].map(|axis| {
+            let [u, v] = across(axis);
+            let across = [count[u].div_ceil(SIDE), count[v].div_ceil(SIDE)];
+            let depth = [self.low[axis], self.low[axis] + cell * count[axis] as f64];
+            let tile = |n: usize| {
+                let first = [n % across[0] * SIDE, n / across[0] * SIDE];
+                let rays = [(count[u] - first[0]).min(SIDE), (count[v] - first[1]).min(SIDE)];
+                Tile::new([place(u, first[0]), place(v, first[1])], cell, depth, rays, |i, j| {
+                    self.intervals(axis, own(first[0] + i), own(first[1] + j))
+                })
+            };
+            Family { across, tiles: (0..across[0] * across[1]).into_par_iter().map(tile).collect() }
+        });
+        Self { cell, low: self.low, count, families }
     }
 
     /// Edge of the cells.

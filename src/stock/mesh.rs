@@ -1,6 +1,7 @@
 //! Closed triangle meshes.
 
 use nalgebra::Point3;
+use std::collections::BTreeMap;
 
 /// Triangles that bound a solid, seen counter-clockwise from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,10 +13,26 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Enclosed volume by the divergence theorem.
+    /// Enclosed volume by the divergence theorem, mm3.
     pub fn volume(&self) -> f64 {
-        let corner = |i: u32| self.vertices[i as usize].coords;
-        self.triangles.iter().map(|t| corner(t[0]).dot(&corner(t[1]).cross(&corner(t[2])))).sum::<f64>() / 6.0
+        // From a corner instead of the origin: the terms are then not larger than the solid.
+        let Some(from) = self.vertices.first() else { return 0.0 };
+        let terms = self.triangles.iter().map(|t| {
+            let [a, b, c] = t.map(|i| self.vertices[i as usize] - from);
+            a.dot(&b.cross(&c))
+        });
+        terms.sum::<f64>() / 6.0
+    }
+
+    /// True when each edge is used equally often in both directions: the mesh has no gaps.
+    pub fn is_closed(&self) -> bool {
+        let mut count: BTreeMap<(u32, u32), i64> = BTreeMap::new();
+        for [a, b, c] in &self.triangles {
+            for (p, q) in [(*a, *b), (*b, *c), (*c, *a)] {
+                *count.entry((p.min(q), p.max(q))).or_default() += if p < q { 1 } else { -1 };
+            }
+        }
+        count.values().all(|n| *n == 0)
     }
 }
 

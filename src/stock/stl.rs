@@ -196,14 +196,14 @@ fn binary(bytes: &[u8], reading: &mut Reading) -> Result<(), StlFault> {
 }
 
 /// Words of a line of a text file.
-struct Lines<'a> {
+struct StlLines<'a> {
     lines: std::slice::Split<'a, u8, fn(&u8) -> bool>,
     /// Number of the last line, from 1.
     number: usize,
     ended: bool,
 }
 
-impl Lines<'_> {
+impl StlLines<'_> {
     /// The next line with words, in small letters; `None` at the end.
     fn next(&mut self) -> Option<String> {
         for line in self.lines.by_ref() {
@@ -244,7 +244,7 @@ impl Lines<'_> {
 /// `endsolid`. A file may have several solids.
 fn text(bytes: &[u8], reading: &mut Reading) -> Result<(), StlFault> {
     let end: fn(&u8) -> bool = |b| *b == b'\n';
-    let mut lines = Lines { lines: bytes.split(end), number: 0, ended: false };
+    let mut lines = StlLines { lines: bytes.split(end), number: 0, ended: false };
     let mut in_solid = false;
     while let Some(line) = lines.next() {
         let keyword = line.split_ascii_whitespace().next().unwrap_or_default();

@@ -24,9 +24,11 @@ const ROW: u8 = GROUP as u8;
 /// Rays of a fine group.
 const MEMBERS: usize = GROUP * GROUP;
 
-/// Length of a chip along a ray from which the chip counts for the engagement of the cutter, mm: shorter chips come
-/// from rubbing along a surface that was cut before.
-const NOTABLE: f64 = 0.01;
+/// Length of a chip along a ray from which the chip counts for the engagement of the cutter, as a share of the tip motion
+/// of its step, with its least and largest value, mm. Shorter chips come from rubbing along a surface that was cut
+/// before. A chip at the angle a from the direction of feed has the share cos a, so a slot ends 6 deg short.
+const NOTABLE: f64 = 0.1;
+const NOTABLE_WITHIN: [f64; 2] = [2.0 * super::END_ERROR, 10.0 * super::END_ERROR];
 
 /// Material that a block removes from the rays of a tile, or of a family.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +48,8 @@ impl Removal {
     /// Adds the part that a step removes from a line.
     fn take(&mut self, step: &Moving, chip: &Chip) {
         self.length += chip.to - chip.from;
-        if chip.to - chip.from < NOTABLE {
+        let [least, most] = NOTABLE_WITHIN;
+        if chip.to - chip.from < (NOTABLE * step.sweep.way().norm()).clamp(least, most) {
             return;
         }
         for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {

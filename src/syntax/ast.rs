@@ -103,6 +103,8 @@ pub enum ItemKind {
         relation: Name,
         /// Bound.
         bound: Expr,
+        /// Cuts to which it does not apply: the word after `outside of`.
+        outside: Option<Name>,
         /// Where it holds; empty means everywhere.
         scope: Vec<ScopeTarget>,
     },

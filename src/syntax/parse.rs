@@ -256,7 +256,8 @@ impl Builder<'_> {
                 }
                 let relation = self.name(&next);
                 let bound = self.expr(parts.next()?)?;
-                ItemKind::Require { what, body, relation, bound, scope: self.scope(parts.next()) }
+                let (outside, scope) = self.cuts_and_scope(parts);
+                ItemKind::Require { what, body, relation, bound, outside, scope }
             }
             Rule::allow => {
                 let what = self.name(&parts.next()?);
@@ -290,6 +291,20 @@ impl Builder<'_> {
     }
 
     /// Words after `on`; none when there is no scope.
+    /// The word after `outside of`, and the scope, in either order.
+    fn cuts_and_scope(&self, parts: Pairs<'_, Rule>) -> (Option<Name>, Vec<ScopeTarget>) {
+        let (mut outside, mut scope) = (None, Vec::new());
+        for part in parts {
+            match part.as_rule() {
+                Rule::outside => {
+                    outside = part.into_inner().find(|p| p.as_rule() == Rule::name).map(|n| self.name(&n));
+                }
+                _ => scope = self.scope(Some(part)),
+            }
+        }
+        (outside, scope)
+    }
+
     fn scope(&self, pair: Option<Pair<'_, Rule>>) -> Vec<ScopeTarget> {
         let targets = pair.into_iter().flat_map(Pair::into_inner).filter(|p| p.as_rule() == Rule::target);
         targets

@@ -24,9 +24,10 @@ pub fn print(file: &File) -> String {
                 (format!("operation {}{name}", kind.text), Some(body))
             }
             ItemKind::Tolerance(values) => (format!("tolerance {}", line(values)), None),
-            ItemKind::Require { what, body, relation, bound, scope } => {
+            ItemKind::Require { what, body, relation, bound, outside, scope } => {
                 let what = quantity(what, body.as_ref());
-                (format!("require {what} {} {}{}", relation.text, expr(bound), targets(scope)), None)
+                let outside = outside.as_ref().map_or(String::new(), |o| format!(" outside of {}", o.text));
+                (format!("require {what} {} {}{outside}{}", relation.text, expr(bound), targets(scope)), None)
             }
             ItemKind::Allow { what, body, scope, reason } => {
                 (format!("allow {}{} {:?}", quantity(what, body.as_ref()), targets(scope), reason.text), None)

@@ -4,10 +4,11 @@ use super::certificate::{AllowedReport, Certificate, ContractReport};
 use super::measure::{Figure, NarrowMeasure, Unmeasured, measure};
 use super::place::describe;
 use super::surface::FAR;
-use crate::contract::{ContractKind, Guarded, OfOperations, Region, Relation, Scope};
+use crate::contract::{ContractKind, Cuts, Guarded, OfOperations, Region, Relation, Scope};
 use crate::diag::{Code, Diag, Sink, codes::verification};
 use crate::entity::EntityId;
 use crate::ir::{Allowed, Contract, Motion, OperationId, Program};
+use crate::units::trim;
 use nalgebra::Point3;
 
 /// Judges all contracts; failing contracts become errors. Lists what is allowed, with its figure. An `allow` becomes a
@@ -49,7 +50,7 @@ impl Judge<'_> {
 
     /// The region of a contract without the allowed parts; the item `but` does not count as allowed.
     fn kept(&self, contract: &Contract, but: Option<&Allowed>) -> Region {
-        let others = self.program.allowed.iter().filter(|a| a.kind == contract.kind && Some(*a) != but);
+        let others = self.program.allowed.iter().filter(|a| a.kind.takes_out_of(contract.kind) && Some(*a) != but);
         let left = others.fold(self.region(contract.kind, &contract.scope), |region, a| {
             region.without(&self.region(a.kind, &a.scope))
         });
@@ -104,7 +105,7 @@ impl Judge<'_> {
     fn allowed(&self, allowed: &Allowed, sink: &mut Sink) -> AllowedReport {
         let own = self.region(allowed.kind, &allowed.scope);
         let figure = measure(allowed.kind, &own, None, self.certificate, self.narrow).ok();
-        let excuses = self.program.contracts.iter().filter(|c| c.kind == allowed.kind).any(|c| {
+        let excuses = self.program.contracts.iter().filter(|c| allowed.kind.takes_out_of(c.kind)).any(|c| {
             let without = match c.kind {
                 // Sums and shares are judged with the operations that were taken out: the contract may fail as a whole.
                 ContractKind::Time | ContractKind::Air => self.kept(c, Some(allowed)),
@@ -154,6 +155,19 @@ impl Judge<'_> {
         }
     }
 
+    /// What was found where a bound is judged, in words.
+    fn beside_bound(&self, contract: &Contract, found: f64) -> String {
+        let figure = contract.kind.bound(found).figure();
+        match (&contract.kind, &self.certificate.stock) {
+            (ContractKind::Engagement(_), Some(stock)) => format!(
+                "the stock shows {figure}; the bound includes what lies between its rays, {} mm apart: a smaller \
+                 `--stock-cell` narrows it",
+                trim(stock.cell, 4)
+            ),
+            _ => format!("the nearest sample is {figure} away; the bound includes the surface between samples"),
+        }
+    }
+
     fn failure(&self, contract: &Contract, found: &Figure) -> Diag {
         let (code, text, help) = words(contract, found);
         let side = match contract.kind.relation() {
@@ -179,11 +193,8 @@ impl Judge<'_> {
             bound.figure()
         ))
         .help(help);
-        if let Some(least) = found.found {
-            diag = diag.note(format!(
-                "the nearest sample is {} away; the bound includes the surface between samples",
-                contract.kind.bound(least).figure()
-            ));
+        if let Some(found) = found.found {
+            diag = diag.note(self.beside_bound(contract, found));
         }
         if let Some(point) = found.point {
             diag = diag.place(describe(self.program, self.motion, found.at), Point3::from(point));
@@ -273,11 +284,13 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             format!("the removal rate is {is} ({what}); allowed {wanted}"),
             "use a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
         ),
-        ContractKind::Engagement => (
-            verification::ENGAGEMENT,
-            format!("the engagement is {is} ({what}); allowed {wanted}"),
-            "use a smaller `stepover`, or require it of the operations that cut no slots",
-        ),
+        ContractKind::Engagement(cuts) => {
+            let (which, help) = match cuts {
+                Cuts::All => ("", "use a smaller `stepover`, or require it `outside of slots`"),
+                Cuts::OutsideSlots => ("outside of slots ", "use a smaller `stepover`"),
+            };
+            (verification::ENGAGEMENT, format!("{which}the engagement is up to {is} ({what}); allowed {wanted}"), help)
+        }
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
             format!("the rest volume is {is} ({what}); allowed {wanted}"),

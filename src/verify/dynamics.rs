@@ -24,7 +24,7 @@ mod active;
 mod by_linuxcnc;
 mod jerk;
 
-pub use active::{ActiveLimit, Limit, LimitRow, rows};
+pub use active::{ActiveLimit, LimitRow, MotionLimit, rows};
 
 use super::proof::piece::At;
 use crate::ir::{JointMove, Motion, MoveKind, Program};

@@ -6,7 +6,7 @@ use super::dynamics::{Departure, Run};
 use super::proof::piece::At;
 use super::stock::{OperationStock, Peak, StockReport};
 use super::surface::SurfaceReport;
-use crate::contract::{ContractKind, Guarded, Region};
+use crate::contract::{ContractKind, Cuts, Guarded, Region};
 use crate::part::SurfaceClass;
 use crate::units::length;
 
@@ -85,7 +85,7 @@ pub(super) fn measure(
         ContractKind::Air => air(stock()?, region),
         // The stock has mm3/s.
         ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate, 60.0)),
-        ContractKind::Engagement => Ok(largest(stock()?, region, |o| o.arc, 1.0)),
+        ContractKind::Engagement(cuts) => Ok(engagement(stock()?, region, cuts)),
         ContractKind::RestVolume => rest_volume(stock()?, after, narrow),
     }
 }
@@ -213,6 +213,20 @@ fn largest(stock: &StockReport, region: &Region, peak: impl Fn(&OperationStock) 
             operation: Some(o.operation as usize),
         },
     )
+}
+
+/// The largest upper bound of the arc in the chosen operations.
+fn engagement(stock: &StockReport, region: &Region, cuts: Cuts) -> Figure {
+    let of = |o: &OperationStock| match cuts {
+        Cuts::All => o.arc_bound,
+        Cuts::OutsideSlots => o.arc_outside_slots,
+    };
+    let found = |f: &Figure| {
+        let o = stock.operations.iter().find(|o| Some(o.operation as usize) == f.operation)?;
+        of(o).map(|b| b.found)
+    };
+    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value, at: b.at, tip: b.tip }), 1.0);
+    Figure { found: found(&figure), ..figure }
 }
 
 /// Stock after an operation, or at the end, less the finished part. A cut into the part reduces this value.

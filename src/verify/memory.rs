@@ -1,7 +1,7 @@
 //! Memory that the verification of a motion takes, estimated before the start.
 //!
-//! Memory is needed for each block, for each piece of at most 1 deg and 3 mm into which `sweep` divides a block, and
-//! for each change of speed. A text of a few kilobytes can turn the table by thousands of turns, so that the size of
+//! Memory is needed for each ray of the simulated stock, for each block, for each piece of at most 1 deg and 3 mm into
+//! which `sweep` divides a block, and for each change of speed. A text of a few kilobytes can turn the table by thousands of turns, so that the size of
 //! the text gives no estimate. Peak memory was measured on two cores with changed texts of `jobs/small` and
 //! `jobs/reduced`:
 //!
@@ -13,8 +13,8 @@
 //! | reduced | 785 | 8259 | 389 | 177 MB | 183 MB |
 //! | wei2021 | 133 713 | 336 291 | 13 310 | 657 MB | 685 MB |
 
-use super::SPACING;
 use super::proof::piece::{self, PIECE_LENGTH};
+use super::{SPACING, stock};
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::kin::feedrate::AXES;
@@ -89,7 +89,7 @@ fn peak(program: &Program, counted: &[Counted]) -> f64 {
     let samples = SAMPLE * sample::estimate(&program.part, SPACING);
     // The operations run one after the other.
     let run = counted.iter().map(Counted::run).fold(0.0, f64::max);
-    PART + samples + counted.iter().map(Counted::kept).sum::<f64>() + run
+    PART + samples + stock::memory(program) + counted.iter().map(Counted::kept).sum::<f64>() + run
 }
 
 fn counted(program: &Program, motion: &Motion) -> Vec<Counted> {

@@ -2,7 +2,7 @@
 //! and the effect of `allow`.
 
 use crate::support;
-use impellerc::contract::{ContractKind, Guarded, Scope};
+use impellerc::contract::{ContractKind, Cuts, Guarded, Scope};
 use impellerc::diag::{Severity, Sink, codes::verification};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, Program};
@@ -75,8 +75,9 @@ static ASKED: LazyLock<(Certificate, Sink, Vec<Contract>)> = LazyLock::new(|| {
         on(Air, 1.0, &[0], &[]),
         on(RemovalRate, 1e9, &[], &[]),
         on(RemovalRate, 1e9, &[1], &[]),
-        on(Engagement, 360.0, &[], &[]),
-        on(Engagement, 360.0, &[1], &[]),
+        on(Engagement(Cuts::All), 360.0, &[], &[]),
+        on(Engagement(Cuts::All), 360.0, &[1], &[]),
+        on(Engagement(Cuts::OutsideSlots), 360.0, &[], &[]),
     ];
     contracts.extend(SurfaceClass::ALL.map(|s| on(body(Guarded::Shank), 0.0, &[], &[s])));
     let (certificate, sink) = judged(&contracts, &[]);
@@ -89,7 +90,9 @@ static FAILED: LazyLock<(Certificate, Sink)> = LazyLock::new(|| {
     let volume = on(ContractKind::RestVolume, 500.0, &[], &[]);
     let between = [ContractKind::ContourError, ContractKind::OrientationError].map(|kind| on(kind, 0.0, &[1], &[]));
     let [contour, orientation] = between;
-    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[]), contour, orientation], &[])
+    // A contract on the engagement, for the cells of [`ASKED`].
+    let cells = on(ContractKind::Engagement(Cuts::All), 360.0, &[], &[]);
+    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[]), contour, orientation, cells], &[])
 });
 
 /// Figure of a contract of [`ASKED`].
@@ -278,9 +281,12 @@ fn figures_of_the_stock_are_told_apart() {
     let rates = [flank, channel].map(|o| o.rate.unwrap().value * 60.0);
     assert_eq!(asked(RemovalRate, &[1], &[]), rates[1]);
     assert_eq!(asked(RemovalRate, &[], &[]), rates[0].max(rates[1]));
-    let arcs = [flank, channel].map(|o| o.arc.unwrap().value);
-    assert_eq!(asked(Engagement, &[1], &[]), arcs[1]);
-    assert_eq!(asked(Engagement, &[], &[]), arcs[0].max(arcs[1]));
+    let arcs = [flank, channel].map(|o| o.arc_bound.unwrap().value);
+    assert_eq!(asked(Engagement(Cuts::All), &[1], &[]), arcs[1]);
+    let outside = [flank, channel].map(|o| o.arc_outside_slots.map_or(0.0, |b| b.value));
+    assert_eq!(asked(Engagement(Cuts::OutsideSlots), &[], &[]), outside[0].max(outside[1]));
+    assert!([flank, channel].iter().all(|o| o.arc_bound.unwrap().value >= o.arc.unwrap().value));
+    assert_eq!(asked(Engagement(Cuts::All), &[], &[]), arcs[0].max(arcs[1]));
     assert!(arcs[1] > 1.0 && arcs.iter().all(|arc| *arc <= 360.0), "{arcs:?}");
 }
 
@@ -347,7 +353,7 @@ fn what_is_allowed_is_taken_out_and_listed() {
 fn what_cannot_be_measured_is_an_error() {
     // The third contract asks what roughing leaves; there is none.
     let (certificate, sink) = &*FAILED;
-    assert_eq!(certificate.contracts.len(), 4);
+    assert_eq!(certificate.contracts.len(), 5);
     let told: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NOT_MEASURED).collect();
     assert_eq!(told.len(), 1);
     assert!(told[0].severity == Severity::Error && told[0].message.contains("`require rest`"), "{}", told[0].message);

@@ -1,6 +1,6 @@
 //! The job language: accepted texts, refused texts, and the words of the messages.
 
-use impellerc::contract::{ContractKind, Guarded};
+use impellerc::contract::{ContractKind, Cuts, Guarded};
 use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
@@ -322,6 +322,8 @@ fn contracts_of_each_kind_are_read() {
          require orientation-error <= 0.02 deg\n\
          require removal-rate <= 2.5 cm3/min on expand\n\
          require engagement <= 90 deg on expand\n\
+         require engagement <= 90 deg on expand outside of slots\n\
+         require engagement <= 90 deg outside of slots\n\
          require rest         <= 1000 um on operation expand2\n\
          require rest-volume  <= 1.5 cm3\n\
          allow   excess on fillet \"blended by hand\"\n\
@@ -350,7 +352,9 @@ fn contracts_of_each_kind_are_read() {
         is(ContractKind::ContourError, 0.005, &[4], &[]),
         is(ContractKind::OrientationError, 0.02, &[], &[]),
         is(ContractKind::RemovalRate, 2500.0, &[1, 3], &[]),
-        is(ContractKind::Engagement, 90.0, &[1, 3], &[]),
+        is(ContractKind::Engagement(Cuts::All), 90.0, &[1, 3], &[]),
+        is(ContractKind::Engagement(Cuts::OutsideSlots), 90.0, &[1, 3], &[]),
+        is(ContractKind::Engagement(Cuts::OutsideSlots), 90.0, &[], &[]),
         is(ContractKind::Rest, 1.0, &[3], &[]),
         is(ContractKind::RestVolume, 1500.0, &[], &[]),
     ];

@@ -214,8 +214,8 @@ fn config(cases: u32) -> ProptestConfig {
 static CERTIFICATE: LazyLock<(String, String)> = LazyLock::new(|| {
     let nc: String = (0..250).map(|i| format!("N{i} G1 X{i}\n")).collect();
     let lines = vec![
-        certificate_file::Lines { name: "groove".to_owned(), first: 1, last: 120 },
-        certificate_file::Lines { name: "flank".to_owned(), first: 121, last: 250 },
+        certificate_file::OperationLines { name: "groove".to_owned(), first: 1, last: 120 },
+        certificate_file::OperationLines { name: "flank".to_owned(), first: 121, last: 250 },
     ];
     let file = CertificateFile {
         format: certificate_file::FORMAT.to_owned(),

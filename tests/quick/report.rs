@@ -121,7 +121,8 @@ fn a_reader_sees_part_scale_plots_and_worst_places() {
         let stock = page.screenshot().part(scene);
         let changed = before.iter().zip(&stock).filter(|(a, b)| a != b).count();
         assert!(changed * 200 > stock.len(), "stock {stage} looks like what was before it: {changed} pixels changed");
-        assert!(page.evaluate("document.getElementById('stock-note').textContent").contains("cells of 1 mm"));
+        let note = page.evaluate("document.getElementById('stock-note').textContent");
+        assert!(note.contains("Simulated in cells of") && note.contains("drawn in cells of"), "{note}");
         before = stock;
     }
 

@@ -1,14 +1,13 @@
 //! The stock of a planned program: compared with the surface verifier, with its own mesh, and with other numbers of
 //! threads.
 
-use crate::support::jobs;
+use crate::support::jobs::{self, simulated};
 use impellerc::diag::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::part::{Sample, sample};
-use impellerc::progress::Progress;
 use impellerc::stock::{END_ERROR, Field};
 use impellerc::verify::proof::sweep::Sweep;
-use impellerc::verify::stock::{Settings, StockReport, report, simulate};
+use impellerc::verify::stock::report;
 use nalgebra::{Point3, Vector3};
 
 /// Cells of these tests, mm.
@@ -20,14 +19,6 @@ const POSES: f64 = 1e-3;
 fn planned() -> (Program, Motion) {
     let (program, motion) = jobs::flank().planned();
     (program.clone(), motion.clone())
-}
-
-fn simulated(program: &Program, motion: &Motion) -> (StockReport, Field) {
-    let mut last = None;
-    let mut keep = |_: usize, field: &Field| last = Some(field.clone());
-    let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep) };
-    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
-    (report, last.expect("an operation"))
 }
 
 /// All ends of intervals with the centres of the cells on their rays.
@@ -50,7 +41,7 @@ fn each_ray(field: &Field, mut visit: impl FnMut(usize, [usize; 2], &dyn Fn(f64)
 #[test]
 fn agrees_with_the_surface_verifier() {
     let (program, motion) = planned();
-    let (found, field) = simulated(&program, &motion);
+    let (found, field) = simulated(&program, &motion, CELL);
     let fresh = Field::turned(&program.stock.profile, CELL).unwrap();
     let sweep = Sweep::new(&program, &motion, 0).unwrap();
     let distance = |p: &Point3<f64>| sweep.nearest(p, 5.0).map_or(5.0, |n| n.distance);
@@ -113,7 +104,7 @@ fn volumes_agree_and_threads_do_not_matter() {
     let (program, motion) = planned();
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| simulated(&program, &motion))
+        pool.install(|| simulated(&program, &motion, CELL))
     };
     let ((one, field), (two, other)) = (run(1), run(2));
     assert!(one == two && field == other && field.fingerprint() == other.fingerprint());
@@ -124,6 +115,21 @@ fn volumes_agree_and_threads_do_not_matter() {
     let fresh = Field::turned(&program.stock.profile, CELL).unwrap();
     let by_mesh = fresh.mesh().volume() - field.mesh().volume();
     assert!((by_mesh - operation.removed).abs() < 0.1 * operation.removed, "{by_mesh} {}", operation.removed);
+}
+
+/// A coarser field has rays of the field, so that its mesh shows the same stock.
+#[test]
+fn a_coarser_field_shows_the_same_stock() {
+    let (program, motion) = planned();
+    let (_, field) = simulated(&program, &motion, CELL);
+    assert_eq!(field.coarser(CELL).fingerprint(), field.fingerprint());
+    let coarse = field.coarser(3.9 * CELL);
+    assert!((coarse.cell() - 3.0 * field.cell()).abs() < 1e-12, "{}", coarse.cell());
+    assert_eq!(coarse.intervals(2, 5, 4), field.intervals(2, 16, 13));
+    let (own, all) = (coarse.mesh().volume(), field.mesh().volume());
+    assert!((own - all).abs() < 0.02 * all, "{own} {all}");
+    // As many cells as fit: one more would be larger than allowed.
+    assert!(coarse.cells().iter().zip(field.cells()).all(|(c, n)| *c == n.div_ceil(3)));
 }
 
 /// A rapid straight down through the blank is found with its block, and named in a diagnostic.
@@ -139,7 +145,7 @@ fn a_rapid_through_the_stock_is_an_error() {
     moves[index].joints = program.machine.joints(&aside, joints.rotary);
     moves[index].kind = impellerc::ir::MoveKind::Rapid;
     moves[index].feed = None;
-    let (found, _) = simulated(&program, &motion);
+    let (found, _) = simulated(&program, &motion, CELL);
     let deepest = found.collisions().max_by(|a, b| a.depth.total_cmp(&b.depth)).expect("a collision");
     assert_eq!((deepest.part, deepest.at.index as usize), ("cutter at rapid", index));
     assert!(deepest.depth > 1.0 && deepest.depth <= 3.0 + END_ERROR, "{deepest:?}");

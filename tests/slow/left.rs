@@ -1,25 +1,14 @@
 //! Roughing that goes on after a tool broke half way.
 
-use crate::support::jobs::{self, Compiled};
+use crate::support::jobs::{self, Compiled, simulated};
 use impellerc::diag::{Sink, codes};
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
 use impellerc::stock::{Field, stl};
-use impellerc::verify::stock::{Settings, StockReport, simulate};
 use std::sync::Arc;
 
 /// Cells of the mesh, mm: what the documents advise on a part of this size.
 const CELL: f64 = 0.25;
-
-/// The stock after the last operation of a motion, and the report.
-fn simulated(program: &Program, motion: &Motion) -> (StockReport, Field) {
-    let mut last = None;
-    let mut keep = |_: usize, field: &Field| last = Some(field.clone());
-    let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep) };
-    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
-    (report, last.expect("an operation"))
-}
 
 fn started(program: &Program, field: &Field) -> Program {
     let mut program = program.clone();
@@ -32,16 +21,16 @@ fn started(program: &Program, field: &Field) -> Program {
 fn roughing_goes_on_from_any_block() {
     let whole = Compiled::new(jobs::program("rough", None));
     let (program, motion) = whole.planned();
-    let (due, _) = simulated(program, motion);
+    let (due, _) = simulated(program, motion, CELL);
     let rest = |c: &Compiled| c.certificate.rest.last().expect("roughing").most;
     for share in [0.02, 0.5] {
         let mut broken = Motion { operations: vec![motion.operations[0].clone()] };
         let count = broken.operations[0].moves.len();
         broken.operations[0].moves.truncate((share * count as f64) as usize);
-        let (report, field) = simulated(program, &broken);
+        let (report, field) = simulated(program, &broken, CELL);
         // Planned, and verified with all contracts: this fails otherwise.
         let again = Compiled::new(started(program, &field));
-        let (found, _) = simulated(&again.program, &again.plan.motion);
+        let (found, _) = simulated(&again.program, &again.plan.motion, CELL);
         let cut = |c: &Compiled| c.plan.motion.operations[0].moves.len();
         println!(
             "broken after {:.0} of {:.0} mm3: {} instead of {} moves, rest {:.3} instead of {:.3} mm, {:.0} instead of {:.0} mm3",
@@ -73,13 +62,13 @@ fn a_finished_operation_finds_nothing() {
     let whole = Compiled::new(jobs::program("rough", None));
     let (program, motion) = whole.planned();
     let first = Motion { operations: vec![motion.operations[0].clone()] };
-    let (report, field) = simulated(program, &first);
+    let (report, field) = simulated(program, &first, CELL);
     let again = started(program, &field);
     let mut sink = Sink::default();
     match pipeline::run(&again, &mut sink) {
         Err(_) => assert!(sink.diags().iter().any(|d| d.code == codes::planning::NO_REST)),
         Ok(plan) => {
-            let (found, _) = simulated(&again, &plan.motion);
+            let (found, _) = simulated(&again, &plan.motion, CELL);
             println!("removed again {:.1} of {:.1} mm3", found.operations[0].removed, report.operations[0].removed);
             assert!(found.operations[0].removed < 0.005 * report.operations[0].removed);
         }

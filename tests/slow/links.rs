@@ -110,10 +110,18 @@ fn wide_steps_are_joined_only_where_the_rest_is_bounded() {
     // Moves of links that are not along the tool axis, each from its start.
     let across = |motion: &Motion| {
         let mut kept = Vec::new();
-        for pair in motion.operations[0].moves.windows(2) {
+        let moves = &motion.operations[0].moves;
+        let way = |i: usize| {
+            let [p, q] = [i - 1, i].map(|k| program.machine.forward(&moves[k].joints).tip);
+            (q - p).try_normalize(1e-9)
+        };
+        for (i, pair) in moves.windows(2).enumerate() {
             let [p, q] = [0, 1].map(|k| program.machine.forward(&pair[k].joints));
             let along = (q.tip - p.tip).cross(&p.axis).norm() < 1e-6;
-            if pair[1].kind == MoveKind::Link && !along {
+            // A lead at link feed goes on straight.
+            let straight = |beside: usize| way(i + 1).zip(way(beside)).is_some_and(|(a, b)| a.dot(&b) > 1.0 - 1e-6);
+            let lead = i > 0 && straight(i) || i + 2 < moves.len() && straight(i + 2);
+            if pair[1].kind == MoveKind::Link && !along && !lead {
                 kept.extend([JointMove { kind: MoveKind::Rapid, feed: None, ..pair[0] }, pair[1]]);
             }
         }

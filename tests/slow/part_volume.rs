@@ -3,12 +3,10 @@
 use crate::support;
 use impellerc::diag::Sink;
 use impellerc::geom::{NurbsCurve, interpolate};
-use impellerc::part::{
-    Guides, Part, Stock, sample,
-    solid::{self, Solid},
-};
+use impellerc::part::{Guides, Part, Stock, sample, solid};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
+use impellerc::stock::Mesh;
 use impellerc::units::Mm;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{Settings, simulate};
@@ -28,7 +26,7 @@ fn volumes_of_exact_solids() {
     let corner = |x: f64, y: f64, z: f64| Point3::new(x + 100.0, y - 50.0, z + 7.0);
     let vertices = vec![corner(0.0, 0.0, 0.0), corner(2.0, 0.0, 0.0), corner(0.0, 3.0, 0.0), corner(0.0, 0.0, 4.0)];
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    let mut solid = Solid { vertices, triangles };
+    let mut solid = Mesh { vertices, triangles };
     assert!(solid.is_closed() && (solid.volume() - 4.0).abs() < 1e-12);
     solid.triangles.pop();
     assert!(!solid.is_closed());
@@ -77,7 +75,7 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let left = |s: &sample::Sample| sweeps.iter().fold(2.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
     let left: f64 = samples.iter().filter(|s| s.surface.milled()).map(|s| left(s) * s.area).sum();
     let blank = pappus(&program.stock.profile);
-    let corners = |t: &[usize; 3]| t.map(|i| mesh.vertices[i]);
+    let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area: f64 = mesh.triangles.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum();
     for cell in [2.0, 1.0] {
         let mut settings = Settings { cell: Some(cell), after: None };

@@ -91,7 +91,7 @@ fn lines_keep_their_sense() {
                 continue;
             }
             let [from, to] = [0, 1].map(|k| program.machine.forward(&pair[k].joints));
-            let middle = from.tip + (to.tip - from.tip) * 0.5 + from.axis * 2.0;
+            let middle = from.tip + (to.tip - from.tip) * 0.5 + from.axis;
             let near = walls.iter().map(|s| s.position - middle).min_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
             // Beside a wall, with the wall across the motion: not on the way from one wall to the other.
             let motion = (to.tip - from.tip).normalize();
@@ -125,11 +125,9 @@ fn each_form_of_levels_reaches_the_floor() {
     }
 }
 
-/// A wheel with few long vanes, roughed from one item: every contract holds, no island stands, and no link removes more
-/// than a cut.
-#[test]
-fn a_pump_wheel_is_roughed_from_one_item() {
-    let compiled = Compiled::new(jobs::program("pump", None));
+/// Every contract of a wheel that is roughed from one item holds, no island stands, and no link removes more than a cut.
+fn is_roughed_from_one_item(program: Program) {
+    let compiled = Compiled::new(program);
     for contract in &compiled.certificate.contracts {
         println!("{}: {:.3}", contract.name(), contract.found);
         assert!(contract.holds, "{}: {}", contract.name(), contract.found);
@@ -138,4 +136,16 @@ fn a_pump_wheel_is_roughed_from_one_item() {
         let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value));
         assert!(operation.collisions.is_empty() && link <= cut, "{}: {link} {cut}", operation.name);
     }
+}
+
+/// Few long vanes.
+#[test]
+fn a_pump_wheel_is_roughed_from_one_item() {
+    is_roughed_from_one_item(jobs::program("pump", None));
+}
+
+/// Tools of 0.6 mm in channels of 1.5 mm.
+#[test]
+fn a_turbo_wheel_of_20_mm_is_roughed_from_one_item() {
+    is_roughed_from_one_item(jobs::program("turbo20", None));
 }

@@ -4,6 +4,9 @@ use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline::{self, Plan};
+use impellerc::progress::Progress;
+use impellerc::stock::Field;
+use impellerc::verify::stock::{Settings, StockReport, simulate};
 use impellerc::verify::{Certificate, Verified, verify};
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -86,4 +89,13 @@ pub fn reduced(dialect: &str) -> &'static Compiled {
 pub fn flank() -> &'static Compiled {
     static FLANK: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(super::flank_only(&[0])));
     &FLANK
+}
+
+/// The stock after the last operation of a motion in cells of this edge, mm, and the report.
+pub fn simulated(program: &Program, motion: &Motion, cell: f64) -> (StockReport, Field) {
+    let mut last = None;
+    let mut keep = |_: usize, field: &Field| last = Some(field.clone());
+    let mut settings = Settings { cell: Some(cell), after: Some(&mut keep) };
+    let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
+    (report, last.expect("an operation"))
 }

@@ -23,5 +23,6 @@ crate::codes! {
     CURVE_FILE = "IMP0220", "fault in a curve file", include_str!("pages/IMP0220.md");
     NOTHING_LEFT = "IMP0221", "contract without anything to check", include_str!("pages/IMP0221.md");
     STOCK_FILE = "IMP0223", "fault in the file of the stock", include_str!("pages/IMP0223.md");
+    CHIP = "IMP0224", "the feed per tooth is larger than the tool permits", include_str!("pages/IMP0224.md");
     NO_REST_BEFORE = "IMP0222", "rest machining without an operation before it", include_str!("pages/IMP0222.md");
 }

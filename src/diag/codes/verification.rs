@@ -63,7 +63,7 @@ It is larger than `require rest-volume` allows. The volume of the part is that o
 gouge reduces the rest volume, so require `gouge` too. The cells of the simulation limit the accuracy of small \
 volumes.\n\nRemedy: use operations for all faces and sectors, smaller steps, or a tool that reaches the material.";
     ENGAGEMENT = "IMP0719", "engagement is larger than the job allows",
-        "The engagement is the largest arc of the circle of the cutter that is in the simulated stock. In some move it is larger than `require engagement` allows. A slot has 180 deg. A cut of width b with a cutter of radius R has the angle whose cosine is 1 - b / R.\n\nRemedy: use a smaller `stepover`, or name the operations that cut no slots: `require engagement <= 60 deg on rough2`.";
+        "The engagement is the largest arc of the circle of the cutter that is in the simulated stock. In some move it is larger than `require engagement` allows. A slot has 180 deg. A cut of width b with a cutter of radius R has the angle whose cosine is 1 - b / R.\n\nThe contract judges an upper bound, which includes material between the rays of the stock: cells of a twentieth of the radius of the cutter add some 6 deg. With `outside of slots` it does not judge cuts with material on both sides of the cutter at full width, nor one diameter of tip motion before and behind them.\n\nRemedy: use a smaller `stepover`; a smaller `--stock-cell` or more `--memory` where the figure of the rays is small enough; or `require engagement <= 60 deg outside of slots`.";
     CONTOUR_ERROR = "IMP0717", "the control deviates from the verified motion by more than the job allows",
         "The verified motion moves the tip along straight lines and turns A and C in proportion to its path. A real \
 control rounds the corners between blocks within its tolerance, and its drives move straight between two cycles. The \
@@ -127,9 +127,9 @@ and kept surfaces.\n\nExample: `allowance vane 40 um` under `tolerance rough 50 
 than the sum of the tolerance and the chord error of the path, or a smaller tolerance.";
     TOOL_LOAD = "IMP0739", "feed and spindle load the tool beyond its size",
         "The feed per tooth follows from feed, spindle speed and number of teeth. The simulated stock shows how much \
-of the cutter is engaged. Two cases are reported: a feed per tooth above 3 % of the diameter, and a finishing \
+of the cutter is engaged. Three cases are reported: a cut deeper than `max-depth` of the tool, a feed per tooth above 3 % of the diameter, and a finishing \
 operation that cuts a slot of full width deeper than a quarter of the diameter. It is an error if the tool would \
-break: a feed per tooth above 10 % of the diameter, a spindle that stands still, or a full slot deeper than the \
+break: a depth over `max-depth`, a feed per tooth above 10 % of the diameter, a spindle that stands still, or a full slot deeper than the \
 diameter with a feed per tooth above 3 %.\n\nExample: `flank` directly after `groove`, without an `expand` between \
 them.\n\nRemedy: use a lower `feed`, a higher `speed`, or roughing that leaves less stock.";
     PART_CUT = "IMP0746", "stock is missing inside the finished part",

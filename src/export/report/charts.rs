@@ -124,10 +124,11 @@ fn bound(input: &Input<'_>, operation: usize) -> Option<f64> {
     let id = input.motion.operations.get(operation)?.operation;
     let covers = |scope: &crate::contract::Scope<_>| scope.operations.is_empty() || scope.operations.contains(&id);
     let program = input.program;
-    if program.allowed.iter().any(|a| a.kind == ContractKind::Engagement && covers(&a.scope)) {
+    let limits = |kind| matches!(kind, ContractKind::Engagement(_));
+    if program.allowed.iter().any(|a| limits(a.kind) && covers(&a.scope)) {
         return None;
     }
-    let contracts = program.contracts.iter().filter(|c| c.kind == ContractKind::Engagement && covers(&c.scope));
+    let contracts = program.contracts.iter().filter(|c| limits(c.kind) && covers(&c.scope));
     contracts.map(|c| c.bound.value()).min_by(f64::total_cmp)
 }
 

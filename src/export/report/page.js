@@ -94,8 +94,9 @@ function setBody(value) {
   show.body = /^\d+$/.test(value) ? Number(value) : value;
   $('body').value = value;
   const s = data.stock[show.body];
+  const drawn = s ? Math.max(s.cell, s.mesh_cell) : 0;
   $('stock-note').textContent = data.stock.length === 0 ? 'The stock after each operation was not simulated.'
-    : s ? `Simulated in cells of ${data.cell} mm${s.cell ? `, drawn in cells of ${s.cell.toFixed(1)} mm` : ''}: edges look ragged by that much, and nothing smaller is sure to be seen. A smaller --stock-cell shows more.` : '';
+    : s ? `Simulated in cells of ${data.cell} mm${drawn > data.cell ? `, drawn in cells of ${+drawn.toFixed(2)} mm` : ''}: edges look ragged by that much, and nothing smaller is sure to be seen. A smaller --stock-cell shows more.` : '';
   redraw();
 }
 $('body').addEventListener('change', event => setBody(event.target.value));

@@ -17,6 +17,8 @@ pub struct StockStage {
     pub positions: Vec<Point3<f64>>,
     /// Corners of each triangle, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Edge of the cells of the mesh, mm; zero for a mesh from a file.
+    pub cell: f64,
 }
 
 /// Most triangles of one mesh, and of all meshes.
@@ -40,6 +42,8 @@ pub(super) struct StockData {
     pub(super) triangles: usize,
     /// Edge of the cells in which vertices were joined, mm; zero when no vertices were joined.
     pub(super) cell: f64,
+    /// Edge of the cells of the mesh before, mm.
+    mesh_cell: f64,
     #[serde(skip)]
     pub(super) positions: Bytes,
     #[serde(skip)]
@@ -145,6 +149,7 @@ pub(super) fn stock(stage: &StockStage, stages: usize) -> StockData {
         vertices: positions.len(),
         triangles: triangles.len(),
         cell,
+        mesh_cell: stage.cell,
         positions: Bytes::default(),
         indices: Bytes::default(),
     };
@@ -173,7 +178,7 @@ mod tests {
             [[a, b, c], [a, c, d]]
         };
         let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect();
-        StockStage { name: "field".to_owned(), positions, triangles }
+        StockStage { name: "field".to_owned(), positions, triangles, cell: 1.0 }
     }
 
     #[test]

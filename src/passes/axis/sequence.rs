@@ -107,6 +107,25 @@ struct WayStations {
     middles: Vec<Vector3<f64>>,
 }
 
+/// True when an axis is far enough from the pole.
+fn is_steep(axis: &Vector3<f64>) -> bool {
+    libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
+}
+
+/// The poses of an axis on both branches, with the cost of its angle to the direction of the channel.
+fn candidates_of<'a>(
+    machine: &'a Machine,
+    (centre, middle): (&'a Point3<f64>, &'a Vector3<f64>),
+    axis: &'a Vector3<f64>,
+    radius: f64,
+) -> impl Iterator<Item = AxisCandidate> + 'a {
+    let penalty = AWAY * axis.angle(middle);
+    machine.chain.nearest(axis, 0.0).into_iter().map(move |rotary| {
+        let joints = machine.joints(&(centre - axis * radius), rotary).all();
+        AxisCandidate { joints, penalty }
+    })
+}
+
 impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
@@ -123,27 +142,27 @@ impl WayStations {
                     axes = clear.candidates(&centre, middle, 0.0);
                 }
                 axes.iter()
-                    .filter(|axis| libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT))
+                    .filter(|axis| is_steep(axis))
                     .take(MOST_CANDIDATES)
-                    .flat_map(|axis| {
-                        let penalty = AWAY * axis.angle(middle);
-                        machine.chain.nearest(axis, 0.0).map(|rotary| {
-                            let joints = machine.joints(&(centre - axis * radius), rotary).all();
-                            AxisCandidate { joints, penalty }
-                        })
-                    })
+                    .flat_map(|axis| candidates_of(machine, (&centre, middle), axis, radius))
                     .collect()
             })
             .collect();
         Self { way, candidates, middles }
     }
 
-    /// Adds the cost of the difference to the axis chosen at the nearest place of earlier lines.
-    fn tilt_towards(&mut self, chain: &Chain, chosen: &[(Point3<f64>, Vector3<f64>)]) {
-        for (length, candidates) in self.way.stops.iter().zip(&mut self.candidates) {
+    /// Adds clear axes about the axis chosen at the nearest place of earlier lines, and to all candidates the cost of
+    /// the difference to that axis.
+    fn tilt_towards(&mut self, clear: &ClearAxes<'_>, machine: &Machine, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+        let chain = &machine.chain;
+        for ((length, candidates), middle) in self.way.stops.iter().zip(&mut self.candidates).zip(&self.middles) {
             let here = self.way.centre(*length);
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
+            let axes = clear.beside(&here, beside, MARGIN);
+            candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
+            let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
+            candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
             for candidate in candidates {
                 let axis = chain.tool_axis([candidate.joints[3], candidate.joints[4]]);
                 candidate.penalty += BESIDE * axis.angle(beside).powi(2);
@@ -181,7 +200,7 @@ pub(crate) fn shortest(
             found.push(pass.points.clone());
             continue;
         };
-        stations.tilt_towards(&machine.chain, &chosen);
+        stations.tilt_towards(clear, machine, &chosen);
         let WayStations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {

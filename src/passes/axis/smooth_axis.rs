@@ -5,12 +5,13 @@
 //! sequence is found. Inside these cones, rotary angles with the least turn per mm and the least second and third
 //! differences are found. A cubic curve through these angles gives the axis of every station of the pass. Last, the
 //! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
-//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals.
+//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the end
+//! each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between them turn little.
 
 use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint, OperationKind};
 use crate::kin::{Angles, Chain, RotaryPose, between};
 use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
@@ -33,6 +34,9 @@ const ROUNDS: usize = 3;
 
 /// Distance that cones add to the required distance, mm per round: allows for the motion between stations.
 const MARGIN: f64 = 0.06;
+
+/// Shares of the turn to the axis of the pass before that are tried.
+const SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
 /// Weights of the minimised terms.
 const WEIGHTS: Weights = Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: 0.1 };
@@ -73,6 +77,10 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                 }
             }
         }
+        // On faces the cutter would turn against the wall that it cuts.
+        if matches!(operation.kind, OperationKind::Channel { .. }) {
+            follow(&clear, &program.machine.chain, &mut oriented.passes);
+        }
         let peak = oriented
             .passes
             .iter()
@@ -87,6 +95,39 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         ));
     }
     if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Turns each pass by the same angles at all stations, so that it begins with the axis with which the pass before it
+/// ends; by a share of these angles where the clearance of the whole turn is not proved.
+fn follow(clear: &ClearAxes<'_>, chain: &Chain, passes: &mut [ClPass]) {
+    let radius = clear.radius();
+    for i in 1..passes.len() {
+        let (before, pass) = passes.split_at_mut(i);
+        let (Some(end), points) = (before[i - 1].points.last(), &mut pass[0].points) else { continue };
+        let Some(first) = points.first() else { continue };
+        let ends = rotary(chain, [first.axis, end.axis].into_iter());
+        let turn = [0, 1].map(|k: usize| ends[1][k] - ends[0][k]);
+        let angles = rotary(chain, points.iter().map(|p| p.axis));
+        let turned = |share: f64| -> Option<Vec<ClPoint>> {
+            let poses: Vec<Angles> = angles.iter().map(|a| [0, 1].map(|k| a[k] + share * turn[k])).collect();
+            let places: Vec<ClPoint> = points
+                .iter()
+                .zip(&poses)
+                .map(|(p, angles)| {
+                    let axis = chain.tool_axis(*angles);
+                    ClPoint { tip: p.tip + (p.axis - axis) * radius, axis, contact: p.contact }
+                })
+                .collect();
+            let end = |k: usize| RotaryPose { tip: places[k].tip, rotary: poses[k] };
+            let fits = poses.iter().all(|a| a[0].abs() >= WEIGHTS.least_tilt)
+                && places.iter().all(|p| clear.in_travel(&p.axis, 0.0))
+                && (1..places.len()).into_par_iter().all(|k| clear.proved(&[end(k - 1), end(k)]));
+            fits.then_some(places)
+        };
+        if let Some(places) = SHARES.iter().find_map(|share| turned(*share)) {
+            *points = places;
+        }
+    }
 }
 
 /// Largest turns of both rotary axes per mm of tip motion.

@@ -87,11 +87,18 @@ impl<'a> ChannelChart<'a> {
 
     /// Tool axis at (u, v, w) for a tool whose axis is `edge` away from a wall that it touches. At a wall the axis is
     /// parallel to its ruling except for the share [`AWAY_FROM_WALL`]; between the walls it is blended.
-    pub(crate) fn axis(&self, u: f64, v: f64, w: f64, edge: f64) -> Vector3<f64> {
+    ///
+    /// At each wall the axis leans away from it by an angle more, `tilts`; in the middle it does not.
+    pub(crate) fn axis(&self, u: f64, v: f64, w: f64, edge: f64, tilts: [f64; 2]) -> Vector3<f64> {
         // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
         let e = (edge / self.width(u, v)).min(0.49);
         let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
-        self.tilted_ruling(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across)
+        let axis = self.tilted_ruling(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across);
+        let [first, second] = tilts.map(libm::tan);
+        let step = 1e-3;
+        let to_second = self.point(u, 0.5, w + step) - self.point(u, 0.5, w - step);
+        let to_second = (to_second - axis * axis.dot(&to_second)).normalize();
+        (axis + to_second * (first * (1.0 - across) - second * across)).normalize()
     }
 
     /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_OUTWARD`].

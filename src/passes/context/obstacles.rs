@@ -3,21 +3,33 @@
 use crate::collide::revolved;
 use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, ToolSolid};
+use crate::ir::Program;
 use crate::kin::{Carried, Chain, Machine, RotaryPose};
 use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Spacing of the samples, mm.
+/// Spacing of the samples, mm, for tools from [`WHOLE_SPACING`] on.
 const SPACING: f64 = 0.4;
+
+/// Radius of a tool, mm, below which samples and reserves shrink with the thinnest tool of the job: a reserve as large as
+/// the allowance of a small wheel would keep the tool out of the channel.
+const WHOLE_SPACING: f64 = 0.8;
+
+/// Least share of the spacing that a thin tool may demand.
+const LEAST_SCALE: f64 = 0.1;
+
+/// Most samples for which the spacing shrinks: some hundred megabytes.
+const MOST_SAMPLES: f64 = 4e6;
 
 /// Reserve for samples in place of a surface, mm. The nearest sample lies at most d = 0.71 spacings beside the closest
 /// point of the surface. A measured distance g is therefore too large by at most sqrt(g^2 + d^2) - g at a sharp edge,
-/// and by d^2 / 2R at a round one. The planner adds this reserve to the required distance.
+/// and by d^2 / 2R at a round one. The planner adds this reserve to the required distance, at a spacing of 0.4 mm.
 const EDGE_MARGIN: f64 = 0.08;
 
-/// The same reserve for tools with a tip radius of at least 1 mm.
+/// The same reserve for tools with a tip radius of at least 2.5 spacings.
 const ROUND_MARGIN: f64 = 0.02;
+const ROUND: f64 = 2.5 * SPACING;
 
 /// Halvings of a piece of motion after which its clearance counts as not proved: the pieces are then some micrometres
 /// long.
@@ -28,11 +40,6 @@ pub(crate) type Ends = [RotaryPose; 2];
 
 /// A cutter that is less than this inside of a sample touches it, mm.
 const TOUCHES: f64 = 2e-4;
-
-/// Reserve of a cutter, mm.
-fn margin(solid: &ToolSolid) -> f64 {
-    if solid.cutter.tip_radius() >= 1.0 { ROUND_MARGIN } else { EDGE_MARGIN }
-}
 
 /// Distances to keep, mm.
 #[derive(Clone, Copy, Debug)]
@@ -58,12 +65,28 @@ pub struct Obstacles {
     /// Samples of table and fixtures, with the largest distance from a point of their surface to a sample.
     carried: Vec<(Cloud, f64)>,
     chain: Chain,
+    /// Spacing of the samples of the part as a share of the usual one.
+    scale: f64,
 }
 
 impl Obstacles {
-    /// Samples all surfaces of the part, and of the rotating obstacles of a machine.
+    /// Samples all surfaces of the part, and of the rotating obstacles of a machine, as closely as the tools of a program
+    /// need.
+    pub fn of(program: &Program) -> Self {
+        let radii = program.operations.iter().map(|(_, o)| program.tools[o.tool].solid.radius());
+        let thinnest = radii.fold(WHOLE_SPACING, f64::min);
+        let finest = (sample::estimate(&program.part, SPACING) / MOST_SAMPLES).sqrt();
+        let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
+        Self::sampled(&program.part, &program.machine, scale)
+    }
+
+    /// Samples all surfaces of the part, and of the rotating obstacles of a machine, at the usual spacing.
     pub fn new(part: &Part, machine: &Machine) -> Self {
-        let samples = sample::sample(part, SPACING);
+        Self::sampled(part, machine, 1.0)
+    }
+
+    fn sampled(part: &Part, machine: &Machine, scale: f64) -> Self {
+        let samples = sample::sample(part, scale * SPACING);
         let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
             samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
         let [hub, walls] = [hub, walls].map(sample::cloud_points);
@@ -83,7 +106,22 @@ impl Obstacles {
         };
         let carried = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
         let carried = carried.map(|(solid, place)| sampled(solid, place)).collect();
-        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain }
+        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain, scale }
+    }
+
+    /// Share to which distances shrink that suit usual tools: 1 for them, less where the job has thinner ones.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Reserve for samples in place of a surface, mm.
+    fn edge_margin(&self) -> f64 {
+        self.scale * EDGE_MARGIN
+    }
+
+    /// Reserve of a cutter, mm.
+    fn margin(&self, solid: &ToolSolid) -> f64 {
+        self.scale * if solid.cutter.tip_radius() >= self.scale * ROUND { ROUND_MARGIN } else { EDGE_MARGIN }
     }
 
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis
@@ -101,7 +139,7 @@ impl Obstacles {
             let (rho, s) = tool_coordinates(p, tip, axis);
             (slack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
         };
-        let of_part = |p: &Point3<f64>| value(p, EDGE_MARGIN);
+        let of_part = |p: &Point3<f64>| value(p, self.edge_margin());
         self.walls.least(of_part, 0.0).is_none()
             && self.hub.least(of_part, 0.0).is_none()
             && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
@@ -133,14 +171,14 @@ impl Obstacles {
 
     /// True when the tool keeps its distances to the hub.
     pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let (hub, body) = (keep.hub + margin(solid), keep.clearance + EDGE_MARGIN);
+        let (hub, body) = (keep.hub + self.margin(solid), keep.clearance + self.edge_margin());
         let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
         self.hub.nearest(tip, axis, slack, 0.0).is_none()
     }
 
     /// True when the tool keeps its distances to vanes and fillets.
     pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let (vane, body) = (keep.vane + margin(solid), keep.clearance + EDGE_MARGIN);
+        let (vane, body) = (keep.vane + self.margin(solid), keep.clearance + self.edge_margin());
         let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
         self.walls.nearest(tip, axis, slack, 0.0).is_none()
     }
@@ -161,7 +199,7 @@ impl Obstacles {
         distance: impl Fn(f64, f64) -> f64 + 'a,
         cutoff: f64,
     ) -> impl Iterator<Item = (f64, Point3<f64>)> + 'a {
-        let part = [(&self.walls, EDGE_MARGIN), (&self.hub, EDGE_MARGIN)];
+        let part = [(&self.walls, self.edge_margin()), (&self.hub, self.edge_margin())];
         let all = part.into_iter().chain(self.carried.iter().map(|(cloud, beside)| (cloud, *beside)));
         all.filter_map(move |(cloud, margin)| {
             let (least, index) = cloud.nearest(tip, axis, &distance, cutoff + margin)?;

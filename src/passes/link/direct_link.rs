@@ -11,6 +11,7 @@
 //!   at both ends. Between two places of a cylinder of radius R, d apart, a ridge of at most d^2 / 8R is left. For the
 //!   part of the tool inside of the blank, the link is so short that this ridge is thinner than a chip.
 
+use super::blank::Blank;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::{ContractKind, Guarded};
 use crate::ir::{ClPoint, Operation, Program};
@@ -18,10 +19,10 @@ use crate::kin::{Machine, RotaryPose};
 use crate::passes::axis::run::rotary;
 use crate::passes::context::{Ends, Obstacles};
 
-/// Heights that the tool lifts by, mm.
-const LIFTS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// Heights that the tool lifts by, mm; none where both ends are far enough from the part.
+const LIFTS: [f64; 7] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// Distance of the cutter to the part on the link, mm.
+/// Distance of the cutter to the part on the link, mm; less with thin tools.
 const CUTTER: f64 = 0.1;
 
 /// Distance beyond the rest that the contract allows, mm.
@@ -29,9 +30,6 @@ const OVER_REST: f64 = 0.2;
 
 /// Thickest ridge that the tool may go through, mm.
 const RIDGE: f64 = 0.1;
-
-/// Steps along the tool at which the part inside of the blank is determined, mm.
-const HEIGHT_STEP: f64 = 1.0;
 
 /// Largest turn of a rotary axis on the link, radians.
 const MOST_TURN: f64 = 0.35;
@@ -47,8 +45,7 @@ pub(crate) struct DirectLinks<'a> {
     machine: &'a Machine,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
-    /// Meridian of the blank as (r, z), closed from its last point to its first.
-    blank: &'a [[f64; 2]],
+    blank: Blank<'a>,
     /// Required distances of cutter, shank and holder to the part, mm.
     asked: [f64; 3],
     /// Distance from the part beyond which there is no stock, mm; `None` where no contract bounds it.
@@ -60,25 +57,31 @@ impl<'a> DirectLinks<'a> {
         let least = program.clearance.get();
         let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
         let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
+        let solid = &program.tools[operation.tool].solid;
         Self {
             machine: &program.machine,
             obstacles,
-            solid: &program.tools[operation.tool].solid,
-            blank: &program.stock.profile,
-            asked: [CUTTER, clearance(Guarded::Shank), clearance(Guarded::Holder)],
+            solid,
+            blank: Blank { profile: &program.stock.profile, solid },
+            asked: [CUTTER * obstacles.scale(), clearance(Guarded::Shank), clearance(Guarded::Holder)],
             free: rest.map(|c| c.bound.value() + OVER_REST).reduce(f64::min),
         }
     }
 
-    /// Places over the end of a pass and over the start of the next, with a straight motion between them; `None` where
-    /// no direct link is proved.
-    pub(crate) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<[ClPoint; 2]> {
+    /// Share to which distances shrink that suit usual tools.
+    pub(super) fn scale(&self) -> f64 {
+        self.obstacles.scale()
+    }
+
+    /// Places over the end of a pass and over the start of the next, with a straight motion between them; none where the
+    /// motion goes from the end itself to the start. `None` where no direct link is proved.
+    pub(crate) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<Vec<ClPoint>> {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let [start, end] = [angles[0], angles[1]];
         if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MOST_TURN) {
             return None;
         }
-        let height = self.height_in_blank(from).max(self.height_in_blank(to));
+        let height = self.blank.height_within(from).max(self.blank.height_within(to));
         LIFTS.iter().find_map(|lift| {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
@@ -88,7 +91,8 @@ impl<'a> DirectLinks<'a> {
             let clear = |least: f64| self.obstacles.keeps_over(&ends, |rho, s| self.slack(rho, s, least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
-            (moves && (near() || free())).then_some(over)
+            let places = if *lift > 0.0 { over.to_vec() } else { Vec::new() };
+            (moves && (near() || free())).then_some(places)
         })
     }
 
@@ -121,59 +125,5 @@ impl<'a> DirectLinks<'a> {
         let cutter = (self.solid.radius(), self.solid.flute_length);
         let moved = |s: f64| way + turn * s.min(height);
         body.chain([cutter]).map(|(r, s)| moved(s).powi(2) / (8.0 * r)).fold(0.0, f64::max)
-    }
-
-    /// Height over the tip above which no point of the tool is in the blank, mm.
-    fn height_in_blank(&self, at: &ClPoint) -> f64 {
-        let count = (self.solid.length() / HEIGHT_STEP).ceil() as usize;
-        let inside = |k: &usize| {
-            let s = *k as f64 * HEIGHT_STEP;
-            let p = at.tip + at.axis * s;
-            let body = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from <= s && s <= x.to);
-            let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
-            near_profile(self.blank, [libm::hypot(p.x, p.y), p.z], widest + HEIGHT_STEP)
-        };
-        (0..=count).rev().find(inside).map_or(0.0, |k| k as f64 * HEIGHT_STEP)
-    }
-}
-
-/// True when a point of the meridian plane lies inside of a closed profile, or less than a distance beside it.
-fn near_profile(profile: &[[f64; 2]], [r, z]: [f64; 2], within: f64) -> bool {
-    let mut inside = false;
-    for (i, a) in profile.iter().enumerate() {
-        let b = profile[(i + 1) % profile.len()];
-        let (er, ez) = (b[0] - a[0], b[1] - a[1]);
-        let (dr, dz) = (r - a[0], z - a[1]);
-        let length = er * er + ez * ez;
-        let t = if length > 0.0 { ((dr * er + dz * ez) / length).clamp(0.0, 1.0) } else { 0.0 };
-        if libm::hypot(dr - t * er, dz - t * ez) <= within {
-            return true;
-        }
-        if (a[1] > z) != (b[1] > z) && r < a[0] + er * (z - a[1]) / ez {
-            inside = !inside;
-        }
-    }
-    inside
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_profile_is_near_from_inside_and_outside() {
-        let square = [[5.0, 0.0], [5.0, 10.0], [15.0, 10.0], [15.0, 0.0]];
-        for (point, within, expected) in [
-            ([10.0, 5.0], 0.1, true),
-            ([15.5, 5.0], 0.4, false),
-            ([15.5, 5.0], 0.6, true),
-            ([3.0, 5.0], 1.0, false),
-            // Near the closing edge, from below.
-            ([10.0, -0.5], 0.6, true),
-            ([18.0, 14.0], 4.9, false),
-            ([18.0, 14.0], 5.1, true),
-        ] {
-            assert_eq!(near_profile(&square, point, within), expected, "{point:?} {within}");
-        }
     }
 }

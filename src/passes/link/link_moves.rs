@@ -93,7 +93,7 @@ impl<'a> Links<'a> {
             .map(|pair| {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
                 let finishing = || operation.kind.finishes().then(|| direct_links.between(from, to)).flatten();
-                let link = pair[1].link.clone().or_else(|| finishing().map(Vec::from))?;
+                let link = pair[1].link.clone().or_else(finishing)?;
                 // No direct link where the link over the clearance sphere takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;

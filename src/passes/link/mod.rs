@@ -1,8 +1,10 @@
 //! Rest machining, links between passes, and the joints of all moves.
 
+mod blank;
 mod branch;
 mod clearance_sphere;
 mod direct_link;
+pub(crate) mod fast_leads;
 pub(crate) mod link_moves;
 pub mod rest_machining;
 mod stock_order;

@@ -28,8 +28,10 @@ use std::ops::Range;
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
 const MOST_CELL: f64 = 1.0;
 
-/// Largest cell for `rough`, mm: its passes end where the stock ends, so that its error is time in air.
+/// Largest cell for `rough`, mm: its passes end where the stock ends, so that its error is time in air. On a part of more
+/// than [`USUAL`] radius, cells grow in proportion, as its passes do.
 const MOST_CELL_ROUGH: f64 = 0.5;
+const USUAL: f64 = 60.0;
 
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
@@ -90,9 +92,11 @@ fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
 
 /// The stock before the first operation, with cells for the operation that needs the smallest.
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
+    let outlet = program.part.hub.meridian(1.0).point.x;
+    let most_rough = (MOST_CELL_ROUGH * (outlet / USUAL).max(1.0)).min(MOST_CELL);
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
-        let most = if matches!(o.kind, OperationKind::Rough { .. }) { MOST_CELL_ROUGH } else { MOST_CELL };
+        let most = if matches!(o.kind, OperationKind::Rough { .. }) { most_rough } else { MOST_CELL };
         let cell = o.rest.map_or(most, |t| (2.0 * rounding(cutter) * t.get()).sqrt().min(most));
         follows_stock(o).then_some((cell, o))
     });

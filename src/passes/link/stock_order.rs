@@ -45,6 +45,7 @@ const FOUND_TO: f64 = 0.05;
 struct Reduction<'a> {
     program: &'a Program,
     operation: &'a Operation,
+    direct: &'a DirectLinks<'a>,
     air: ThroughAir<'a>,
     sphere: ClearanceSphere,
     /// Stock that is no deeper in the tool is left to the next operation, mm.
@@ -71,6 +72,7 @@ pub(super) fn reduce(
     let reduction = Reduction {
         program,
         operation,
+        direct,
         air: ThroughAir::new(program, direct, solid, field),
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
@@ -113,13 +115,11 @@ impl Reduction<'_> {
             let mut found = self.air.depths(&part, field).unwrap_or_default();
             self.cut(&part, field);
             part.pop();
-            found.extend_from_slice(&depths[start.station..]);
             let end = self.cut_to_end(&line, start.station, stretch.end, &mut depths, field);
-            found.truncate(part.len() + end - start.station);
             let finish = self.end_of(&line, &depths, end, true, field);
             self.cut(&line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
-            found.extend_from_slice(&depths[end..finish.station]);
+            found.extend_from_slice(&depths[start.station..finish.station]);
             if let Some(out) = self.air.depths(&finish.ramp, field) {
                 self.cut(&finish.ramp, field);
                 part.extend_from_slice(&finish.ramp[1..]);
@@ -255,7 +255,7 @@ impl Reduction<'_> {
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
                 if self.air.is_free(&[over, place], 0.0, field)
-                    && self.air.straight(&place, &line[station].point, least)
+                    && self.direct.straight(&place, &line[station].point, least)
                 {
                     return Some(place);
                 }

@@ -60,9 +60,9 @@ impl<'a> ThroughAir<'a> {
         Self {
             machine: &program.machine,
             direct,
-            slivers: by + ROUNDING,
+            slivers: by + ROUNDING * direct.scale(),
             cutting: EnlargedTool::new(tool, by),
-            linking: EnlargedTool::new(tool, by + LINK_FREE),
+            linking: EnlargedTool::new(tool, by + LINK_FREE * direct.scale()),
         }
     }
 
@@ -125,13 +125,8 @@ impl<'a> ThroughAir<'a> {
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
         let line = || self.straight_way(*places);
-        self.straight(&places[0], &places[1], 0.0)
+        self.direct.straight(&places[0], &places[1], 0.0)
             && self.depths_of(&self.linking, &line(), field).is_none_or(|depths| depths.iter().all(|d| *d <= 0.0))
-    }
-
-    /// True when the tool keeps its distances to the part, each at least `least`, on a straight way.
-    pub(super) fn straight(&self, from: &ClPoint, to: &ClPoint, least: f64) -> bool {
-        self.direct.straight(from, to, least)
     }
 
     /// True when the tool meets no stock deeper than `most` on a straight way.

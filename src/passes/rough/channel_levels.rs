@@ -10,7 +10,7 @@
 //! A line begins outside of the stock, or on its neighbour, which is cut by then.
 
 use super::groove::passes;
-use super::layers::{LayerStation, Roughing, STATION_SPACING};
+use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
@@ -182,7 +182,7 @@ impl<'a> RunLines<'a> {
     /// Places across the channel from one to another, without the last.
     fn across(&self, station: usize, from: f64, to: f64) -> Vec<(usize, f64)> {
         let length = (to - from).abs() * across(self.roughing, self.run, self.run.stations[station].u);
-        let count = (length / STATION_SPACING).ceil() as usize;
+        let count = (length / self.roughing.spacing).ceil() as usize;
         (0..count).map(|k| (station, from + (to - from) * k as f64 / count as f64)).collect()
     }
 }

@@ -1,5 +1,7 @@
 //! Layers of channel roughing: how deep a tool reaches, and how near to both walls at each place.
 
+use super::wall_tilt::WallTilt;
+use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, OperationKind, Program};
 use crate::passes::context::{ChannelChart, Keep, Obstacles};
@@ -12,7 +14,7 @@ const WHOLE: f64 = 1e-9;
 
 /// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this distance they leave their
 /// chord by a few micrometres, well within the roughing allowance.
-pub(super) const STATION_SPACING: f64 = 0.7;
+const STATION_SPACING: f64 = 0.7;
 
 /// Shares of the way between two stations at which the distances are checked.
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
@@ -28,10 +30,14 @@ pub(crate) struct Roughing<'a> {
     /// Distances to keep at the stations, and between them.
     keep: Keep,
     between: Keep,
+    /// Tilt of the axis away from the walls.
+    tilt: WallTilt,
     /// The axis does not turn on the leads.
     straight_leads: bool,
     /// The tool may be lifted over the hub by up to a step down.
     lifts: bool,
+    /// Spacing of the stations, mm.
+    pub(super) spacing: f64,
     pub(super) depth: f64,
     pub(super) lead_in: f64,
     pub(super) lead_out: f64,
@@ -123,7 +129,8 @@ impl<'a> Roughing<'a> {
     /// `None` for an operation that is not roughing.
     pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
         let [depth, vane, hub] = operation.kind.roughing()?;
-        Some(Self {
+        let upright = Self {
+            tilt: WallTilt::default(),
             chart: ChannelChart::new(&program.part),
             obstacles,
             solid: &program.tools[operation.tool].solid,
@@ -137,10 +144,22 @@ impl<'a> Roughing<'a> {
             straight_leads: matches!(operation.kind, OperationKind::Rough { .. }),
             lifts: matches!(operation.kind, OperationKind::Rough { .. })
                 || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
+            spacing: if matches!(operation.kind, OperationKind::Rough { .. }) {
+                cost::rough_spacing(program)
+            } else {
+                STATION_SPACING
+            },
             depth: depth.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),
-        })
+        };
+        let follows_levels = matches!(operation.kind, OperationKind::Rough { .. });
+        Some(if follows_levels { upright.tilted() } else { upright })
+    }
+
+    /// The same with another tilt away from the walls.
+    pub(super) fn with_tilt(&self, tilt: WallTilt) -> Self {
+        Self { chart: ChannelChart::new(self.chart.part()), tilt, ..*self }
     }
 
     /// Distance of the tool axis from a wall at which the allowance is kept.
@@ -160,7 +179,8 @@ impl<'a> Roughing<'a> {
 
     /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
-        self.chart.axis(if self.straight_leads { u.clamp(0.0, 1.0) } else { u }, v, w, self.edge())
+        let u = if self.straight_leads { u.clamp(0.0, 1.0) } else { u };
+        self.chart.axis(u, v, w, self.edge(), self.tilt.at(u))
     }
 
     /// Station of a line in the chart, sector 0.
@@ -202,7 +222,7 @@ impl<'a> Roughing<'a> {
         let from = -self.chart.lead(0.0, level, self.lead_in);
         let to = 1.0 + self.chart.lead(1.0, level, self.lead_out);
         let length = length_of(|u| self.chart.point(u, level, 0.5), from, to);
-        let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
+        let count = (length / self.spacing).ceil().max(8.0) as usize;
         let stations = (0..=count)
             .into_par_iter()
             .map(|i| {

@@ -3,7 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
-use super::layers::{LayerStation, Level, Roughing, STATION_SPACING, length_of, limit_leads};
+use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::method::Levels;
 use crate::passes::context::maximal_ranges;
 use crate::progress::Progress;
@@ -89,7 +89,7 @@ impl Roughing<'_> {
             let width = self.chart.width(u, level.v(&self.chart, u, 0.5));
             let moved = [0, 1].map(|side: usize| (to.room[side] - from.room[side]).abs() * width);
             from.room[0].max(to.room[0]) <= from.room[1].min(to.room[1])
-                && moved.iter().all(|mm| *mm <= STEEPEST * STATION_SPACING)
+                && moved.iter().all(|mm| *mm <= STEEPEST * self.spacing)
                 && [0, 1].iter().all(|side| self.joined(level, [from, to], *side))
         };
         let breaks: Vec<usize> = (1..stations.len()).into_par_iter().filter(|k| !goes_on(k - 1)).collect();
@@ -106,7 +106,7 @@ impl Roughing<'_> {
         let to = 1.0 + self.chart.lead(1.0, at(1.0), lead[1]);
         let middle = |u: f64| self.chart.point(u, at(u), 0.5);
         let length = length_of(middle, from, to);
-        let count = (length / STATION_SPACING).ceil().max(8.0) as usize;
+        let count = (length / self.spacing).ceil().max(8.0) as usize;
         let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, last)).collect();
         let places: Vec<Point3<f64>> = grid.iter().map(|u| middle(*u)).collect();

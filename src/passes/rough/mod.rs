@@ -1,11 +1,13 @@
 //! Roughing of a channel, layer by layer.
 
+mod best_tilt;
 pub(crate) mod channel_levels;
 pub(crate) mod expand;
 pub(crate) mod groove;
 mod layers;
 mod levels;
 mod step;
+mod wall_tilt;
 
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation};

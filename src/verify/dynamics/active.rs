@@ -24,7 +24,7 @@ const ACTIVE: f64 = 0.75;
 /// Kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Limit {
+pub enum MotionLimit {
     /// Process feed for cuts, link feed for links, rapid speed of the tip for rapids.
     Feed,
     /// Speed of an axis.
@@ -45,7 +45,7 @@ pub enum Limit {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ActiveLimit {
     /// The limit.
-    pub limit: Limit,
+    pub limit: MotionLimit,
     /// Name of the axis; `None` for limits that belong to no axis.
     pub axis: Option<String>,
     /// Time in cuts, links and rapids, s.
@@ -56,12 +56,12 @@ impl ActiveLimit {
     /// The limit in words, for a kind of moves: cuts, links, rapids.
     pub fn words(&self, kind: usize) -> String {
         match (self.limit, &self.axis) {
-            (Limit::Feed, _) => ["process feed", "link feed", "rapid speed"][kind].to_owned(),
-            (Limit::Speed, Some(axis)) => format!("{axis} speed"),
-            (Limit::Acceleration, Some(axis)) => format!("{axis} acceleration"),
-            (Limit::Jerk, Some(axis)) => format!("{axis} jerk"),
-            (Limit::Corner, _) => "corners".to_owned(),
-            (Limit::BlockFeed, _) => "block feed".to_owned(),
+            (MotionLimit::Feed, _) => ["process feed", "link feed", "rapid speed"][kind].to_owned(),
+            (MotionLimit::Speed, Some(axis)) => format!("{axis} speed"),
+            (MotionLimit::Acceleration, Some(axis)) => format!("{axis} acceleration"),
+            (MotionLimit::Jerk, Some(axis)) => format!("{axis} jerk"),
+            (MotionLimit::Corner, _) => "corners".to_owned(),
+            (MotionLimit::BlockFeed, _) => "block feed".to_owned(),
             _ => "rest".to_owned(),
         }
     }
@@ -123,10 +123,10 @@ impl LimitRow<'_> {
 }
 
 /// A limit and its axis.
-pub(super) type LimitOfAxis = (Limit, Option<usize>);
+pub(super) type LimitOfAxis = (MotionLimit, Option<usize>);
 
 /// No limit of a corner.
-pub(super) const NO_CORNER: [(f64, LimitOfAxis); 3] = [(0.0, (Limit::Rest, None)); 3];
+pub(super) const NO_CORNER: [(f64, LimitOfAxis); 3] = [(0.0, (MotionLimit::Rest, None)); 3];
 
 /// Motion in a part of a cell.
 pub(super) struct Pace<'a> {
@@ -208,10 +208,10 @@ fn nearest(moments: &[Moment]) -> Vec<Option<LimitOfAxis>> {
             let i = if backward { moments.len() - 1 - i } else { i };
             let Moment { limit, time, .. } = moments[i];
             match limit.0 {
-                Limit::Feed => last = None,
-                Limit::Rest | Limit::BlockFeed => {
+                MotionLimit::Feed => last = None,
+                MotionLimit::Rest | MotionLimit::BlockFeed => {
                     let nearer = last.filter(|l| found[i].is_none_or(|f| l.0 < f.0));
-                    if limit.0 == Limit::Rest && nearer.is_some() {
+                    if limit.0 == MotionLimit::Rest && nearer.is_some() {
                         found[i] = nearer;
                     }
                     last = last.map(|(since, limit)| (since + time, limit));
@@ -227,9 +227,9 @@ fn nearest(moments: &[Moment]) -> Vec<Option<LimitOfAxis>> {
 pub(super) fn active(limits: &RunLimits, run: &Pace) -> LimitOfAxis {
     let cell = run.cell;
     if cell.feed * run.rate >= AT_FEED {
-        return (Limit::Feed, None);
+        return (MotionLimit::Feed, None);
     }
-    let none = if run.rate >= AT_FEED { Limit::BlockFeed } else { Limit::Rest };
+    let none = if run.rate >= AT_FEED { MotionLimit::BlockFeed } else { MotionLimit::Rest };
     let mut most = (ACTIVE, (none, None));
     let mut raise = |pace: f64, limit: LimitOfAxis| {
         if pace > most.0 {
@@ -237,9 +237,9 @@ pub(super) fn active(limits: &RunLimits, run: &Pace) -> LimitOfAxis {
         }
     };
     for k in 0..5 {
-        raise(cell.rate[k] * run.rate / limits.speed[k], (Limit::Speed, Some(k)));
-        raise((run.acceleration[k] / limits.acceleration[k]).sqrt(), (Limit::Acceleration, Some(k)));
-        raise(libm::cbrt(run.jerk[k] / limits.jerk[k]), (Limit::Jerk, Some(k)));
+        raise(cell.rate[k] * run.rate / limits.speed[k], (MotionLimit::Speed, Some(k)));
+        raise((run.acceleration[k] / limits.acceleration[k]).sqrt(), (MotionLimit::Acceleration, Some(k)));
+        raise(libm::cbrt(run.jerk[k] / limits.jerk[k]), (MotionLimit::Jerk, Some(k)));
     }
     // Away from the corner the run may be faster than at the corner: the corner holds it less there.
     for (pace, limit) in run.corner.map(|(share, limit)| (share.sqrt(), limit)) {

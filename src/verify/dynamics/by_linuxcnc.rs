@@ -1,6 +1,6 @@
 //! The run by the planner of LinuxCNC, which does not plan by joints.
 
-use super::active::{ActiveTimes, Limit, NO_CORNER, Pace, active};
+use super::active::{ActiveTimes, MotionLimit, NO_CORNER, Pace, active};
 use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
 use crate::ir::{JointMove, MoveKind};
 use crate::kin::linuxcnc::{self, Ran};
@@ -67,12 +67,12 @@ fn add(
         let acceleration = cell.second.map(|q| q * rate * rate);
         let jerk = jerk::twist(cells, i).map(|q| q * rate.powi(3));
         let by_joints = active(limits, &Pace { cell, rate, acceleration, jerk, corner: NO_CORNER });
-        let limited = matches!(by_joints.0, Limit::Rest | Limit::BlockFeed) && rate < PROGRAMMED;
-        let active = if limited { (Limit::Speed, Some(speed)) } else { by_joints };
+        let limited = matches!(by_joints.0, MotionLimit::Rest | MotionLimit::BlockFeed) && rate < PROGRAMMED;
+        let active = if limited { (MotionLimit::Speed, Some(speed)) } else { by_joints };
         let time = ran.steady * cell.width / whole;
         times.add(active, kind, time);
         steady += time;
     }
-    times.add((Limit::Corner, None), kind, ran.blends);
-    times.add((Limit::Acceleration, Some(acceleration)), kind, ran.time - steady - ran.blends);
+    times.add((MotionLimit::Corner, None), kind, ran.blends);
+    times.add((MotionLimit::Acceleration, Some(acceleration)), kind, ran.time - steady - ran.blends);
 }

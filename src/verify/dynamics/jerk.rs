@@ -12,7 +12,7 @@
 //! faster than they begin. Before digits are lost, the run comes to rest at a corner: this run is feasible as well, and
 //! takes longer.
 
-use super::active::{Limit, LimitOfAxis, NO_CORNER};
+use super::active::{LimitOfAxis, MotionLimit, NO_CORNER};
 use super::{Joint5, MotionCell, MovePart, RunLimits};
 use crate::kin::feedrate::jerk::{self, Bounds, Rows};
 use crate::kin::feedrate::ramp::{self, Creep, Even, Most, Ramp};
@@ -89,13 +89,13 @@ pub(super) fn corner_shares(
     let change = excess(before, cell).map(|e| e * root);
     let (time, slow) = slowest(limits, &change);
     let (a, j) = (limits.acceleration[slow], limits.jerk[slow]);
-    let by = if change[slow].abs() * j >= a * a { Limit::Acceleration } else { Limit::Jerk };
+    let by = if change[slow].abs() * j >= a * a { MotionLimit::Acceleration } else { MotionLimit::Jerk };
     let jump: Joint5 = std::array::from_fn(|k| (cell.jump[k] * cell.ratio).abs() / limits.acceleration[k]);
     let (most, axis) = largest(&jump);
     [
-        ((cell.flutes * root * time / 8.0).max(y * cell.rounding) / limits.chord, (Limit::Corner, None)),
+        ((cell.flutes * root * time / 8.0).max(y * cell.rounding) / limits.chord, (MotionLimit::Corner, None)),
         (time * root / cell.rounding_time, (by, Some(slow))),
-        (most * y / cell.rounding_time, (Limit::Acceleration, Some(axis))),
+        (most * y / cell.rounding_time, (MotionLimit::Acceleration, Some(axis))),
     ]
 }
 

@@ -1,8 +1,10 @@
-//! Time and way at feed over the arc of engagement.
+//! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and way at
+//! feed over the arc.
 
 use super::{Removal, StepPlace};
 use crate::ir::MoveKind;
-use crate::stock::BlockCut;
+use crate::stock::{BlockCut, END_ERROR};
+use crate::verify::proof::piece::At;
 use serde::Serialize;
 
 /// Width of a class, degrees.
@@ -10,6 +12,22 @@ pub const CLASS: f64 = 15.0;
 
 /// Number of classes, from 0 to 180 degrees.
 pub const CLASSES: usize = 12;
+
+/// Cosine of the turn of the direction of feed from which earlier steps show another engagement, 30 degrees.
+const SAME_DIRECTION: f64 = 0.866;
+
+/// Largest upper bound of the arc over some steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ArcBound {
+    /// Bound, degrees.
+    pub value: f64,
+    /// Arc that the rays show there, degrees.
+    pub found: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
 
 /// Time and way of an operation at feed, by the arc of engagement. Class k holds arcs over k times 15 degrees up to
 /// k + 1 times 15 degrees; the first one holds arcs of zero as well.
@@ -21,39 +39,134 @@ pub struct ArcTimes {
     pub way: [f64; CLASSES],
     /// Time, s, and way, mm, in which nothing is removed.
     pub air: [f64; 2],
+    /// Time, s, and way, mm, in slots.
+    pub slots: [f64; 2],
+}
+
+/// Circle of a cutter in a stock of rays.
+pub(super) struct Circle {
+    /// Largest radius of the cutter, mm.
+    pub(super) radius: f64,
+    /// Distance of the rays, mm.
+    pub(super) cell: f64,
+    /// Tip motion whose chips show the engagement at its end, mm.
+    pub(super) window: f64,
+}
+
+impl Circle {
+    /// How much farther to the side than the chips on the rays material may reach, mm. A ray along each axis passes any
+    /// place within half of the diagonal of a cell, so that a ball of a diagonal of a cell in diameter meets a ray.
+    fn unseen(&self) -> f64 {
+        std::f64::consts::SQRT_2 * self.cell + END_ERROR
+    }
+
+    /// Arc between two distances from the tool axis, across the direction of feed, degrees.
+    fn arc(&self, side: [f64; 2]) -> f64 {
+        let angle = |side: f64| libm::asin((side / self.radius).clamp(-1.0, 1.0));
+        (angle(side[1]) - angle(side[0])).to_degrees()
+    }
+}
+
+/// Arc of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct StepArc {
+    /// Arc of the chips on the rays, degrees: no more than the true arc.
+    pub(super) found: f64,
+    /// Upper bound, degrees.
+    pub(super) bound: f64,
+    /// Material on both sides at full width.
+    full: bool,
+    /// Part of a slot.
+    pub(super) slot: bool,
+}
+
+/// Arcs of all steps. Chips of all steps at feed in the same direction over the tip motion `window` that ends with a
+/// step show its arc: the rays seldom meet all chips of a step that is shorter than a cell.
+pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut], circle: &Circle) -> Vec<StepArc> {
+    let mut sides: Vec<Option<[f64; 2]>> = vec![None; places.len()];
+    for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
+        if let Some(side) = sides.get_mut(c.block as usize) {
+            *side = Some(c.side);
+        }
+    }
+    let at_feed = |i: usize| places[i].kind != MoveKind::Rapid;
+    let mut arcs = vec![StepArc::default(); places.len()];
+    for i in (0..places.len()).filter(|i| at_feed(*i) && removal.cuts[*i]) {
+        let mut side = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut way = 0.0;
+        for k in (0..=i).rev() {
+            let turned = places[k].step.dot(&places[i].step) < SAME_DIRECTION * places[k].way * places[i].way;
+            if !at_feed(k) || turned {
+                break;
+            }
+            if let Some(own) = sides[k] {
+                side = [side[0].min(own[0]), side[1].max(own[1])];
+            }
+            way += places[k].way;
+            if way >= circle.window {
+                break;
+            }
+        }
+        if side[0] <= side[1] {
+            arcs[i] = StepArc::new(side, circle);
+        }
+    }
+    mark_slots(places, removal, &mut arcs, 2.0 * circle.radius);
+    arcs
+}
+
+impl StepArc {
+    fn new(side: [f64; 2], circle: &Circle) -> Self {
+        let unseen = circle.unseen();
+        let rim = circle.radius - unseen;
+        Self {
+            found: circle.arc(side),
+            bound: circle.arc([side[0] - unseen, side[1] + unseen]),
+            full: rim > 0.0 && side[0] <= -rim && side[1] >= rim,
+            slot: false,
+        }
+    }
+}
+
+/// Marks the slots: steps at full width, and the cuts without a break up to the tip motion `reach` before and behind
+/// such a step, in which the cutter runs into the channel and out of it.
+fn mark_slots(places: &[StepPlace], removal: &Removal, arcs: &mut [StepArc], reach: f64) {
+    for full in (0..arcs.len()).filter(|i| arcs[*i].full).collect::<Vec<_>>() {
+        let cuts = |i: &usize| removal.cuts[*i] && places[*i].kind != MoveKind::Rapid;
+        arcs[full].slot = true;
+        let mut way = 0.0;
+        for i in (0..full).rev().take_while(cuts) {
+            way += places[i + 1].way;
+            if way > reach || arcs[i].full {
+                break;
+            }
+            arcs[i].slot = true;
+        }
+        way = 0.0;
+        for i in (full + 1..arcs.len()).take_while(cuts) {
+            way += places[i].way;
+            if way > reach || arcs[i].full {
+                break;
+            }
+            arcs[i].slot = true;
+        }
+    }
 }
 
 impl ArcTimes {
-    /// The classes of all steps at feed. The arc of a step is the largest one of the steps with chips over the tip
-    /// motion `window`, mm, that ends with it: the rays seldom meet all chips of a step that is shorter than a cell.
-    pub(super) fn new(
-        places: &[StepPlace],
-        removal: &Removal,
-        cuts: &[BlockCut],
-        window: f64,
-        arc: &dyn Fn(&BlockCut) -> f64,
-    ) -> Self {
-        let mut arcs = vec![0.0; places.len()];
-        for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
-            if let Some(a) = arcs.get_mut(c.block as usize) {
-                *a = arc(c);
-            }
-        }
+    /// The classes of all steps at feed.
+    pub(super) fn new(places: &[StepPlace], removal: &Removal, arcs: &[StepArc]) -> Self {
         let mut found = Self::default();
         for (i, place) in places.iter().enumerate().filter(|(_, p)| p.kind != MoveKind::Rapid) {
+            let add = |to: &mut [f64; 2]| *to = [to[0] + place.time, to[1] + place.way];
             if !removal.cuts[i] {
-                found.air = [found.air[0] + place.time, found.air[1] + place.way];
+                add(&mut found.air);
                 continue;
             }
-            let (mut most, mut way) = (0.0_f64, 0.0);
-            for k in (0..=i).rev() {
-                most = most.max(arcs[k]);
-                way += places[k].way;
-                if way >= window {
-                    break;
-                }
+            if arcs[i].slot {
+                add(&mut found.slots);
             }
-            let class = ((most / CLASS).ceil() as usize).clamp(1, CLASSES) - 1;
+            let class = ((arcs[i].found / CLASS).ceil() as usize).clamp(1, CLASSES) - 1;
             found.time[class] += place.time;
             found.way[class] += place.way;
         }

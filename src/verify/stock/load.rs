@@ -26,6 +26,7 @@ const BREAKING_CHIP: f64 = 0.1;
 /// Findings of one operation.
 pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     report_cuts(program, motion, o, sink);
+    report_depth(program, motion, o, sink);
     report_link(program, motion, o, sink);
 }
 
@@ -54,6 +55,33 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
             .block(link.at.operation, link.at.index)
             .note("a move at feed above `feed` of the operation is a link")
             .help("use the process feed in this block, or leads that begin and end outside the stock"),
+    );
+}
+
+/// Finding on a depth of cut over the limit that the job or the library states for the tool.
+fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some((cut, operation)) = o.slot_depth.zip(motion.operations.get(o.operation as usize)) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let Some(limit) = tool.max_depth.map(|limit| limit.get()).filter(|limit| cut.value > *limit) else { return };
+    let text = format!(
+        "{} cuts {} deep over an arc of {:.0} deg, which loads it as a slot {} deep; its limit is {}",
+        tool.name,
+        length(cut.depth),
+        cut.arc,
+        length(cut.value),
+        length(limit)
+    );
+    sink.push(
+        Diag::error(verification::TOOL_LOAD, text)
+            .label(declared.span, "in this operation")
+            .label(tool.span, "`max-depth` of this tool")
+            .place(describe(program, motion, Some(cut.at)), Point3::from(cut.tip))
+            .block(cut.at.operation, cut.at.index)
+            .note("the load is the depth along the tool axis times the share of the arc in 180 deg")
+            .help(
+                "use a smaller `depth` or `stepover`, an operation before it that leaves less stock, or a stiffer tool",
+            ),
     );
 }
 

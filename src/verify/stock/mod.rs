@@ -2,10 +2,12 @@
 //! the stock that shank, holder and rapids meet.
 
 pub mod arcs;
+mod cells;
 mod load;
 mod report;
 
-pub use arcs::ArcTimes;
+pub use arcs::{ArcBound, ArcTimes};
+pub use cells::{default_cell, memory, usual_cell};
 pub use report::report;
 
 use super::proof::piece::At;
@@ -15,15 +17,12 @@ use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Prog
 use crate::kin::between;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Step, StepKind, Touched};
-use nalgebra::Point3;
+use crate::units::trim;
+use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usual cell of the stock, mm: the run of an impeller of some 120 mm takes a few seconds more with it.
-pub const USUAL_CELL: f64 = 1.0;
-
-/// Most cells across a stock with usual cells.
-const MOST_USUAL: f64 = 200.0;
+use arcs::{Circle, StepArc};
 
 /// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
 const STEP_LENGTH: f64 = 2.0;
@@ -33,6 +32,9 @@ const PIECE: usize = 1 << 11;
 
 /// Tip motion over which removal is averaged, in cells: the rays meet the chips of single steps by chance.
 const WINDOW_CELLS: f64 = 4.0;
+
+/// Volume from which a link counts as cutting, mm3: less comes from rubbing beside a wall that was cut before.
+const LINK_VOLUME: f64 = 1.0;
 
 /// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
 const CHIP_SECTION: f64 = 1e-3;
@@ -54,7 +56,7 @@ pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
 /// Settings of the stock simulation.
 #[derive(Default)]
 pub struct Settings<'a> {
-    /// Edge of the cells, mm; `None` for [`usual_cell`].
+    /// Edge of the cells, mm; `None` for [`default_cell`].
     pub cell: Option<f64>,
     /// Called after each operation.
     pub after: Option<AfterOperation<'a>>,
@@ -65,6 +67,21 @@ pub struct Settings<'a> {
 pub struct Peak {
     /// Value.
     pub value: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Depth of cut at full width that loads the cutter as much as a cut of another arc.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlotDepth {
+    /// Extent along the tool axis times the share of the arc in 180 degrees, mm.
+    pub value: f64,
+    /// Extent along the tool axis, mm.
+    pub depth: f64,
+    /// Arc that the rays show, degrees.
+    pub arc: f64,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.
@@ -114,10 +131,17 @@ pub struct OperationStock {
     pub depth: Option<Peak>,
     /// Largest extent across tip motion and axis, mm.
     pub width: Option<Peak>,
-    /// Largest arc of engagement of the circle of the cutter, degrees.
+    /// Largest arc of engagement of the circle of the cutter that the rays show, degrees.
     pub arc: Option<Peak>,
+    /// Largest upper bound of the arc.
+    pub arc_bound: Option<ArcBound>,
+    /// Largest upper bound of the arc outside of slots.
+    pub arc_outside_slots: Option<ArcBound>,
     /// Largest removal rate, mm3/s, averaged over a tip motion of some cells.
     pub rate: Option<Peak>,
+    /// Largest depth of cut at full width that loads the cutter as much, mm: the extent along the tool axis times the share
+    /// of the arc in half a turn.
+    pub slot_depth: Option<SlotDepth>,
     /// Largest extent along the tool axis, mm, where the cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
     pub full: Option<Peak>,
@@ -133,8 +157,10 @@ pub struct OperationStock {
 pub struct Engagement {
     /// Removal rate, mm3/s, averaged over a tip motion of some cells that ends with the move.
     pub rate: f64,
-    /// Largest arc of the cutter's circle in the stock, degrees.
+    /// Largest arc of the cutter's circle in the stock that the rays show, degrees.
     pub arc: f64,
+    /// Largest upper bound of this arc, degrees.
+    pub arc_bound: f64,
 }
 
 impl OperationStock {
@@ -192,7 +218,9 @@ impl StockReport {
         writeln!(
             t,
             "stock: cells of {} mm, {} rays, blank {:.0} mm3; volumes in mm3, largest engagement in mm, deg and mm3/s",
-            self.cell, self.rays, self.blank
+            trim(self.cell, 4),
+            self.rays,
+            self.blank
         )?;
         writeln!(
             t,
@@ -238,15 +266,6 @@ impl StockReport {
     }
 }
 
-/// Default cell of a stock with a profile of (r, z) points, mm.
-pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
-    let (mut r, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
-    for p in profile {
-        (r, low, high) = (r.max(p[0]), low.min(p[1]), high.max(p[1]));
-    }
-    USUAL_CELL.max((2.0 * r).max(high - low) / MOST_USUAL)
-}
-
 /// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink.
 pub fn simulate(
     program: &Program,
@@ -255,8 +274,7 @@ pub fn simulate(
     progress: &Progress,
     sink: &mut Sink,
 ) -> Option<StockReport> {
-    let profile = &program.stock.profile;
-    let cell = settings.cell.unwrap_or_else(|| usual_cell(profile));
+    let cell = settings.cell.unwrap_or_else(|| default_cell(program));
     let mut field = match program.stock.field(cell) {
         Ok(field) => field,
         Err(error) => {
@@ -373,6 +391,26 @@ impl Milled {
         self.peak_at(value(c), c.block)
     }
 
+    /// The largest depth at full width that loads the cutter as much as a step.
+    fn slot_depth(&self, arcs: &[StepArc]) -> Option<SlotDepth> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let loads = cuts.filter_map(|c| {
+            let (depth, arc) = (c.height[1] - c.height[0], arcs.get(c.block as usize)?.found);
+            Some((depth * arc / 180.0, depth, arc, c.block))
+        });
+        let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let Peak { at, tip, .. } = self.peak_at(value, step)?;
+        Some(SlotDepth { value, depth, arc, at, tip })
+    }
+
+    /// The largest upper bound of the arc over the chosen steps.
+    fn arc_bound(&self, arcs: &[StepArc], choose: impl Fn(&StepArc) -> bool) -> Option<ArcBound> {
+        let steps = (0_u32..).zip(arcs).filter(|(_, a)| a.bound > 0.0 && choose(a));
+        let (step, most) = steps.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound))?;
+        let Peak { value, at, tip } = self.peak_at(most.bound, step)?;
+        Some(ArcBound { value, found: most.found, at, tip })
+    }
+
     /// Time of the chosen steps, s; `choose` gets index and place of a step.
     fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> f64 {
         self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum()
@@ -417,10 +455,11 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let radius = solid.cutter.widest_below(solid.flute_length);
-    let angle = |side: f64| libm::asin((side / radius).clamp(-1.0, 1.0));
-    let arc = |c: &BlockCut| (angle(c.side[1]) - angle(c.side[0])).to_degrees();
+    let circle = Circle { radius, cell: field.cell(), window };
+    let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
+    let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
     let depth = |c: &BlockCut| c.height[1] - c.height[0];
-    let link = fastest_link(operation, places, &outcome.cuts, field.cell().powi(3));
+    let link = fastest_link(operation, places, &outcome.cuts, LINK_VOLUME);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
         operation: milled.operation,
@@ -432,14 +471,17 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         time: milled.time(&|_, _| true),
         air: milled.time(&|i, _| !removal.cuts[i]),
         feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
-        arcs: ArcTimes::new(places, &removal, &outcome.cuts, window, &arc),
+        arcs: ArcTimes::new(places, &removal, &arcs),
         depth: milled.peak(&depth),
         width: milled.peak(&|c| c.side[1] - c.side[0]),
         arc: milled.peak(&arc),
+        arc_bound: milled.arc_bound(&arcs, |_| true),
+        arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
+        slot_depth: milled.slot_depth(&arcs),
         full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         collisions: milled.collisions(),
-        moves: engagement(operation.moves.len(), places, &removal, &outcome.cuts, &arc),
+        moves: engagement(operation.moves.len(), places, &removal, &arcs),
     }
 }
 
@@ -467,13 +509,7 @@ fn fastest_link(
 }
 
 /// Engagement of the moves, from the engagement of their steps.
-fn engagement(
-    count: usize,
-    places: &[StepPlace],
-    removal: &Removal,
-    cuts: &[BlockCut],
-    arc: &dyn Fn(&BlockCut) -> f64,
-) -> Vec<Engagement> {
+fn engagement(count: usize, places: &[StepPlace], removal: &Removal, arcs: &[StepArc]) -> Vec<Engagement> {
     let mut moves = vec![Engagement::default(); count];
     let mut times = vec![0.0; count];
     for (p, rate) in places.iter().zip(&removal.rates) {
@@ -485,10 +521,9 @@ fn engagement(
     for (m, time) in moves.iter_mut().zip(times) {
         m.rate = if time > 0.0 { m.rate / time } else { 0.0 };
     }
-    for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
-        let place = places.get(c.block as usize);
-        if let Some(m) = place.and_then(|p| moves.get_mut(p.index as usize)) {
-            m.arc = m.arc.max(arc(c));
+    for (p, arc) in places.iter().zip(arcs) {
+        if let Some(m) = moves.get_mut(p.index as usize) {
+            (m.arc, m.arc_bound) = (m.arc.max(arc.found), m.arc_bound.max(arc.bound));
         }
     }
     moves
@@ -501,6 +536,8 @@ struct StepPlace {
     kind: MoveKind,
     /// Tip at the end of the step.
     tip: Point3<f64>,
+    /// Tip motion, mm.
+    step: Vector3<f64>,
     /// Length of the tip motion, mm.
     way: f64,
     /// Time, s.
@@ -524,7 +561,8 @@ fn steps<'a>(
         let (a, b) = (k as f64 / count, (k + 1) as f64 / count);
         let ends = [tips[0] + way * a, tips[0] + way * b];
         let index = u32::try_from(index).unwrap_or(u32::MAX);
-        let place = StepPlace { index, kind, tip: ends[1], way: way.norm() / count, time: time / count };
+        let (step, time) = (way / count, time / count);
+        let place = StepPlace { index, kind, tip: ends[1], step, way: step.norm(), time };
         let kind = match kind {
             MoveKind::Cut => StepKind::Cut,
             MoveKind::Link => StepKind::Link,
@@ -588,7 +626,7 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
     let (text, help) = match error {
         FieldError::BadCell => (
             format!("the stock cannot have cells of {cell} mm"),
-            format!("give `--stock-cell` a length above zero, such as {USUAL_CELL}"),
+            format!("give `--stock-cell` a length above zero, such as {}", cells::USUAL),
         ),
         FieldError::BadProfile => (
             "the stock has no inside".to_owned(),

@@ -6,7 +6,7 @@ use impellerc::ir::{MoveKind, Operation, Program};
 use impellerc::kin::Machine;
 use impellerc::method::Planning;
 use impellerc::units::MmPerMin;
-use impellerc::verify::dynamics::{Limit, Run};
+use impellerc::verify::dynamics::{MotionLimit, Run};
 use std::f64::consts::{PI, TAU};
 
 /// The program with a process feed, mm/s.
@@ -19,7 +19,7 @@ fn with_feed(program: Program, feed: f64) -> Program {
 }
 
 /// Time of a limit in a kind of moves.
-fn time(run: &Run, kind: usize, limit: Limit, axis: Option<&str>) -> f64 {
+fn time(run: &Run, kind: usize, limit: MotionLimit, axis: Option<&str>) -> f64 {
     let own = run.limits.iter().filter(|l| l.limit == limit && l.axis.as_deref() == axis);
     own.map(|l| l.time[kind]).sum()
 }
@@ -36,25 +36,25 @@ pub(super) fn are_whole(run: &Run) -> bool {
 fn a_trapezoid_is_acceleration_and_feed() {
     let stops = along_x(&[0.0, 0.3, 20.0, 20.01, 55.0, 99.5, 100.0], 100.0);
     let run = ran(&with_feed(program(support::machine()), 100.0), MoveKind::Cut, &stops);
-    near(time(&run, 0, Limit::Acceleration, Some("X")), 2.0 * 100.0 / A, 1e-9);
-    near(time(&run, 0, Limit::Feed, None), 1.0 - 100.0 / A, 1e-9);
+    near(time(&run, 0, MotionLimit::Acceleration, Some("X")), 2.0 * 100.0 / A, 1e-9);
+    near(time(&run, 0, MotionLimit::Feed, None), 1.0 - 100.0 / A, 1e-9);
     assert!(are_whole(&run), "{run:?}");
     // Blocks with half of the process feed, and nothing that demands it.
     let run = ran(&with_feed(program(support::machine()), 200.0), MoveKind::Cut, &stops);
-    near(time(&run, 0, Limit::BlockFeed, None), 1.0 - 100.0 / A, 1e-9);
-    assert_eq!(time(&run, 0, Limit::Feed, None), 0.0);
+    near(time(&run, 0, MotionLimit::BlockFeed, None), 1.0 - 100.0 / A, 1e-9);
+    assert_eq!(time(&run, 0, MotionLimit::Feed, None), 0.0);
 }
 
 #[test]
 fn speeds_of_axes_are_named() {
     let machine = Machine { rapid: 1000.0, ..support::machine() };
     let run = ran(&program(machine), MoveKind::Rapid, &along_x(&[0.0, 200.0], 1000.0));
-    near(time(&run, 2, Limit::Speed, Some("X")), 200.0 / 500.0 - 500.0 / A, 1e-9);
-    near(time(&run, 2, Limit::Acceleration, Some("X")), 2.0 * 500.0 / A, 1e-9);
+    near(time(&run, 2, MotionLimit::Speed, Some("X")), 200.0 / 500.0 - 500.0 / A, 1e-9);
+    near(time(&run, 2, MotionLimit::Acceleration, Some("X")), 2.0 * 500.0 / A, 1e-9);
     let stops = [([0.0; 3], 0.0, -0.5, 0.0), ([0.0; 3], 0.0, 2.0, 2.5 / PI)];
     let run = ran(&program(support::machine()), MoveKind::Rapid, &stops);
-    near(time(&run, 2, Limit::Speed, Some("C")), 2.5 / PI - PI / 20.0, 1e-9);
-    near(time(&run, 2, Limit::Acceleration, Some("C")), 2.0 * PI / 20.0, 1e-9);
+    near(time(&run, 2, MotionLimit::Speed, Some("C")), 2.5 / PI - PI / 20.0, 1e-9);
+    near(time(&run, 2, MotionLimit::Acceleration, Some("C")), 2.0 * PI / 20.0, 1e-9);
     assert!(are_whole(&run), "{run:?}");
 }
 
@@ -77,13 +77,13 @@ fn on_a_circle_x_and_y_take_turns() {
     let run = ran(&with_feed(program(support::machine()), 2.0 * v), MoveKind::Cut, &stops);
     let due = 4.0 * (0.5625_f64 / share).acos() / TAU * run.time[0];
     for axis in ["X", "Y"] {
-        near(time(&run, 0, Limit::Acceleration, Some(axis)), due, 0.03 * due);
+        near(time(&run, 0, MotionLimit::Acceleration, Some(axis)), due, 0.03 * due);
     }
-    near(time(&run, 0, Limit::BlockFeed, None), run.time[0] - 2.0 * due, 0.05 * due);
+    near(time(&run, 0, MotionLimit::BlockFeed, None), run.time[0] - 2.0 * due, 0.05 * due);
     assert!(are_whole(&run), "{run:?}");
     // The same blocks where the job asks for no more.
     let run = ran(&with_feed(program(support::machine()), v), MoveKind::Cut, &stops);
-    assert!(time(&run, 0, Limit::Feed, None) > 0.95 * run.time[0], "{:?}", run.limits);
+    assert!(time(&run, 0, MotionLimit::Feed, None) > 0.95 * run.time[0], "{:?}", run.limits);
 }
 
 /// A staircase whose feed was lowered to that of its corners: the half blocks beside corners belong to them, and the
@@ -101,12 +101,12 @@ fn a_feed_that_was_lowered_for_corners_belongs_to_them() {
         })
         .collect();
     let run = ran(&program, MoveKind::Cut, &stops);
-    near(time(&run, 0, Limit::Corner, None), (LEGS - 1) as f64 * leg / v, 1e-6);
-    near(time(&run, 0, Limit::BlockFeed, None), leg / v - v / A, 1e-6);
+    near(time(&run, 0, MotionLimit::Corner, None), (LEGS - 1) as f64 * leg / v, 1e-6);
+    near(time(&run, 0, MotionLimit::BlockFeed, None), leg / v - v / A, 1e-6);
     assert!(are_whole(&run), "{run:?}");
     // At half of that feed the corners hold nothing.
     let slow: Vec<Stop> = stops.iter().map(|s| (s.0, s.1, s.2, 2.0 * s.3)).collect();
-    assert_eq!(time(&ran(&program, MoveKind::Cut, &slow), 0, Limit::Corner, None), 0.0);
+    assert_eq!(time(&ran(&program, MoveKind::Cut, &slow), 0, MotionLimit::Corner, None), 0.0);
 }
 
 /// A ramp from rest to the speed v has jerk for the times a/j at both ends, and acceleration for v/a - a/j between them.
@@ -117,7 +117,7 @@ fn with_jerk_the_ends_of_a_ramp_are_jerk() {
     let found = |jerk: f64| {
         let run = ran(&with_feed(super::with_jerk(jerk, 200.0), v), MoveKind::Cut, &along_x(&[-200.0, 200.0], v));
         assert!(are_whole(&run), "{run:?}");
-        let times = [Limit::Jerk, Limit::Acceleration].map(|l| time(&run, 0, l, Some("X")));
+        let times = [MotionLimit::Jerk, MotionLimit::Acceleration].map(|l| time(&run, 0, l, Some("X")));
         println!("jerk {jerk}: {times:?} s; {:?}", run.limits);
         times
     };
@@ -134,7 +134,7 @@ fn with_jerk_the_ends_of_a_ramp_are_jerk() {
 fn linuxcnc_runs_a_line_in_a_trapezoid() {
     let machine = Machine { planning: Planning::LinuxCnc, cycle: 1e-4, ..support::machine() };
     let run = ran(&with_feed(program(machine), 100.0), MoveKind::Cut, &along_x(&[0.0, 100.0], 100.0));
-    near(time(&run, 0, Limit::Acceleration, Some("X")), 2.0 * 100.0 / A, 1e-3);
-    near(time(&run, 0, Limit::Feed, None), 1.0 - 100.0 / A, 1e-3);
+    near(time(&run, 0, MotionLimit::Acceleration, Some("X")), 2.0 * 100.0 / A, 1e-3);
+    near(time(&run, 0, MotionLimit::Feed, None), 1.0 - 100.0 / A, 1e-3);
     assert!(are_whole(&run), "{run:?}");
 }
