@@ -19,14 +19,15 @@ const MOST_SAMPLES: f64 = 4e6;
 /// Depth below a surface of the part from which what lacks is reported, mm.
 const SHOWN: f64 = 0.1;
 
-/// Samples of the surface of what is left, with normals out of the material.
-pub struct Left {
+/// What is left: samples of its surface, and its triangles over a grid in the plane of X and Y.
+pub struct Left<'a> {
     cloud: Cloud,
+    columns: Columns<'a>,
 }
 
-impl Left {
-    /// Samples of a closed mesh.
-    pub fn new(mesh: &Mesh) -> Self {
+impl<'a> Left<'a> {
+    /// Of a closed mesh.
+    pub fn new(mesh: &'a Mesh) -> Self {
         let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
         let size = |t: &[u32; 3]| {
             let [a, b, c] = corners(t);
@@ -44,15 +45,14 @@ impl Left {
                 points
             })
             .collect();
-        Self { cloud: Cloud::new(points) }
+        Self { cloud: Cloud::new(points), columns: Columns::new(mesh) }
     }
 
     /// Distance of a point to the surface, mm, positive in the material; at most half of the spacing of the samples too
     /// large.
     pub fn depth(&self, p: &Point3<f64>) -> f64 {
-        let Some((distance, index)) = self.cloud.least(|q| (q - p).norm(), f64::INFINITY) else { return 0.0 };
-        let nearest = &self.cloud.points()[index];
-        if (p - nearest.position).dot(&nearest.normal) > 0.0 { -distance } else { distance }
+        let Some((distance, _)) = self.cloud.least(|q| (q - p).norm(), f64::INFINITY) else { return 0.0 };
+        if self.columns.inside(p) { distance } else { -distance }
     }
 
     /// Reports what is missing of the part before the first operation.
@@ -79,6 +79,89 @@ impl Left {
     }
 }
 
+/// The triangles of a mesh in the columns along Z over a square grid.
+///
+/// Normals of the nearest sample do not tell the side of a point near a sharp edge; the surfaces above the point do.
+struct Columns<'a> {
+    mesh: &'a Mesh,
+    low: [f64; 2],
+    cell: f64,
+    /// Number of columns along X and Y.
+    count: [usize; 2],
+    /// Triangles over each column, column by column along X.
+    over: Vec<Vec<u32>>,
+}
+
+impl<'a> Columns<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in &mesh.vertices {
+            for k in 0..2 {
+                (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+            }
+        }
+        let size = [0, 1].map(|k: usize| high[k] - low[k]);
+        // About as many columns as triangles.
+        let cell = (size[0].max(size[1]) / (mesh.triangles.len() as f64).sqrt()).max(f64::MIN_POSITIVE);
+        let count = size.map(|size| (size / cell).ceil().max(1.0) as usize);
+        let mut columns = Self { mesh, low, cell, count, over: vec![Vec::new(); count[0] * count[1]] };
+        for (n, triangle) in (0_u32..).zip(&mesh.triangles) {
+            let corners = triangle.map(|i| columns.column(&mesh.vertices[i as usize]));
+            let range = |k: usize| {
+                let [a, b, c] = corners.map(|corner| corner[k]);
+                a.min(b).min(c)..=a.max(b).max(c)
+            };
+            for j in range(1) {
+                for i in range(0) {
+                    columns.over[j * count[0] + i].push(n);
+                }
+            }
+        }
+        columns
+    }
+
+    /// Column of a point; the nearest one for a point beside the mesh.
+    fn column(&self, p: &Point3<f64>) -> [usize; 2] {
+        [0, 1].map(|k| (((p[k] - self.low[k]) / self.cell) as usize).min(self.count[k] - 1))
+    }
+
+    /// True when more surfaces above the point face up than down.
+    fn inside(&self, p: &Point3<f64>) -> bool {
+        let [i, j] = self.column(p);
+        self.over[j * self.count[0] + i].iter().map(|n| self.above(*n, p)).sum::<i32>() > 0
+    }
+
+    /// 1 when a triangle that faces up lies above the point, -1 when one that faces down does, else 0.
+    fn above(&self, triangle: u32, p: &Point3<f64>) -> i32 {
+        let t = self.mesh.triangles[triangle as usize];
+        let turns: i32 = [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| self.turn(a, b, p)).iter().sum();
+        if turns == 0 {
+            return 0;
+        }
+        let [a, b, c] = t.map(|i| self.mesh.vertices[i as usize]);
+        let normal = (b - a).cross(&(c - a));
+        // Height of the surface over the point, times the Z component of the normal.
+        let over = normal.dot(&(a - p));
+        if (over > 0.0) == (normal.z > 0.0) { turns } else { 0 }
+    }
+
+    /// Half of a turn of an edge round a point, seen against Z: 1 where the edge runs up in Y to the right of the point,
+    /// -1 where it runs down there, else 0. Both triangles at an edge compute it from its ends in the same order, so that
+    /// no point between them is lost or counted twice.
+    fn turn(&self, from: u32, to: u32, p: &Point3<f64>) -> i32 {
+        let [a, b] = [from.min(to), from.max(to)].map(|i| self.mesh.vertices[i as usize]);
+        if (a.y > p.y) == (b.y > p.y) {
+            return 0;
+        }
+        let left = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+        let right_of_point = (left < 0.0) != (b.y > a.y);
+        if !right_of_point {
+            return 0;
+        }
+        if (b.y > p.y) == (from < to) { 1 } else { -1 }
+    }
+}
+
 /// Samples of a triangle: middles of its pieces.
 fn pieces(corners: &[Point3<f64>; 3], spacing: f64, points: &mut Vec<CloudPoint>) {
     let [a, b, c] = corners;
@@ -89,5 +172,41 @@ fn pieces(corners: &[Point3<f64>; 3], spacing: f64, points: &mut Vec<CloudPoint>
     // A triangle without an area has a neighbour at the same place.
     if let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) {
         points.push(CloudPoint { position: Point3::from((a.coords + b.coords + c.coords) / 3.0), normal, tag: 0 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A prism over a kite with an edge of 21 deg. Points of the grid lie over vertices and edges, and beside the sharp
+    /// edge, where the nearest sample may face away from a point outside.
+    #[test]
+    fn the_side_of_a_point_is_that_of_half_spaces() {
+        let outline = [[0.0, 0.0], [11.0, -2.0], [12.0, 0.0], [11.0, 2.0]];
+        let at = |[x, y]: [f64; 2], z: f64| Point3::new(x, y, z);
+        let vertices = outline.map(|p| at(p, -1.0)).into_iter().chain(outline.map(|p| at(p, 3.0))).collect();
+        let mut triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+        for i in 0..4_u32 {
+            let j = (i + 1) % 4;
+            triangles.extend([[i, j, j + 4], [i, j + 4, i + 4]]);
+        }
+        let mesh = Mesh { vertices, triangles };
+        assert!(mesh.is_closed() && mesh.volume() > 0.0);
+        let left = Left::new(&mesh);
+        let mut counts = [0; 2];
+        for (i, j, k) in (-8..60).flat_map(|i| (-16..=16).flat_map(move |j| (-8..=16).map(move |k| (i, j, k)))) {
+            let p = Point3::new(0.25 * f64::from(i), 0.25 * f64::from(j), 0.25 * f64::from(k));
+            let sides = (0..4).map(|i| {
+                let ([ax, ay], [bx, by]) = (outline[i], outline[(i + 1) % 4]);
+                ((bx - ax) * (p.y - ay) - (by - ay) * (p.x - ax)) / libm::hypot(bx - ax, by - ay)
+            });
+            let deep = sides.fold((p.z + 1.0).min(3.0 - p.z), f64::min);
+            if deep.abs() > 1e-9 {
+                assert_eq!(left.depth(&p) > 0.0, deep > 0.0, "{p} {deep}");
+                counts[usize::from(deep > 0.0)] += 1;
+            }
+        }
+        assert!(counts[0] > 10_000 && counts[1] > 2000, "{counts:?}");
     }
 }

@@ -24,8 +24,9 @@ impl Compiled {
     /// Plans and verifies.
     pub fn new(program: Program) -> Self {
         let mut sink = Sink::default();
-        let plan = pipeline::run(&program, &mut sink).expect("a plan");
-        let (motion, certificate) = verify(&program, plan.motion.clone(), &mut sink).expect("a certificate");
+        let plan = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("no plan: {:#?}", sink.diags()));
+        let (motion, certificate) = verify(&program, plan.motion.clone(), &mut sink)
+            .unwrap_or_else(|_| panic!("no certificate: {:#?}", sink.diags()));
         Self { program, plan, motion, certificate }
     }
 
