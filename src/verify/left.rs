@@ -174,39 +174,3 @@ fn pieces(corners: &[Point3<f64>; 3], spacing: f64, points: &mut Vec<CloudPoint>
         points.push(CloudPoint { position: Point3::from((a.coords + b.coords + c.coords) / 3.0), normal, tag: 0 });
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A prism over a kite with an edge of 21 deg. Points of the grid lie over vertices and edges, and beside the sharp
-    /// edge, where the nearest sample may face away from a point outside.
-    #[test]
-    fn the_side_of_a_point_is_that_of_half_spaces() {
-        let outline = [[0.0, 0.0], [11.0, -2.0], [12.0, 0.0], [11.0, 2.0]];
-        let at = |[x, y]: [f64; 2], z: f64| Point3::new(x, y, z);
-        let vertices = outline.map(|p| at(p, -1.0)).into_iter().chain(outline.map(|p| at(p, 3.0))).collect();
-        let mut triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
-        for i in 0..4_u32 {
-            let j = (i + 1) % 4;
-            triangles.extend([[i, j, j + 4], [i, j + 4, i + 4]]);
-        }
-        let mesh = Mesh { vertices, triangles };
-        assert!(mesh.is_closed() && mesh.volume() > 0.0);
-        let left = Left::new(&mesh);
-        let mut counts = [0; 2];
-        for (i, j, k) in (-8..60).flat_map(|i| (-16..=16).flat_map(move |j| (-8..=16).map(move |k| (i, j, k)))) {
-            let p = Point3::new(0.25 * f64::from(i), 0.25 * f64::from(j), 0.25 * f64::from(k));
-            let sides = (0..4).map(|i| {
-                let ([ax, ay], [bx, by]) = (outline[i], outline[(i + 1) % 4]);
-                ((bx - ax) * (p.y - ay) - (by - ay) * (p.x - ax)) / libm::hypot(bx - ax, by - ay)
-            });
-            let deep = sides.fold((p.z + 1.0).min(3.0 - p.z), f64::min);
-            if deep.abs() > 1e-9 {
-                assert_eq!(left.depth(&p) > 0.0, deep > 0.0, "{p} {deep}");
-                counts[usize::from(deep > 0.0)] += 1;
-            }
-        }
-        assert!(counts[0] > 10_000 && counts[1] > 2000, "{counts:?}");
-    }
-}

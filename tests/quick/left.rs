@@ -147,7 +147,8 @@ fn depth_in_a_box() {
     let corner = |n: usize| Point3::from([0, 1, 2].map(|k: usize| if n >> k & 1 == 0 { -3.0 } else { 5.0 }));
     let quads: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-    let left = Left::new(&Mesh { vertices: (0..8).map(corner).collect(), triangles });
+    let mesh = Mesh { vertices: (0..8).map(corner).collect(), triangles };
+    let left = Left::new(&mesh);
     for k in 0..1000_u32 {
         let p = Point3::from([0, 1, 2].map(|n| f64::from(k * (13 + 7 * n) % 101) / 10.0 - 4.0));
         let beyond = p.map(|x| (-3.0 - x).max(x - 5.0));
@@ -157,6 +158,37 @@ fn depth_in_a_box() {
         assert!((found.abs() - due.abs()).abs() < 0.125, "{p}: {found} instead of {due}");
         assert!(due.abs() < 0.2 || found.signum() == due.signum(), "{p}: {found} instead of {due}");
     }
+}
+
+/// A prism over a kite with an edge of 21 deg. Points of the grid lie over vertices and edges, and beside the sharp
+/// edge, where the nearest sample may face away from a point outside.
+#[test]
+fn the_side_of_a_point_is_that_of_half_spaces() {
+    let outline = [[0.0, 0.0], [11.0, -2.0], [12.0, 0.0], [11.0, 2.0]];
+    let at = |[x, y]: [f64; 2], z: f64| Point3::new(x, y, z);
+    let vertices = outline.map(|p| at(p, -1.0)).into_iter().chain(outline.map(|p| at(p, 3.0))).collect();
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+    for i in 0..4_u32 {
+        let j = (i + 1) % 4;
+        triangles.extend([[i, j, j + 4], [i, j + 4, i + 4]]);
+    }
+    let mesh = Mesh { vertices, triangles };
+    assert!(mesh.is_closed() && mesh.volume() > 0.0);
+    let left = Left::new(&mesh);
+    let mut counts = [0; 2];
+    for (i, j, k) in (-8..60).flat_map(|i| (-16..=16).flat_map(move |j| (-8..=16).map(move |k| (i, j, k)))) {
+        let p = Point3::new(0.25 * f64::from(i), 0.25 * f64::from(j), 0.25 * f64::from(k));
+        let sides = (0..4).map(|i| {
+            let ([ax, ay], [bx, by]) = (outline[i], outline[(i + 1) % 4]);
+            ((bx - ax) * (p.y - ay) - (by - ay) * (p.x - ax)) / libm::hypot(bx - ax, by - ay)
+        });
+        let deep = sides.fold((p.z + 1.0).min(3.0 - p.z), f64::min);
+        if deep.abs() > 1e-9 {
+            assert_eq!(left.depth(&p) > 0.0, deep > 0.0, "{p} {deep}");
+            counts[usize::from(deep > 0.0)] += 1;
+        }
+    }
+    assert!(counts[0] > 10_000 && counts[1] > 2000, "{counts:?}");
 }
 
 /// What is missing of the part before the first operation is told; a hole is an error, rounded edges are none.

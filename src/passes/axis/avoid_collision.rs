@@ -13,7 +13,9 @@ use super::sequence;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::entity::PrimaryMap;
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program, Tool};
+use crate::ir::{
+    CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, OperationKind, Program, Tool,
+};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
 use crate::passes::context::{AxisTilt, Keep, Obstacles, PassContext};
@@ -110,7 +112,8 @@ fn clear_axes(
     let chosen = if method == AxisMethod::Xu {
         sequence::greedy_axes(&clear, &program.machine.chain, planned, passes)
     } else {
-        sequence::shortest(&clear, &program.machine, passes, &work)
+        let on_floor = matches!(operation.kind, OperationKind::Channel { .. });
+        sequence::shortest(&clear, &program.machine, (passes, on_floor), &work)
     };
     let (found, blocked) = match chosen {
         Ok(points) => (points, Vec::new()),

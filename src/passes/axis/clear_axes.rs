@@ -13,7 +13,7 @@ use crate::contract::Guarded;
 use crate::diag::{Diag, codes::orientation};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
-use crate::ir::{Operation, OperationKind, Program};
+use crate::ir::{Operation, Program};
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles};
 use nalgebra::{Point3, Vector2, Vector3};
@@ -46,8 +46,6 @@ pub(crate) struct ClearAxes<'a> {
     asked: [f64; 3],
     /// Largest angle between tool axis and table axis within the travel of rotary axis 1, radians.
     most_polar_angle: f64,
-    /// The tool finishes the floor.
-    floor: bool,
 }
 
 impl<'a> ClearAxes<'a> {
@@ -59,7 +57,6 @@ impl<'a> ClearAxes<'a> {
             solid,
             asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
             most_polar_angle: program.machine.most_polar_angle(),
-            floor: matches!(operation.kind, OperationKind::Channel { .. }),
         }
     }
 
@@ -103,12 +100,9 @@ impl<'a> ClearAxes<'a> {
         around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
     }
 
-    /// On the floor, clear axes at most the first angle of [`RINGS`] from a direction, this direction first.
+    /// Clear axes at most the first angle of [`RINGS`] from a direction, this direction first.
     pub(crate) fn beside(&self, centre: &Point3<f64>, to: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
-        around(to)
-            .take(if self.floor { 1 + AROUND } else { 0 })
-            .filter(|d| self.clear(centre, d, 0.0, margin))
-            .collect()
+        around(to).take(1 + AROUND).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
     }
 
     /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.

@@ -3,9 +3,9 @@
 
 use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};
+use crate::geom::Triangulation;
 use crate::geom::angle::nearest_turn;
 use crate::geom::moving_least_squares::{Patch, curvature};
-use crate::geom::{EllipticCone, Triangulation};
 use crate::ir::{CcPass, ClPass, ClPoint};
 use crate::kin::{Angles, Chain, Machine, between};
 use crate::orient::inscribe::Proof;
@@ -151,18 +151,27 @@ impl WayStations {
         Self { way, candidates, middles }
     }
 
-    /// Adds clear axes about the axis chosen at the nearest place of earlier lines, and to all candidates the cost of
-    /// the difference to that axis.
-    fn tilt_towards(&mut self, clear: &ClearAxes<'_>, machine: &Machine, chosen: &[(Point3<f64>, Vector3<f64>)]) {
+    /// Adds to all candidates the cost of the angle to the axis chosen at the nearest place of earlier lines. Lines of
+    /// the floor may take the clear axes about that axis as well; on faces the cutter would turn against the wall that it
+    /// cuts.
+    fn tilt_towards(
+        &mut self,
+        clear: &ClearAxes<'_>,
+        machine: &Machine,
+        chosen: &[(Point3<f64>, Vector3<f64>)],
+        on_floor: bool,
+    ) {
         let chain = &machine.chain;
         for ((length, candidates), middle) in self.way.stops.iter().zip(&mut self.candidates).zip(&self.middles) {
             let here = self.way.centre(*length);
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
-            let axes = clear.beside(&here, beside, MARGIN);
-            candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
-            let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
-            candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
+            if on_floor {
+                let axes = clear.beside(&here, beside, MARGIN);
+                candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
+                let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
+                candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
+            }
             for candidate in candidates {
                 let axis = chain.tool_axis([candidate.joints[3], candidate.joints[4]]);
                 candidate.penalty += BESIDE * axis.angle(beside).powi(2);
@@ -180,7 +189,7 @@ impl WayStations {
 pub(crate) fn shortest(
     clear: &ClearAxes<'_>,
     machine: &Machine,
-    passes: &[ClPass],
+    (passes, on_floor): (&[ClPass], bool),
     work: &Work,
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let looked: Vec<Option<WayStations>> = passes
@@ -200,7 +209,7 @@ pub(crate) fn shortest(
             found.push(pass.points.clone());
             continue;
         };
-        stations.tilt_towards(clear, machine, &chosen);
+        stations.tilt_towards(clear, machine, &chosen, on_floor);
         let WayStations { way, candidates, middles } = &stations;
         match costs.shortest(candidates) {
             Ok(choice) => {
@@ -246,12 +255,8 @@ pub(crate) fn greedy_axes(
                     // About the clear axis nearest to the normal. In a deep channel there is none near the normal, or
                     // only axes near the pole: then about the direction of the channel.
                     let laid = |to: &Vector3<f64>, proof: Proof| clear.cone(&centre, to, proof, 0.0);
-                    let steep = |cone: &EllipticCone| {
-                        let axis = cone.axis();
-                        libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
-                    };
                     let cone = laid(&normal, Proof::Covered)
-                        .filter(steep)
+                        .filter(|cone| is_steep(&cone.axis()))
                         .or_else(|| laid(&about, Proof::Covered))
                         .or_else(|| laid(&about, Proof::Rays));
                     let weight = curvature.map_or(0.0, |k| greedy::weight(k, mean));

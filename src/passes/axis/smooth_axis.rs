@@ -5,8 +5,9 @@
 //! sequence is found. Inside these cones, rotary angles with the least turn per mm and the least second and third
 //! differences are found. A cubic curve through these angles gives the axis of every station of the pass. Last, the
 //! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
-//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the end
-//! each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between them turn little.
+//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the
+//! end each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between
+//! them turn little.
 
 use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};

@@ -18,6 +18,7 @@ const TILT_SOFTNESS: f64 = 0.05;
 
 /// Channel of sector 0 as a map from (u, v, w) to points. Its walls are the facing faces of vane 0 and vane 1. Between
 /// them points lie on arcs about Z, so that the map keeps the walls and the symmetry of the part.
+#[derive(Clone, Copy)]
 pub(crate) struct ChannelChart<'a> {
     part: &'a Part,
     first: &'a Face,

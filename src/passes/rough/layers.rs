@@ -129,6 +129,7 @@ impl<'a> Roughing<'a> {
     /// `None` for an operation that is not roughing.
     pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
         let [depth, vane, hub] = operation.kind.roughing()?;
+        let follows_levels = matches!(operation.kind, OperationKind::Rough { .. });
         let upright = Self {
             tilt: WallTilt::default(),
             chart: ChannelChart::new(&program.part),
@@ -141,25 +142,19 @@ impl<'a> Roughing<'a> {
                 clearance: program.clearance.get(),
             },
             between: Keep { vane: vane.get(), hub: hub.get(), clearance: program.clearance.get() },
-            straight_leads: matches!(operation.kind, OperationKind::Rough { .. }),
-            lifts: matches!(operation.kind, OperationKind::Rough { .. })
-                || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
-            spacing: if matches!(operation.kind, OperationKind::Rough { .. }) {
-                cost::rough_spacing(program)
-            } else {
-                STATION_SPACING
-            },
+            straight_leads: follows_levels,
+            lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
+            spacing: if follows_levels { cost::rough_spacing(program) } else { STATION_SPACING },
             depth: depth.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),
         };
-        let follows_levels = matches!(operation.kind, OperationKind::Rough { .. });
         Some(if follows_levels { upright.tilted() } else { upright })
     }
 
     /// The same with another tilt away from the walls.
     pub(super) fn with_tilt(&self, tilt: WallTilt) -> Self {
-        Self { chart: ChannelChart::new(self.chart.part()), tilt, ..*self }
+        Self { tilt, ..*self }
     }
 
     /// Distance of the tool axis from a wall at which the allowance is kept.
@@ -236,8 +231,8 @@ impl<'a> Roughing<'a> {
         Ok(Layer { number, level, stations })
     }
 
-    /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted until it keeps the allowance on the
-    /// hub. `None` when the lift exceeds the step to the layer above.
+    /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted
+    /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above.
     fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));

@@ -36,14 +36,17 @@ const SIZE: f64 = 1e-3;
 /// Depth beyond which the verifier follows the normal instead of the distance, mm.
 const DEEP: f64 = 0.1;
 
-/// Cells of the stock simulation, mm; `None` for the usual ones. What the cutter alone does wrong at feed shows on the
-/// design surfaces; of the stock these faults say nothing that is judged here.
-fn cell(kind: Kind) -> Option<f64> {
+/// Cells of the stock simulation, mm. What the cutter alone does wrong at feed shows on the design surfaces; of the stock
+/// these faults say nothing that is judged here. The others are millimetres long and need no fine engagement.
+fn cell(kind: Kind) -> f64 {
     match kind {
-        Kind::BlockMoved | Kind::AxisTurned | Kind::BlockDropped | Kind::ToolRadius => Some(4.0),
-        Kind::ToolLength | Kind::WrongTurn | Kind::RapidThroughVane | Kind::HolderTooFat => None,
+        Kind::BlockMoved | Kind::AxisTurned | Kind::BlockDropped | Kind::ToolRadius => 4.0,
+        Kind::ToolLength | Kind::WrongTurn | Kind::RapidThroughVane | Kind::HolderTooFat => USUAL_CELL,
     }
 }
+
+/// Cells that find what shank and holder meet, mm.
+const USUAL_CELL: f64 = 1.0;
 
 /// What the verifier says about a text.
 struct Said {
@@ -61,7 +64,7 @@ impl Said {
     }
 }
 
-fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: Option<f64>) -> Said {
+fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: f64) -> Said {
     let text = lines.join("\n") + "\n";
     // Lines are carried through as places of a file of their own.
     let file = SourceId(u32::MAX);
@@ -74,8 +77,13 @@ fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: Option<f64>)
     };
     let motion = motion_of(program, &sections, &span, &mut sink);
     if let Some(nc) = &motion
-        && let Ok(certificate) =
-            certify_with(program, &nc.motion, &mut Settings { cell, after: None }, &Progress::default(), &mut sink)
+        && let Ok(certificate) = certify_with(
+            program,
+            &nc.motion,
+            &mut Settings { cell: Some(cell), after: None },
+            &Progress::default(),
+            &mut sink,
+        )
     {
         let worst = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth)).unwrap();
         said.gouge = worst.gouge.at.and_then(|at| {
@@ -219,7 +227,7 @@ fn faults_are_found_with_size_and_line() {
         let design = Design::new(&program.part);
         let text = post::find(dialect.name()).unwrap().emit(&program, &motion, &[]).text();
         let original = Original::new(dialect, &text, &program);
-        let said = ask(dialect, &program, &original.lines, None);
+        let said = ask(dialect, &program, &original.lines, USUAL_CELL);
         assert!(said.errors.is_empty(), "an alarm on the original: {:?}", said.errors);
         let all = segments(&original.stations);
         let truth = Truth { design: &design, program: &program };
