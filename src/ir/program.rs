@@ -98,6 +98,8 @@ pub struct Tool {
     pub flutes: u32,
     /// Swept solid of cutter, shank and holder about the tool axis; zero is the tip.
     pub solid: ToolSolid,
+    /// Largest feed per tooth: the stated one, or a share of the diameter.
+    pub max_chip: Mm,
     /// Largest depth of cut at full width that the job or the library states.
     pub max_depth: Option<Mm>,
     /// Its declaration.

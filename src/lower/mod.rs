@@ -219,6 +219,7 @@ fn tool(spec: &ToolSpec) -> Tool {
         name: spec.name.clone(),
         number: spec.number,
         flutes: spec.flutes,
+        max_chip: Mm(spec.largest_chip()),
         max_depth: spec.limits.depth,
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,

@@ -4,7 +4,8 @@
 use crate::support;
 use crate::support::jobs;
 use impellerc::diag::{Severity, Sink};
-use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program};
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program, Tool};
 use impellerc::kin::Chain;
 use impellerc::part::{BladeId, Clamping, SurfaceKind, chart::Shape, kept::kept};
 use impellerc::passes::pipeline;
@@ -242,15 +243,25 @@ fn load_is_judged_by_tool_and_feed() {
     let (program, mut motion) = line(MoveKind::Cut);
     let found = told(&program, &motion);
     assert!(matches!(&found[..], [("IMP0739", false, text)] if text.contains("full material")), "{found:?}");
-    // The same with chips of 0.25 mm: it breaks, and the chip alone is worth a remark.
+    // The same with chips of 0.25 mm: the tool breaks, also by the chip alone.
     motion.operations[0].moves[2].feed = Some(8000.0);
     let found = told(&program, &motion);
     assert!(found.iter().any(|f| f.1 && f.2.contains("full material")), "{found:?}");
-    assert!(found.iter().any(|f| !f.1 && f.2.contains("feed per tooth")), "{found:?}");
-    // A chip of a millimetre breaks it anywhere.
-    motion.operations[0].moves[2].feed = Some(32000.0);
-    let found = told(&program, &motion);
-    assert!(found.iter().any(|f| f.0 == "IMP0739" && f.1 && f.2.contains("feed per tooth")), "{found:?}");
+    let thick = |f: &&(&str, bool, String)| f.2.contains("feed per tooth of");
+    assert!(found.iter().find(thick).is_some_and(|f| f.0 == "IMP0739" && f.1), "{found:?}");
+    // A tool that permits such chips and is in the slot all the same: a remark. One that permits less depth: an error.
+    let stiff = |max_depth: Option<Mm>| {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            tools.push(Tool { max_chip: Mm(0.3), max_depth, ..tool.clone() });
+        }
+        Program { tools, ..program.clone() }
+    };
+    let found = told(&stiff(None), &motion);
+    assert!(found.iter().all(|f| !f.1) && !found.iter().any(|f| thick(&f)), "{found:?}");
+    let found = told(&stiff(Some(Mm(4.0))), &motion);
+    let deep = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("its limit is 4.000 mm");
+    assert!(found.iter().any(deep), "{found:?}");
     // At link feed it is no cut: a link that removes anything here removes more than any cut.
     let (program, motion) = line(MoveKind::Link);
     let found = told(&program, &motion);

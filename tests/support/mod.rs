@@ -162,6 +162,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         name: name.to_owned(),
         number,
         flutes: 4,
+        max_chip: Mm(0.06 * radius),
         max_depth: None,
         solid: ToolSolid {
             cutter,

@@ -127,11 +127,11 @@ and kept surfaces.\n\nExample: `allowance vane 40 um` under `tolerance rough 50 
 than the sum of the tolerance and the chord error of the path, or a smaller tolerance.";
     TOOL_LOAD = "IMP0739", "feed and spindle load the tool beyond its size",
         "The feed per tooth follows from feed, spindle speed and number of teeth. The simulated stock shows how much \
-of the cutter is engaged. Three cases are reported: a cut deeper than `max-depth` of the tool, a feed per tooth above 3 % of the diameter, and a finishing \
-operation that cuts a slot of full width deeper than a quarter of the diameter. It is an error if the tool would \
-break: a depth over `max-depth`, a feed per tooth above 10 % of the diameter, a spindle that stands still, or a full slot deeper than the \
-diameter with a feed per tooth above 3 %.\n\nExample: `flank` directly after `groove`, without an `expand` between \
-them.\n\nRemedy: use a lower `feed`, a higher `speed`, or roughing that leaves less stock.";
+of the cutter is engaged. Three cases are reported: a cut deeper than `max-depth` of the tool, a feed per tooth above \
+`max-chip` of the tool, and a finishing operation that cuts a slot of full width deeper than a quarter of the \
+diameter. The first two are errors, also where the spindle stands still. The third is an error if the slot is deeper \
+than the diameter and the feed per tooth is too large as well.\n\nExample: `flank` directly after `groove`, without an \
+`expand` between them.\n\nRemedy: use a lower `feed`, a higher `speed`, or roughing that leaves less stock.";
     PART_CUT = "IMP0746", "stock is missing inside the finished part",
         "In the simulated stock material is missing inside the hub disc, deeper than 0.1 mm below its surface (0.5 mm \
 where the job allows gouge). This check is independent of the proofs of the surfaces. It is coarser, because it sees \

@@ -17,11 +17,8 @@ const FULL_DEPTH: f64 = 0.25;
 /// Depth of a slot from which the tool breaks when the chip is thick as well, as a share of the diameter.
 const BREAKING_DEPTH: f64 = 1.0;
 
-/// Feed per tooth from which there is a remark, as a share of the diameter: tables of end mills end at some 2 %.
-const THICK_CHIP: f64 = 0.03;
-
-/// Feed per tooth from which the tool breaks, as a share of the diameter.
-const BREAKING_CHIP: f64 = 0.1;
+/// Excess over the largest chip that rounding of the feed may add, as a share.
+const ROUNDING: f64 = 1e-3;
 
 /// Findings of one operation.
 pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
@@ -44,8 +41,7 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let (harms, text) = if link.value > most {
         (true, format!("{removes}; the largest removal rate of its cuts is {}", rate(most)))
     } else {
-        let thick = chip > THICK_CHIP * 2.0 * tool.solid.cutter.nominal_radius();
-        (thick, format!("{removes}, with a feed per tooth of {}", length(chip)))
+        (chip > tool.max_chip.get(), format!("{removes}, with a feed per tooth of {}", length(chip)))
     };
     let new = if harms { Diag::error } else { Diag::remark };
     sink.push(
@@ -100,29 +96,26 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let diameter = 2.0 * tool.solid.cutter.nominal_radius();
     let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
     let share = |mm: f64| format!("{:.1} % of the diameter of {diameter:.3} mm", 100.0 * mm / diameter);
-    if let Some((chip, index)) = chip.filter(|(chip, _)| *chip > THICK_CHIP * diameter) {
+    let too_thick = chip.filter(|(chip, _)| *chip > tool.max_chip.get() * (1.0 + ROUNDING));
+    if let Some((chip, index)) = too_thick {
         let text = match chip.is_finite() {
             true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(chip)),
             false => format!("{} cuts with a spindle that stands still", tool.name),
         };
-        let breaks = chip > BREAKING_CHIP * diameter;
-        let limit = if breaks { BREAKING_CHIP } else { THICK_CHIP };
-        let new = if breaks { Diag::error } else { Diag::remark };
         let tip = operation.moves.get(index).map(|m| program.machine.forward(&m.joints).tip).unwrap_or_default();
         let at = At { operation: o.operation, index: u32::try_from(index).unwrap_or(u32::MAX) };
         sink.push(
-            new(verification::TOOL_LOAD, text)
+            Diag::error(verification::TOOL_LOAD, text)
                 .label(declared.span, "in this operation")
                 .place(describe(program, motion, Some(at)), tip)
                 .block(at.operation, at.index)
-                .note(format!("the limit is {:.0} % of the diameter", 100.0 * limit))
+                .note(format!("the limit of the tool is {}", length(tool.max_chip.get())))
                 .help("use a lower `feed`, or a higher `speed`"),
         );
     }
     let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
     let Some(full) = full else { return };
-    let thick = chip.is_some_and(|(chip, _)| chip > THICK_CHIP * diameter);
-    let breaks = full.value > BREAKING_DEPTH * diameter && thick;
+    let breaks = full.value > BREAKING_DEPTH * diameter && too_thick.is_some();
     let new = if breaks { Diag::error } else { Diag::remark };
     let text = format!(
         "finishing cuts in full material: a slot of {} that is {} deep, {}",
