@@ -4,6 +4,61 @@ use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Spacing};
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::units::Mm;
 
+/// Stock that roughing leaves on vanes and fillets. It grows evenly over the height, from the tip to the root, so that a
+/// thin vane stays stiff; or it is the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VaneAllowance {
+    tip: Mm,
+    root: Mm,
+}
+
+impl VaneAllowance {
+    /// No allowance.
+    pub const NONE: Self = Self::even(Mm(0.0));
+
+    /// The same allowance at every height.
+    pub const fn even(value: Mm) -> Self {
+        Self { tip: value, root: value }
+    }
+
+    /// An allowance with these values at the tip and at the root. `None` where it is smaller at the root.
+    pub fn growing(tip: Mm, root: Mm) -> Option<Self> {
+        (root.get() >= tip.get()).then_some(Self { tip, root })
+    }
+
+    /// The allowance at a share of the height, from 0 at the hub to 1 at the shroud ([`crate::part::Part::height`]), mm.
+    pub fn at(self, height: f64) -> f64 {
+        self.tip.get() + self.growth() * (1.0 - height.clamp(0.0, 1.0))
+    }
+
+    /// The least allowance, that at the tip.
+    pub const fn tip(self) -> Mm {
+        self.tip
+    }
+
+    /// The largest allowance, that at the root.
+    pub const fn root(self) -> Mm {
+        self.root
+    }
+
+    /// How much more the root has than the tip, mm.
+    pub fn growth(self) -> f64 {
+        self.root.get() - self.tip.get()
+    }
+
+    /// The allowance with a distance more at every height, mm.
+    #[must_use]
+    pub fn plus(self, more: f64) -> Self {
+        Self { tip: Mm(self.tip.get() + more), root: Mm(self.root.get() + more) }
+    }
+}
+
+impl std::fmt::Display for VaneAllowance {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.tip == self.root { write!(f, "{}", self.tip) } else { write!(f, "{} .. {}", self.tip, self.root) }
+    }
+}
+
 /// Kind of an operation with its own parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OperationKind {
@@ -12,7 +67,7 @@ pub enum OperationKind {
         /// Largest step between layers.
         depth: Mm,
         /// Material to leave on vanes and fillets.
-        allowance_vane: Mm,
+        allowance_vane: VaneAllowance,
         /// Material to leave on the hub.
         allowance_hub: Mm,
     },
@@ -21,7 +76,7 @@ pub enum OperationKind {
         /// Largest step between layers.
         depth: Mm,
         /// Material to leave on vanes and fillets.
-        allowance_vane: Mm,
+        allowance_vane: VaneAllowance,
         /// Material to leave on the hub.
         allowance_hub: Mm,
         /// Height between neighbouring lines (h of formula 9).
@@ -34,7 +89,7 @@ pub enum OperationKind {
         /// Largest distance between neighbouring lines.
         stepover: Mm,
         /// Material to leave on vanes and fillets.
-        allowance_vane: Mm,
+        allowance_vane: VaneAllowance,
         /// Material to leave on the hub.
         allowance_hub: Mm,
         /// Form of the levels.
@@ -92,11 +147,11 @@ impl OperationKind {
     }
 
     /// Largest step between levels, and the material that roughing leaves on vanes and on the hub; `None` for finishing.
-    pub fn roughing(&self) -> Option<[Mm; 3]> {
+    pub fn roughing(&self) -> Option<(Mm, VaneAllowance, Mm)> {
         match *self {
             Self::Groove { depth, allowance_vane, allowance_hub }
             | Self::Expand { depth, allowance_vane, allowance_hub, .. }
-            | Self::Rough { depth, allowance_vane, allowance_hub, .. } => Some([depth, allowance_vane, allowance_hub]),
+            | Self::Rough { depth, allowance_vane, allowance_hub, .. } => Some((depth, allowance_vane, allowance_hub)),
             Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
         }
     }

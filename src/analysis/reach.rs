@@ -7,6 +7,7 @@ use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program};
+use crate::operation::VaneAllowance;
 use crate::part::{Part, Surface};
 use crate::units::trim;
 
@@ -15,8 +16,8 @@ use crate::units::trim;
 pub struct Reach {
     /// Operation.
     pub operation: OperationId,
-    /// Material that it leaves on the walls, mm.
-    pub allowance_vane: f64,
+    /// Material that it leaves on the walls.
+    pub allowance_vane: VaneAllowance,
     /// Material that it leaves on the hub, mm.
     pub allowance_hub: f64,
     /// Free space over the hub allowance for the flat part of the tool's end, beyond its corners. The tool fits where
@@ -31,12 +32,12 @@ pub struct Reach {
 }
 
 /// Allowances on vane and hub; finishing leaves nothing. `None` where the width at the floor does not limit the tool.
-fn allowances(kind: &OperationKind) -> Option<[f64; 2]> {
-    if let Some([_, vane, hub]) = kind.roughing() {
-        return Some([vane.get(), hub.get()]);
+fn allowances(kind: &OperationKind) -> Option<(VaneAllowance, f64)> {
+    if let Some((_, vane, hub)) = kind.roughing() {
+        return Some((vane, hub.get()));
     }
     match kind {
-        OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some([0.0, 0.0]),
+        OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some((VaneAllowance::NONE, 0.0)),
         _ => None,
     }
 }
@@ -75,6 +76,9 @@ fn resized(cutter: &Cutter, radius: f64) -> Cutter {
     }
 }
 
+/// Places along the channel at which the height of the vane is measured.
+const STATIONS: usize = 40;
+
 /// Finds the reach of tools.
 struct Finder<'a> {
     part: &'a Part,
@@ -89,7 +93,10 @@ impl Finder<'_> {
     /// a hollow around a centre at the distance r from both. Inside of the fillet, at the height of the corner's
     /// centre, the corner comes nearer to the wall than the centre of the hollow by a chord of the hollow, less the
     /// allowance.
-    fn free_width(&self, corner: f64, vane: f64, hub: f64) -> Option<FreeWidth> {
+    fn free_width(&self, corner: f64, vane: VaneAllowance, hub: f64) -> Option<FreeWidth> {
+        // The share of the height is largest where the vane is lowest, so that no tool is refused that fits.
+        let heights = (0..=STATIONS).map(|i| self.part.main().faces[0].surface.height(i as f64 / STATIONS as f64));
+        let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
         let plain = self.channel.free_width(corner + vane, corner + hub)?;
         let Some(fillet) = self.part.main().fillet.map(|f| f.get()) else { return Some(plain) };
         let hollow = fillet - vane - corner;
@@ -103,8 +110,8 @@ impl Finder<'_> {
     }
 
     /// True when the tool fits between the walls above the floor: each level is compared with the radius of the tool at
-    /// that height.
-    fn fits_above(&self, cutter: &Cutter, vane: f64, from: f64) -> bool {
+    /// that height, and with the allowance there.
+    fn fits_above(&self, cutter: &Cutter, vane: VaneAllowance, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
             let face = &self.part.main().faces[0].surface;
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
@@ -116,11 +123,11 @@ impl Finder<'_> {
                 }
                 _ => end(cutter).radius,
             };
-            2.0 * (radius + vane) <= level.distance
+            2.0 * (radius + vane.at(level.v)) <= level.distance
         })
     }
 
-    fn fits(&self, cutter: &Cutter, vane: f64, hub: f64) -> bool {
+    fn fits(&self, cutter: &Cutter, vane: VaneAllowance, hub: f64) -> bool {
         let End { radius, corner } = end(cutter);
         let flat = 2.0 * (radius - corner);
         // The floor is judged over the allowance, the levels from a quarter of the height up.
@@ -128,7 +135,7 @@ impl Finder<'_> {
     }
 
     /// Largest diameter of this kind that fits, by bisection.
-    fn largest(&self, cutter: &Cutter, vane: f64, hub: f64) -> f64 {
+    fn largest(&self, cutter: &Cutter, vane: VaneAllowance, hub: f64) -> f64 {
         let End { corner, radius } = end(cutter);
         let least = if corner < radius { corner } else { 0.0 };
         let widest = self.throat.levels.iter().map(|l| l.distance).fold(0.0, f64::max);
@@ -153,7 +160,7 @@ pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> 
         .iter()
         .filter_map(|(id, operation)| {
             let cutter = &program.tools[operation.tool].solid.cutter;
-            let [vane, hub] = allowances(&operation.kind)?;
+            let (vane, hub) = allowances(&operation.kind)?;
             Some(Reach {
                 operation: id,
                 allowance_vane: vane,
@@ -203,7 +210,6 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     let size = trim(diameter(operation), 3);
     let kind = tool.solid.cutter.keyword();
     let narrow = &throat.narrowest;
-    let left = [trim(reach.allowance_vane, 3), trim(reach.allowance_hub, 3)];
     let mut diag = Diag::error(
         codes::TOOL_TOO_LARGE,
         format!(
@@ -217,10 +223,11 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
         diag = diag.label(o.span, format!("`{}` uses `{}`", o.name, program.tools[o.tool].name));
     }
     let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
-    diag = diag.note(format!(
-        "the tool must keep a distance of {} mm from both vanes and {} mm from the hub{fillet}",
-        left[0], left[1]
-    ));
+    let (vane, hub) = (reach.allowance_vane, trim(reach.allowance_hub, 3));
+    let [tip, root] = [vane.tip(), vane.root()].map(|value| trim(value.get(), 3));
+    let vane = if vane.growth() > 0.0 { format!("{tip} .. {root}") } else { root };
+    diag = diag
+        .note(format!("the tool must keep a distance of {vane} mm from both vanes and {hub} mm from the hub{fillet}"));
     if let Some(free_width) = reach.free_width {
         // The corners need space on both sides as well; a ball consists of corners only.
         let across = (free_width.width + 2.0 * end(&tool.solid.cutter).corner).max(0.0);

@@ -75,17 +75,28 @@ impl Cloud {
 
     /// Least value below `cutoff` of a function of the position; it must change no faster than the position.
     pub fn least(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> Option<(f64, usize)> {
+        self.least_of(&value, |_, p| value(p), cutoff)
+    }
+
+    /// The same for a value that also depends on the index of the sample. `low` is nowhere above it, and changes no
+    /// faster than the position.
+    pub fn least_of(
+        &self,
+        low: impl Fn(&Point3<f64>) -> f64,
+        value: impl Fn(usize, &Point3<f64>) -> f64,
+        cutoff: f64,
+    ) -> Option<(f64, usize)> {
         let bound = |node: &BvhNode, _: f64| {
             let centre = (node.mins() + node.maxs()) * 0.5;
             let half = (node.maxs() - node.mins()) * 0.5;
-            value(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
+            low(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
         };
         let leaf = |chunk: u32, _: f64| {
             let start = chunk as usize * LEAF;
             let end = (start + LEAF).min(self.points.len());
             let mut best: Option<(f64, usize)> = None;
             for (i, p) in self.points[start..end].iter().enumerate() {
-                let d = value(&p.position);
+                let d = value(start + i, &p.position);
                 if best.is_none_or(|b| d < b.0) {
                     best = Some((d, start + i));
                 }

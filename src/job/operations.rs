@@ -4,13 +4,13 @@ use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
 use super::limits;
 use super::model::{CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
-use super::properties::{Properties, Range};
+use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
-use crate::operation::by_lines;
+use crate::operation::{VaneAllowance, by_lines};
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name};
@@ -149,7 +149,7 @@ struct Layers {
     /// Largest step down.
     depth: Mm,
     /// Allowance on the vanes.
-    allowance_vane: Mm,
+    allowance_vane: VaneAllowance,
     /// Allowance on the hub.
     allowance_hub: Mm,
 }
@@ -491,31 +491,57 @@ impl OperationReader<'_> {
                 p.required("depth", Dimension::LENGTH, range, "depth 1.5 mm").map(|d| Mm(d.0))
             }
         };
-        let [allowance_vane, allowance_hub] = match before {
-            Some(before) if !p.has("allowance") => [before.allowance_vane, before.allowance_hub],
+        let (allowance_vane, allowance_hub) = match before {
+            Some(before) if !p.has("allowance") => (before.allowance_vane, before.allowance_hub),
             _ => allowances(p)?,
         };
         Some(Layers { depth: depth?, allowance_vane, allowance_hub })
     }
 }
 
+/// Largest allowance, mm.
+const ALLOWANCE: Range = Range::NotNegative(100.0);
+
 /// Allowances on vane and hub.
-pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<[Mm; 2]> {
+pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {
     let example = "allowance vane 0.2 mm, hub 0.5 mm";
     if !p.has("allowance") {
         p.missing("allowance", example);
         return None;
     }
-    let values = p.labelled("allowance", &["vane", "hub"], example);
+    let values = p.labelled_ranges("allowance", &["vane", "hub"], example);
     let [vane, hub] = ["vane", "hub"].map(|label| {
-        let Some((_, expr)) = values.iter().find(|(l, _)| l.text == label) else {
+        let found = values.iter().copied().find(|(l, _)| l.text == label);
+        if found.is_none() {
             p.missing(&format!("allowance {label}"), example);
-            return None;
-        };
-        let what = format!("allowance {label}");
-        p.value_of(expr, &what, Dimension::LENGTH, Range::NotNegative(100.0)).map(Mm)
+        }
+        found
     });
-    Some([vane?, hub?])
+    let vane = vane.and_then(|(_, of)| vane_allowance(of, p));
+    let hub = hub.and_then(|(label, of)| {
+        let one = p.single("allowance", label, of, example)?;
+        p.value_of(one, "allowance hub", Dimension::LENGTH, ALLOWANCE).map(Mm)
+    });
+    Some((vane?, hub?))
+}
+
+/// Allowance on the vanes: one value, or one at the tip and one at the root.
+fn vane_allowance(of: LabelledValue<'_>, p: &mut Properties<'_, '_>) -> Option<VaneAllowance> {
+    let mut value = |expr| p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCE).map(Mm);
+    let tip = value(of.first);
+    let Some(second) = of.second else { return tip.map(VaneAllowance::even) };
+    let (root, tip) = (value(second)?, tip?);
+    let allowance = VaneAllowance::growing(tip, root);
+    if allowance.is_none() {
+        p.sink.push(
+            Diag::error(codes::OUT_OF_RANGE, "`allowance vane` is smaller at the root than at the tip")
+                .label(of.first.span, "at the tip")
+                .label(second.span, "at the root")
+                .note("a vane is stiff if it is thicker at the root, where it stands on the hub")
+                .help(format!("give the smaller value first, `vane {root} .. {tip}`; or one value, `vane {tip}`")),
+        );
+    }
+    allowance
 }
 
 /// Lengths of both leads, or their defaults.

@@ -6,7 +6,7 @@ use crate::method::FlankMethod;
 use crate::method::Planning;
 use crate::operation::word;
 use crate::part::FaceId;
-use crate::units::{Mm, trim};
+use crate::units::trim;
 use std::fmt::Write;
 
 /// The job as text.
@@ -142,19 +142,15 @@ fn operations(out: &mut String, job: &Job) {
         let _ = writeln!(out, "  rest {}", o.rest.map_or_else(|| "off".to_owned(), |t| format!("over {t}")));
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
-        let layers = |out: &mut String, [depth, vane, hub]: [&Mm; 3]| {
+        if let Some((depth, vane, hub)) = o.kind.roughing() {
             let _ = writeln!(out, "  depth {depth}\n  allowance vane {vane}, hub {hub}");
-        };
+        }
         match &o.kind {
-            OperationKind::Groove { depth, allowance_vane, allowance_hub } => {
-                layers(out, [depth, allowance_vane, allowance_hub]);
-            }
-            OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
-                layers(out, [depth, allowance_vane, allowance_hub]);
+            OperationKind::Groove { .. } => {}
+            OperationKind::Expand { residual, .. } => {
                 let _ = writeln!(out, "  residual {residual}");
             }
-            OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels: form, milling } => {
-                layers(out, [depth, allowance_vane, allowance_hub]);
+            OperationKind::Rough { stepover, levels: form, milling, .. } => {
                 let _ = writeln!(out, "  stepover {stepover}\n  levels {}\n  milling {}", form.name(), milling.name());
             }
             OperationKind::Flank { faces, flank } => {

@@ -32,6 +32,15 @@ pub(super) enum Range {
     Within(f64),
 }
 
+/// What stands behind a label: `0.2 mm`, or `0.2 mm .. 0.4 mm`.
+#[derive(Clone, Copy)]
+pub(super) struct LabelledValue<'a> {
+    /// The value, or the first one of the range.
+    pub(super) first: &'a Expr,
+    /// The second value of a range.
+    pub(super) second: Option<&'a Expr>,
+}
+
 impl Range {
     /// Whether a value in base units is in the range.
     pub(super) fn holds(self, value: f64) -> bool {
@@ -103,7 +112,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
         // `depth 3 inch  speed 9 rpm` reads as an entry `inch` with the labelled value `speed 9 rpm`.
         let bare = before.and_then(|b| b.values.last()).is_some_and(
-            |v| matches!(v, Value::Expr(e) | Value::Labelled(_, e) if matches!(e.kind, ExprKind::Number(_, None))),
+            |v| matches!(v, Value::Expr(e) | Value::Labelled(_, e) | Value::Range(_, [_, e]) if matches!(e.kind, ExprKind::Number(_, None))),
         );
         if bare && nearest(&name.text, known.iter().copied()).is_none() {
             self.sink.push(unknown_unit(name));
@@ -293,13 +302,45 @@ impl<'a, 'c> Properties<'a, 'c> {
         Some(out)
     }
 
-    /// Values with labels; each label is one of `known` and occurs once.
+    /// Values with labels, one value for each; each label is one of `known` and occurs once.
     pub(super) fn labelled(&mut self, name: &str, known: &[&str], example: &str) -> Vec<(&'a Name, &'a Expr)> {
+        let given = self.labelled_ranges(name, known, example);
+        given.into_iter().filter_map(|(label, of)| Some((label, self.single(name, label, of, example)?))).collect()
+    }
+
+    /// The value of a label that takes one value and no range.
+    pub(super) fn single(
+        &mut self,
+        name: &str,
+        label: &Name,
+        of: LabelledValue<'a>,
+        example: &str,
+    ) -> Option<&'a Expr> {
+        if let Some(second) = of.second {
+            self.wrong_form(second.span, &format!("{name} {}", label.text), "one value and no range", example);
+            self.damaged = true;
+            return None;
+        }
+        Some(of.first)
+    }
+
+    /// Values with labels, each a value or a range; each label is one of `known` and occurs once.
+    pub(super) fn labelled_ranges(
+        &mut self,
+        name: &str,
+        known: &[&str],
+        example: &str,
+    ) -> Vec<(&'a Name, LabelledValue<'a>)> {
         let Some((_, values)) = self.take(name) else { return Vec::new() };
-        let mut out: Vec<(&Name, &Expr)> = Vec::new();
+        let mut out: Vec<(&Name, LabelledValue<'_>)> = Vec::new();
         for value in values {
-            match value {
-                Value::Labelled(label, expr) if known.contains(&label.text.as_str()) => {
+            let labelled = match value {
+                Value::Labelled(label, first) => Some((label, LabelledValue { first, second: None })),
+                Value::Range(label, [first, second]) => Some((label, LabelledValue { first, second: Some(second) })),
+                _ => None,
+            };
+            match labelled {
+                Some((label, of)) if known.contains(&label.text.as_str()) => {
                     if out.iter().any(|(l, _)| l.text == label.text) {
                         self.sink.push(
                             Diag::error(codes::GIVEN_TWICE, format!("`{name}` has `{}` twice", label.text))
@@ -307,17 +348,17 @@ impl<'a, 'c> Properties<'a, 'c> {
                                 .help("keep one of them"),
                         );
                     } else {
-                        out.push((label, expr));
+                        out.push((label, of));
                     }
                 }
-                Value::Labelled(label, _) => {
+                Some((label, _)) => {
                     let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("`{name}` has no part `{}`", label.text));
                     self.sink.push(suggest(diag, &label.text, label.span, "part", known));
                     self.damaged = true;
                 }
-                other => {
+                None => {
                     let due = format!("a value with a label before it ({})", known.join(", "));
-                    self.wrong_form(other.span(), name, &due, example);
+                    self.wrong_form(value.span(), name, &due, example);
                     self.damaged = true;
                 }
             }

@@ -247,8 +247,10 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
         let ItemKind::Tolerance(values) = &item.kind else { continue };
         for value in values {
             let Value::Labelled(label, expr) = value else {
+                let range = matches!(value, Value::Range(..));
+                let fault = if range { "a tolerance is one length" } else { "a tolerance needs a label" };
                 cx.sink.push(
-                    Diag::error(codes::WRONG_FORM, "a tolerance needs a label")
+                    Diag::error(codes::WRONG_FORM, fault)
                         .label(value.span(), "a label and a length are expected")
                         .help("write `tolerance chord 1 um, rough 10 um`"),
                 );

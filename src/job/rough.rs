@@ -83,7 +83,7 @@ impl OperationReader<'_> {
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
             let depth = DEPTH.of(&mut p, depths.get(k).copied().flatten(), spec);
             let stepover = STEPOVER.of(&mut p, stepovers.get(k).copied().flatten(), spec);
-            let [allowance_vane, allowance_hub] = allowances?;
+            let (allowance_vane, allowance_hub) = allowances?;
             let rest = match (k, given_rest) {
                 (0, _) => rest?.filter(|_| finds_rest),
                 (_, false) => spec.map(|tool| Mm(REST.min(REST_SHARE * tool.diameter.get()))),

@@ -104,6 +104,14 @@ impl Part {
         self.charts.get_or_init(|| make(self))
     }
 
+    /// Share of the height at a point: its distance from the hub over the sum of its distances from hub and shroud. 0 on
+    /// the hub and below it, 1 on the shroud and above it.
+    pub fn height(&self, p: &Point3<f64>) -> f64 {
+        let over_hub = self.hub.distance(p).max(0.0);
+        let under_shroud = (-self.shroud.distance(p)).max(0.0);
+        if under_shroud > 0.0 { over_hub / (over_hub + under_shroud) } else { 1.0 }
+    }
+
     /// Angle between neighbouring main blades.
     pub fn pitch(&self) -> f64 {
         std::f64::consts::TAU / f64::from(self.vane_count)

@@ -175,6 +175,8 @@ pub enum Value {
     Expr(Expr),
     /// `vane 0.2 mm`
     Labelled(Name, Expr),
+    /// `vane 0.2 mm .. 0.4 mm`
+    Range(Name, [Expr; 2]),
     /// `"er16-mini"`
     Text(Text),
     /// `main { }`
@@ -190,7 +192,7 @@ impl Value {
     pub fn span(&self) -> Span {
         match self {
             Self::Expr(e) => e.span,
-            Self::Labelled(name, e) => Span { end: e.span.end, ..name.span },
+            Self::Labelled(name, e) | Self::Range(name, [_, e]) => Span { end: e.span.end, ..name.span },
             Self::Text(t) => t.span,
             Self::Block(name, block) => name.as_ref().map_or(block.span, |n| Span { end: block.span.end, ..n.span }),
             Self::Spline(s) => s.span,

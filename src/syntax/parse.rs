@@ -127,6 +127,7 @@ fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::number | Rule::quantity => "a number",
         Rule::value | Rule::expr | Rule::term | Rule::factor => "a value",
         Rule::equals => "`=`",
+        Rule::upto => "`..`",
         Rule::comma => "`,`",
         Rule::block | Rule::open | Rule::named_block => "`{`",
         Rule::close | Rule::entry | Rule::bad_entry => "an entry or `}`",
@@ -181,12 +182,16 @@ impl Builder<'_> {
             ErrorVariant::CustomError { .. } => Vec::new(),
         };
         // An operator or a comma may follow nearly everything, so that naming them does not help.
-        if words.iter().any(|w| !matches!(*w, "an operator" | "`,`" | "the end" | "a unit")) {
-            words.retain(|w| !matches!(*w, "an operator" | "`,`" | "a unit"));
+        if words.iter().any(|w| !matches!(*w, "an operator" | "`,`" | "`..`" | "the end" | "a unit")) {
+            words.retain(|w| !matches!(*w, "an operator" | "`,`" | "`..`" | "a unit"));
         }
         let rest = &input[at..];
         let word = scan::first_word(rest);
-        let length = if word.is_empty() { rest.chars().next().map_or(0, char::len_utf8) } else { word.len() };
+        let length = match word {
+            "" if rest.starts_with("..") => 2,
+            "" => rest.chars().next().map_or(0, char::len_utf8),
+            word => word.len(),
+        };
         let found = match &rest[..length] {
             "" => "the end of the item".to_owned(),
             "\n" => "the end of the line".to_owned(),
@@ -199,7 +204,9 @@ impl Builder<'_> {
             [first @ .., last] => format!("{} or {last} is expected", first.join(", ")),
         };
         diag = diag.label(self.range(at + base..at + base + length), due);
-        diag = diag.help(if rest.starts_with('.') {
+        diag = diag.help(if rest.starts_with("..") {
+            "give one value; only `allowance vane` has two with `..` between them: `vane 0.2 mm .. 0.4 mm`"
+        } else if rest.starts_with('.') {
             "write a digit before the point: 0.5"
         } else if words.as_slice() == ["the end"] {
             "begin each item on its own line"
@@ -375,7 +382,12 @@ impl Builder<'_> {
             Rule::labelled => {
                 let mut parts = pair.into_inner();
                 let name = self.name(&parts.next()?);
-                Value::Labelled(name, self.expr(parts.next()?)?)
+                let first = self.expr(parts.next()?)?;
+                // The sign `..` comes before the second value.
+                match parts.nth(1) {
+                    Some(second) => Value::Range(name, [first, self.expr(second)?]),
+                    None => Value::Labelled(name, first),
+                }
             }
             Rule::revolve => {
                 let path = pair.into_inner().nth(1)?;

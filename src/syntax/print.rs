@@ -75,6 +75,7 @@ fn value(value: &Value) -> String {
     match value {
         Value::Expr(e) => expr(e),
         Value::Labelled(name, e) => format!("{}: {}", name.text, expr(e)),
+        Value::Range(name, [from, to]) => format!("{}: {} .. {}", name.text, expr(from), expr(to)),
         Value::Text(t) => format!("{:?}", t.text),
         Value::Block(name, _) => name.as_ref().map_or("block".to_owned(), |n| format!("{} block", n.text)),
         Value::Revolve(path, _) => format!("revolve {}", path.text()),

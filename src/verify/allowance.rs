@@ -8,6 +8,7 @@ use super::kept::{cover, deepest};
 use super::place::describe;
 use super::proof::sweep::Sweep;
 use super::surface::{self, SLACK, Worst};
+use super::vane_allowance::{self, GrowingReport};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::part::kept::{Kept, kept, milled};
@@ -25,6 +26,9 @@ pub struct AllowanceReport {
     pub nearest: Option<NearestRough>,
     /// Proved lower bound of the distance to all surfaces, mm; distances beyond the tolerance are cut off.
     pub bound: f64,
+    /// Operations with an allowance on the vanes that grows towards the root.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub growing: Vec<GrowingReport>,
 }
 
 /// The place where a roughing cutter is nearest.
@@ -58,7 +62,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, &sweeps),
     });
-    Some(AllowanceReport { tolerance, nearest, bound })
+    Some(AllowanceReport { tolerance, nearest, bound, growing: vane_allowance::check(program, motion, progress) })
 }
 
 impl AllowanceReport {
@@ -80,12 +84,14 @@ impl AllowanceReport {
                 length(n.place.value),
                 n.surface
             ),
-        }
+        }?;
+        self.growing.iter().try_for_each(|of_operation| of_operation.write(t))
     }
 }
 
 /// Reports roughing that reaches the part as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport, sink: &mut Sink) {
+    vane_allowance::report(program, motion, &found.growing, sink);
     if !found.fails() {
         return;
     }
@@ -113,7 +119,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     if let Some((at, operation)) = n.place.at.and_then(|at| Some((at, motion.operations.get(at.operation as usize)?))) {
         let declared = &program.operations[operation.operation];
         diag = diag.block(at.operation, at.index).label(declared.span, "in this operation");
-        if let Some([_, vane, hub]) = declared.kind.roughing() {
+        if let Some((_, vane, hub)) = declared.kind.roughing() {
             diag = diag.note(format!("its allowances are {vane} on vanes and {hub} on the hub"));
         }
     }

@@ -54,7 +54,7 @@ pub(super) struct Covered<'a> {
     /// The surface in its sector.
     pub(super) surface: PlacedSurface<'a>,
     /// Its patches, as indices into all grids.
-    grids: Vec<usize>,
+    pub(super) grids: Vec<usize>,
 }
 
 /// Least distance of cutters to one surface, if below the cutoff.

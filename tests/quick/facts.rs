@@ -11,6 +11,7 @@ use impellerc::entity::PrimaryMap;
 use impellerc::geom::NurbsCurve;
 use impellerc::ir::{Contract, ContractKind, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines};
+use impellerc::operation::VaneAllowance;
 use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Surface, SurfaceKind};
 use impellerc::source::{SourceId, Span};
 use impellerc::units::Mm;
@@ -48,7 +49,15 @@ fn program(fillet: Option<f64>, roughers: &[Cutter]) -> Program {
         program.operations.push(o);
     };
     for (i, cutter) in roughers.iter().enumerate() {
-        add(*cutter, OperationKind::Groove { depth: Mm(1.5), allowance_vane: Mm(0.2), allowance_hub: Mm(0.5) }, i);
+        add(
+            *cutter,
+            OperationKind::Groove {
+                depth: Mm(1.5),
+                allowance_vane: VaneAllowance::even(Mm(0.2)),
+                allowance_hub: Mm(0.5),
+            },
+            i,
+        );
     }
     add(Cutter::Ball { radius: 3.0 }, support::channel(0.012), 50);
     program

@@ -5,9 +5,10 @@ use crate::support;
 use crate::support::jobs;
 use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Program, Tool};
+use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
 use impellerc::kin::Chain;
-use impellerc::part::{BladeId, Clamping, SurfaceKind, chart::Shape, kept::kept};
+use impellerc::operation::VaneAllowance;
+use impellerc::part::{BladeId, Clamping, Surface, SurfaceKind, chart::Shape, kept::kept};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::Mm;
@@ -220,6 +221,42 @@ fn roughing_counts_with_what_the_control_adds() {
             None => assert!(!fails),
         }
         assert!((found.bound - over.min(0.051)).abs() < 6e-4, "{over}: {}", found.bound);
+    }
+}
+
+/// A ball of 6 mm comes down to 0.35 mm over a place of a face. An allowance of 0.2 mm is kept there, and so is one that
+/// grows little. Of one that grows to 0.6 mm at the root, the part missing follows from the height of the place.
+#[test]
+fn roughing_keeps_an_allowance_that_grows() {
+    let over = 0.35;
+    let part = jobs::flank().planned().0.part.clone();
+    let face = part.face(part.first_passage().walls[0]);
+    let (place, out) = (face.surface.point(0.6, 0.3), face.normal(0.6, 0.3));
+    let axis = (face.surface.ruling(0.6) + out * 0.4).normalize();
+    let tip = place + out * (3.0 + over) - axis * 3.0;
+    let up = (tip + axis * 5.0, axis, MoveKind::Rapid);
+    let (planned, motion) = moved(&[up, (tip, axis, MoveKind::Cut), up]);
+    let height = support::height(&part, &place);
+    assert!((0.2..0.4).contains(&height), "{height}");
+    for (root, fails) in [(0.2, false), (0.3, false), (0.6, true)] {
+        let allowance_vane = VaneAllowance::growing(Mm(0.2), Mm(root)).unwrap();
+        let kind = OperationKind::Groove { depth: Mm(3.0), allowance_vane, allowance_hub: Mm(0.2) };
+        let mut program = Program { operations: PrimaryMap::new(), ..planned.clone() };
+        for (_, operation) in planned.operations.iter() {
+            program.operations.push(Operation { kind: kind.clone(), ..operation.clone() });
+        }
+        let found = allowance::check(&program, &motion, &Progress::default()).expect("roughing").growing;
+        let mut sink = Sink::default();
+        let _ = certify(&program, &motion, &mut sink);
+        assert_eq!(sink.diags().iter().any(|d| d.code.id() == "IMP0749"), fails, "{root}");
+        assert_eq!(found.len(), usize::from(root > 0.2));
+        let Some(found) = found.first() else { continue };
+        let missing = (root - (root - 0.2) * height - over).max(0.0);
+        let measured = found.worst.as_ref().map_or(0.0, |w| -w.place.value);
+        println!("root {root}: missing {missing:.4}, measured {measured:.4}, bound {:.4}", found.bound);
+        // Beside the place the allowance is a little larger and the ball a little farther.
+        assert!(measured >= missing - TENTH && measured < missing + 0.01, "{missing} {found:?}");
+        assert!(found.bound >= measured && found.bound < measured + 1e-3, "{found:?}");
     }
 }
 

@@ -45,6 +45,31 @@ fn one_item_is_one_operation_a_tool() {
     assert_eq!([speeds[0].speed.get(), speeds[1].speed.get()], [12000.0, 10000.0]);
 }
 
+/// An allowance at the tip and at the root is read back from its own text, and one value means the same as two equal ones.
+#[test]
+fn an_allowance_may_grow_towards_the_root() {
+    let vane = |text: &str| read("vane 0.2 mm", &format!("vane {text}")).unwrap()[1].kind.roughing().unwrap().1;
+    for (text, tip, root) in [
+        ("0.2 mm .. 0.6 mm", 0.2, 0.6),
+        ("0.2mm..0.6mm", 0.2, 0.6),
+        ("0 mm .. 300 um + 0.1 mm", 0.0, 0.4),
+        ("(0.1 mm + 0.1 mm) .. 2 * 0.3 mm", 0.2, 0.6),
+        ("0.3 mm .. 0.3 mm", 0.3, 0.3),
+        ("0.3 mm", 0.3, 0.3),
+    ] {
+        let found = vane(text);
+        assert!((found.tip().get() - tip).abs() < 1e-12 && (found.root().get() - root).abs() < 1e-12, "{text}");
+        assert_eq!(vane(&found.to_string()), found, "{found}");
+    }
+    assert_eq!(vane("0.3 mm .. 0.3 mm"), vane("0.3 mm"));
+    assert_eq!(vane("0.3 mm .. 0.3 mm").to_string(), "0.3 mm");
+    // Linear over the height, and no more than at the ends.
+    let found = vane("0.2 mm .. 0.6 mm");
+    for (height, mm) in [(-1.0, 0.6), (0.0, 0.6), (0.25, 0.5), (0.5, 0.4), (1.0, 0.2), (2.0, 0.2)] {
+        assert!((found.at(height) - mm).abs() < 1e-12, "{height}");
+    }
+}
+
 #[test]
 fn faults_of_the_item_are_named() {
     for (from, to, code) in [
@@ -56,6 +81,17 @@ fn faults_of_the_item_are_named() {
         ("feed 300 mm/min", "feed 300 mm/min  depth 90 mm", codes::job::OUT_OF_RANGE),
         ("feed 300 mm/min", "feed 300 mm/min  residual 1 mm", codes::job::UNKNOWN_PROPERTY),
         ("  allowance vane 0.2 mm, hub 0.4 mm\n", "", codes::job::MISSING_PROPERTY),
+        ("vane 0.2 mm", "vane 0.4 mm .. 0.2 mm", codes::job::OUT_OF_RANGE),
+        ("vane 0.2 mm", "vane -0.1 mm .. 0.2 mm", codes::job::OUT_OF_RANGE),
+        ("vane 0.2 mm", "vane 0.2 mm .. -0.4 mm", codes::job::OUT_OF_RANGE),
+        ("vane 0.2 mm", "vane 0.2 .. 0.4 mm", codes::job::NO_UNIT),
+        ("vane 0.2 mm", "vane 0.2 mm .. 3 rpm", codes::job::WRONG_DIMENSION),
+        ("vane 0.2 mm", "vane 0.2 mm .. 0.4 mm .. 0.6 mm", codes::syntax::UNEXPECTED),
+        ("vane 0.2 mm", "vane 0.2 mm ..", codes::syntax::UNEXPECTED),
+        ("hub 0.4 mm", "hub 0.4 mm .. 0.6 mm", codes::job::WRONG_FORM),
+        ("chord 1 um", "chord 1 um .. 2 um", codes::job::WRONG_FORM),
+        ("feed 300 mm/min", "feed 300 mm/min  rest over 0.1 mm .. 0.2 mm", codes::job::WRONG_FORM),
+        ("feed 300 mm/min", "feed 300 mm/min .. 400 mm/min", codes::syntax::UNEXPECTED),
     ] {
         let found = read(from, to).map(|o| o.len());
         assert!(found.as_ref().is_err_and(|f| f.contains(&code.id())), "{to}: {found:?}");

@@ -43,7 +43,7 @@ impl Compiled {
 
 /// Options for a job that ships with the compiler; for another machine of the library where `machine` names one.
 pub fn options(job: &str, machine: Option<&str>) -> Options {
-    let folder = if ["point", "rough"].contains(&job) { "small" } else { job };
+    let folder = if ["point", "rough", "stiff"].contains(&job) { "small" } else { job };
     let mut options = Options { job: PathBuf::from(format!("jobs/{folder}/{job}.imp")), ..Options::default() };
     options.run.machine = machine.map(str::to_owned);
     options

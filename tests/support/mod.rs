@@ -17,6 +17,7 @@ use impellerc::ir::{
 };
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
+use impellerc::operation::VaneAllowance;
 use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rpm};
@@ -204,7 +205,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     let t1: ToolId = tools.push(tool("t1", 1, Cutter::Flat { radius: 4.0 }, 30.0, 45.0));
     let t2: ToolId = tools.push(tool("t2", 2, Cutter::Ball { radius: 3.0 }, 30.0, 42.0));
     let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
-    let (vane, hub) = (Mm(0.2), Mm(0.5));
+    let (vane, hub) = (VaneAllowance::even(Mm(0.2)), Mm(0.5));
     let groove = |depth: f64| OperationKind::Groove { depth: Mm(depth), allowance_vane: vane, allowance_hub: hub };
     let expand = |depth: f64, residual: f64| OperationKind::Expand {
         depth: Mm(depth),
@@ -261,4 +262,15 @@ pub fn channel_only(scallop: f64) -> Program {
     program.operations = PrimaryMap::new();
     program.operations.push(operation("channel", channel(scallop), tool, vec![0], 8.0));
     program
+}
+
+/// Share of the height at a point, by brute force over both meridians: 0 on the hub, 1 on the shroud.
+pub fn height(part: &Part, p: &Point3<f64>) -> f64 {
+    const STEPS: u32 = 4000;
+    let r = p.x.hypot(p.y);
+    let [hub, shroud] = [&part.hub, &part.shroud].map(|surface| {
+        let at = |i| surface.meridian(f64::from(i) / f64::from(STEPS)).point;
+        (0..=STEPS).map(|i| (at(i).x - r).hypot(at(i).y - p.z)).fold(f64::INFINITY, f64::min)
+    });
+    hub / (hub + shroud)
 }

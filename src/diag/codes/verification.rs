@@ -138,6 +138,7 @@ where the job allows gouge). This check is independent of the proofs of the surf
 only the places of its rays.\n\nExample: a hole through the rim.\n\nRemedy: use leads, links and passes that stay \
 outside the part.";
     LEFT_LACKS = "IMP0748", "the stock at the start lacks material of the part", include_str!("pages/IMP0748.md");
+    VANE_ALLOWANCE = "IMP0749", "roughing leaves less than its allowance on the vanes", include_str!("pages/IMP0749.md");
     OVER_MEMORY = "IMP0747", "the check needs too much memory",
         "`verify` keeps all blocks of a text in memory, divided into pieces of at most 3 mm and 1 deg. After reading \
 the text it estimates this memory, before it measures anything. The limit is 2 GB unless `--memory` gives another \

@@ -18,7 +18,7 @@ use crate::ir::{
 };
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
-use crate::passes::context::{AxisTilt, Keep, Obstacles, PassContext};
+use crate::passes::context::{AxisTilt, Obstacles, PassContext};
 use rayon::prelude::*;
 
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
@@ -171,7 +171,6 @@ fn clearing_tilt(
     points: &[ClPoint],
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
-    let keep = Keep { vane: SIDE_CLEARANCE, hub: 0.0, clearance: program.clearance.get() };
     let tilts_away_here = tilts_away(operation, cc);
     let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
     let violation = |p: &ClPoint| {
@@ -180,8 +179,8 @@ fn clearing_tilt(
         let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
         let beside = on_vane && !(ball && edge);
         let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
-        let side_free = tilts_away_here && ball;
-        let body = obstacles.body_lack(solid, &p.tip, &p.axis, &keep, side_free);
+        let side = (tilts_away_here && ball).then_some(SIDE_CLEARANCE);
+        let body = obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), side);
         inside.into_iter().chain(body).reduce(f64::min)
     };
     let worst = |points: &[ClPoint]| {

@@ -14,6 +14,7 @@ use crate::diag::{Diag, codes::orientation};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{Operation, Program};
+use crate::operation::VaneAllowance;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles};
 use nalgebra::{Point3, Vector2, Vector3};
@@ -82,7 +83,11 @@ impl<'a> ClearAxes<'a> {
     pub(crate) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let tip = centre - axis * self.radius();
         self.in_travel(axis, cap)
-            && self.obstacles.keeps((&tip, axis), |rho, s| self.slack(rho, s), (centre, cap, margin))
+            && self.obstacles.keeps(
+                (&tip, axis),
+                (|rho, s| self.slack(rho, s), VaneAllowance::NONE),
+                (centre, cap, margin),
+            )
     }
 
     /// True when every axis within the angle `cap` of this axis is within the travel of rotary axis 1.
@@ -92,7 +97,7 @@ impl<'a> ClearAxes<'a> {
 
     /// True when the tool is clear over a whole piece of motion.
     pub(crate) fn proved(&self, ends: &Ends) -> bool {
-        self.obstacles.keeps_over(ends, |rho, s| self.slack(rho, s))
+        self.obstacles.keeps_over(ends, (|rho, s| self.slack(rho, s), VaneAllowance::NONE))
     }
 
     /// Clear axes about a direction, the nearest first.

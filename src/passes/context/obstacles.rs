@@ -2,11 +2,13 @@
 
 use crate::collide::revolved;
 use crate::collide::tool::tool_coordinates;
-use crate::collide::{Cloud, ToolSolid};
-use crate::ir::Program;
+use crate::collide::{Cloud, CloudPoint, ToolSolid};
+use crate::ir::{OperationKind, Program};
 use crate::kin::{Carried, Chain, Machine, RotaryPose};
+use crate::operation::VaneAllowance;
 use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Spacing of the samples, mm, for tools from [`WHOLE_SPACING`] on.
@@ -44,8 +46,8 @@ const TOUCHES: f64 = 2e-4;
 /// Distances to keep, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Keep {
-    /// Cutter to vanes and fillets.
-    pub vane: f64,
+    /// Cutter to vanes and fillets, at each height.
+    pub vane: VaneAllowance,
     /// Cutter to the hub.
     pub hub: f64,
     /// Shank and holder to everything.
@@ -61,6 +63,8 @@ const MOST_CARRIED: f64 = 1e5;
 /// Sampled surfaces.
 pub struct Obstacles {
     walls: Cloud,
+    /// Share of the height at each sample of the walls; empty where no operation has an allowance that grows.
+    heights: Vec<f64>,
     hub: Cloud,
     /// Samples of table and fixtures, with the largest distance from a point of their surface to a sample.
     carried: Vec<(Cloud, f64)>,
@@ -77,7 +81,13 @@ impl Obstacles {
         let thinnest = radii.fold(WHOLE_SPACING, f64::min);
         let finest = (sample::estimate(&program.part, SPACING) / MOST_SAMPLES).sqrt();
         let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
-        Self::sampled(&program.part, &program.machine, scale)
+        let mut obstacles = Self::sampled(&program.part, &program.machine, scale);
+        let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |(_, vane, _)| vane.growth());
+        if program.operations.iter().any(|(_, o)| vane(&o.kind) > 0.0) {
+            let height = |p: &CloudPoint| program.part.height(&p.position);
+            obstacles.heights = obstacles.walls.points().par_iter().map(height).collect();
+        }
+        obstacles
     }
 
     /// Samples all surfaces of the part, and of the rotating obstacles of a machine, at the usual spacing.
@@ -106,7 +116,8 @@ impl Obstacles {
         };
         let carried = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
         let carried = carried.map(|(solid, place)| sampled(solid, place)).collect();
-        Self { walls: Cloud::new(walls), hub: Cloud::new(hub), carried, chain: machine.chain, scale }
+        let heights = Vec::new();
+        Self { walls: Cloud::new(walls), heights, hub: Cloud::new(hub), carried, chain: machine.chain, scale }
     }
 
     /// Share to which distances shrink that suit usual tools: 1 for them, less where the job has thinner ones.
@@ -126,11 +137,12 @@ impl Obstacles {
 
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis
     /// and its height over the tip, and returns its distance less the required distance. It must change no faster than
-    /// the point moves. No tool point may move by more than `shift` plus `turn` times its distance from `about`.
+    /// the point moves. From vanes and fillets the tool keeps as much more as `vane` has there more than at the tip. No
+    /// tool point may move by more than `shift` plus `turn` times its distance from `about`.
     pub fn keeps(
         &self,
         (tip, axis): (&Point3<f64>, &Vector3<f64>),
-        slack: impl Fn(f64, f64) -> f64,
+        (slack, vane): (impl Fn(f64, f64) -> f64, VaneAllowance),
         (about, turn, shift): (&Point3<f64>, f64, f64),
     ) -> bool {
         // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
@@ -139,9 +151,11 @@ impl Obstacles {
             let (rho, s) = tool_coordinates(p, tip, axis);
             (slack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
         };
-        let of_part = |p: &Point3<f64>| value(p, self.edge_margin());
-        self.walls.least(of_part, 0.0).is_none()
-            && self.hub.least(of_part, 0.0).is_none()
+        let of_part = |p: &Point3<f64>, more: f64| value(p, self.edge_margin() + more);
+        let more = |i: usize| self.allowance(vane, i) - vane.tip().get();
+        let of_walls = |i: usize, p: &Point3<f64>| of_part(p, more(i));
+        self.walls.least_of(|p| of_part(p, vane.growth()), of_walls, 0.0).is_none()
+            && self.hub.least(|p| of_part(p, 0.0), 0.0).is_none()
             && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
     }
 
@@ -149,7 +163,7 @@ impl Obstacles {
     /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
     /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
     /// Pieces are halved until the distance at the middle is larger than that.
-    pub fn keeps_over(&self, ends: &Ends, slack: impl Fn(f64, f64) -> f64) -> bool {
+    pub fn keeps_over(&self, ends: &Ends, (slack, vane): (impl Fn(f64, f64) -> f64, VaneAllowance)) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
             let middle = RotaryPose {
@@ -157,7 +171,8 @@ impl Obstacles {
                 rotary: [0, 1].map(|k| 0.5 * (p.rotary[k] + q.rotary[k])),
             };
             let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
-            if self.keeps((&middle.tip, &self.chain.tool_axis(middle.rotary)), &slack, (&middle.tip, turn, shift)) {
+            let axis = self.chain.tool_axis(middle.rotary);
+            if self.keeps((&middle.tip, &axis), (&slack, vane), (&middle.tip, turn, shift)) {
                 continue;
             }
             if depth >= HALVINGS {
@@ -178,9 +193,19 @@ impl Obstacles {
 
     /// True when the tool keeps its distances to vanes and fillets.
     pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let (vane, body) = (keep.vane + self.margin(solid), keep.clearance + self.edge_margin());
-        let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body);
-        self.walls.nearest(tip, axis, slack, 0.0).is_none()
+        let (vane, body) = (keep.vane.plus(self.margin(solid)), keep.clearance + self.edge_margin());
+        let slack = |p: &Point3<f64>, vane: f64| {
+            let (rho, s) = tool_coordinates(p, tip, axis);
+            (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body)
+        };
+        let at_sample = |i: usize, p: &Point3<f64>| slack(p, self.allowance(vane, i));
+        self.walls.least_of(|p| slack(p, vane.root().get()), at_sample, 0.0).is_none()
+    }
+
+    /// Allowance at a sample of the walls, mm.
+    fn allowance(&self, vane: VaneAllowance, wall: usize) -> f64 {
+        // Without heights the allowance is the same everywhere.
+        vane.at(self.heights.get(wall).copied().unwrap_or(0.0))
     }
 
     /// Negative depth of the cutter inside of the part; `None` where it at most touches the part.
@@ -208,26 +233,24 @@ impl Obstacles {
     }
 
     /// Worst violation of the clearance of shank and holder to part, table and fixtures, negative; `None` where the
-    /// clearance is kept. With `side_free` the side of the cutter also keeps its own distance, from a radius above the
-    /// middle of its ball on.
+    /// clearance is kept. The side of the cutter keeps the distance `side`, if given, from a radius above the middle of
+    /// its ball on.
     pub fn body_lack(
         &self,
         solid: &ToolSolid,
         tip: &Point3<f64>,
         axis: &Vector3<f64>,
-        keep: &Keep,
-        side_free: bool,
+        clearance: f64,
+        side: Option<f64>,
     ) -> Option<f64> {
         // Above this height the side of the cutter is clear of the contact of the ball.
         let from = 2.0 * solid.cutter.tip_radius();
         let slack = |rho: f64, s: f64| {
-            let body = solid.body_distance(rho, s) - keep.clearance;
-            if !side_free {
-                return body;
-            }
+            let body = solid.body_distance(rho, s) - clearance;
+            let Some(free) = side else { return body };
             let side = libm::hypot(solid.cutter_distance(rho, s.max(from)).max(0.0), (from - s).max(0.0));
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
-            body.min(side - keep.vane)
+            body.min(side - free)
         };
         self.nearest((tip, axis), slack, 0.0).map(|(least, _)| least).reduce(f64::min)
     }

@@ -17,6 +17,7 @@ use super::stock_steps::{PathPoint, cutter_alone, stations, steps_of, way};
 use super::through_air::ThroughAir;
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
+use crate::operation::VaneAllowance;
 use crate::passes::context::maximal_ranges;
 use crate::progress::Work;
 use crate::stock::{self, Field, StepKind};
@@ -248,14 +249,16 @@ impl Reduction<'_> {
         let from = line[beyond].point;
         let along = (line[station].point.tip - from.tip).normalize();
         let side = from.axis.cross(&along);
-        let least = self.operation.kind.roughing().map_or(0.0, |[_, vane, hub]| vane.get().min(hub.get())) - FOUND_TO;
+        let kept = self.operation.kind.roughing();
+        let least = kept.map_or(0.0, |(_, vane, hub)| vane.tip().get().min(hub.get())) - FOUND_TO;
+        let keep = (least, kept.map_or(VaneAllowance::NONE, |(_, vane, _)| vane));
         for lift in RAMP_LIFTS {
             for beside in [0.0, lift, -lift] {
                 let tip = from.tip + from.axis * lift + side * beside;
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
                 if self.air.is_free(&[over, place], 0.0, field)
-                    && self.direct.straight(&place, &line[station].point, least)
+                    && self.direct.straight(&place, &line[station].point, keep)
                 {
                     return Some(place);
                 }

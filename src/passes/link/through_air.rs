@@ -9,6 +9,7 @@ use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, 
 use crate::collide::ToolSolid;
 use crate::ir::{ClPass, ClPoint, Program};
 use crate::kin::{Machine, between};
+use crate::operation::VaneAllowance;
 use crate::passes::axis::run::rotary;
 use crate::stock::{self, Field, StepKind, Touched};
 
@@ -18,6 +19,9 @@ const ROUNDING: f64 = 0.02;
 
 /// Distance that the cutter keeps from the known stock on a link, mm: cusps narrower than a cell stand between the rays.
 const LINK_FREE: f64 = 0.1;
+
+/// Distances to the part beyond those of every link: stock that is left on purpose is no air.
+const THROUGH_AIR: (f64, VaneAllowance) = (0.0, VaneAllowance::NONE);
 
 /// Longest link through air, mm.
 const LONGEST_LINK: f64 = 80.0;
@@ -99,9 +103,9 @@ impl<'a> ThroughAir<'a> {
         let (first, last) = (places.first()?, places.last()?);
         let leaves = [[*end, *first], [*last, *start]];
         let clear = places.windows(2).all(|w| self.clear(&[w[0], w[1]], field))
-            && leaves
-                .iter()
-                .all(|way| self.direct.straight(&way[0], &way[1], 0.0) && self.is_free(way, self.slivers, field));
+            && leaves.iter().all(|way| {
+                self.direct.straight(&way[0], &way[1], THROUGH_AIR) && self.is_free(way, self.slivers, field)
+            });
         clear.then_some(places)
     }
 
@@ -125,7 +129,7 @@ impl<'a> ThroughAir<'a> {
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
         let line = || self.straight_way(*places);
-        self.direct.straight(&places[0], &places[1], 0.0)
+        self.direct.straight(&places[0], &places[1], THROUGH_AIR)
             && self.depths_of(&self.linking, &line(), field).is_none_or(|depths| depths.iter().all(|d| *d <= 0.0))
     }
 

@@ -128,7 +128,7 @@ pub(crate) enum LayersEnd {
 impl<'a> Roughing<'a> {
     /// `None` for an operation that is not roughing.
     pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
-        let [depth, vane, hub] = operation.kind.roughing()?;
+        let (depth, vane, hub) = operation.kind.roughing()?;
         let follows_levels = matches!(operation.kind, OperationKind::Rough { .. });
         let upright = Self {
             tilt: WallTilt::default(),
@@ -137,11 +137,11 @@ impl<'a> Roughing<'a> {
             solid: &program.tools[operation.tool].solid,
             // The interpolated motion of the machine differs from the planned stations by up to the chord tolerance.
             keep: Keep {
-                vane: vane.get() + program.tolerances.chord_rough.get(),
+                vane: vane.plus(program.tolerances.chord_rough.get()),
                 hub: hub.get() + program.tolerances.chord_rough.get(),
                 clearance: program.clearance.get(),
             },
-            between: Keep { vane: vane.get(), hub: hub.get(), clearance: program.clearance.get() },
+            between: Keep { vane, hub: hub.get(), clearance: program.clearance.get() },
             straight_leads: follows_levels,
             lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             spacing: if follows_levels { cost::rough_spacing(program) } else { STATION_SPACING },
@@ -157,9 +157,9 @@ impl<'a> Roughing<'a> {
         Self { tilt, ..*self }
     }
 
-    /// Distance of the tool axis from a wall at which the allowance is kept.
-    pub(crate) fn edge(&self) -> f64 {
-        self.solid.radius() + self.keep.vane
+    /// Distance of the tool axis from a wall at which the allowance is kept at a share of the height.
+    fn edge(&self, v: f64) -> f64 {
+        self.solid.radius() + self.keep.vane.at(v)
     }
 
     /// Distance that the tool keeps from the hub, mm.
@@ -175,7 +175,7 @@ impl<'a> Roughing<'a> {
     /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
         let u = if self.straight_leads { u.clamp(0.0, 1.0) } else { u };
-        self.chart.axis(u, v, w, self.edge(), self.tilt.at(u))
+        self.chart.axis(u, v, w, self.edge(v), self.tilt.at(u))
     }
 
     /// Station of a line in the chart, sector 0.

@@ -1,0 +1,163 @@
+//! Does roughing leave an allowance that grows towards the root, at every height of the vanes?
+//!
+//! The allowance is stock of this thickness, measured along the normal of a face or a fillet. Its outside is therefore
+//! the surface of the part, moved along the normal by the allowance at the height of each point. No cutter may go into
+//! the moved surface deeper than `tolerance rough`. The proof is that of kept surfaces (`kept.rs`).
+//!
+//! The planner keeps a distance from samples of the part and knows nothing of moved surfaces.
+
+use super::kept::{Covered, deepest};
+use super::place::describe;
+use super::proof::grid::{Grid, PlacedSurface};
+use super::proof::sweep::Sweep;
+use super::surface::{self, Worst};
+use super::{SPACING, proof::cells::Extreme};
+use crate::diag::{Diag, Sink, codes::verification};
+use crate::ir::{Motion, Program};
+use crate::operation::VaneAllowance;
+use crate::part::chart::{Chart, Place, Shape, charts};
+use crate::part::{Part, SurfaceId, SurfaceKind};
+use crate::progress::Progress;
+use crate::units::length;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// What an operation leaves on the vanes, against an allowance that grows towards the root.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GrowingReport {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Name of the operation.
+    pub name: String,
+    /// Allowance at the tip and at the root, mm.
+    pub allowance: [f64; 2],
+    /// The place where most is missing; `None` where no cutter reaches into the allowance.
+    pub worst: Option<Missing>,
+    /// Proved bound of what is missing anywhere, mm.
+    pub bound: f64,
+}
+
+/// A place where a cutter goes into the allowance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Missing {
+    /// Surface of the part.
+    pub surface: String,
+    /// Place on the outside of the allowance. Its value is negative: what is missing.
+    pub place: Worst,
+}
+
+/// Face or fillet, moved along its normal by the allowance at the height of each point.
+struct Moved<'a> {
+    chart: Chart<'a>,
+    part: &'a Part,
+    vane: VaneAllowance,
+}
+
+impl Shape for Moved<'_> {
+    fn place(&self, x: f64, y: f64) -> Place {
+        let place = self.chart.place(x, y);
+        let allowance = self.vane.at(self.part.height(&place.position));
+        Place { position: place.position + place.normal * allowance, ..place }
+    }
+
+    fn is_milled(&self, position: &Point3<f64>) -> bool {
+        self.chart.is_milled(position)
+    }
+}
+
+/// Measures each roughing operation whose allowance grows.
+pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<GrowingReport> {
+    let operations = (0..).zip(&motion.operations);
+    let growing = operations.filter_map(|(o, operation)| {
+        let declared = &program.operations[operation.operation];
+        let (_, vane, _) = declared.kind.roughing().filter(|(_, vane, _)| vane.growth() > 0.0)?;
+        let sweep = Sweep::new(program, motion, o as usize)?;
+        let (bound, worst) = missing(program, vane, &[sweep], progress);
+        let allowance = [vane.tip(), vane.root()].map(|value| value.get());
+        Some(GrowingReport { operation: o, name: declared.name.clone(), allowance, worst, bound })
+    });
+    growing.collect()
+}
+
+/// Proved bound of what is missing of an allowance, mm, and the worst place.
+fn missing(
+    program: &Program,
+    vane: VaneAllowance,
+    sweeps: &[Sweep<'_>],
+    progress: &Progress,
+) -> (f64, Option<Missing>) {
+    let part = &program.part;
+    let of_vane = |chart: &Chart<'_>| matches!(chart.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
+    let shapes: Vec<Moved<'_>> =
+        charts(part).into_iter().filter(of_vane).map(|chart| Moved { chart, part, vane }).collect();
+    let (mut grids, mut covered) = (Vec::new(), Vec::new());
+    for shape in &shapes {
+        let first = grids.len();
+        grids.extend(shape.patches(SPACING).into_par_iter().map(|p| Grid::new(shape, p)).collect::<Vec<_>>());
+        covered.extend((0..part.vane_count).map(|sector| {
+            let (turn, id) = (part.sector_rotation(sector), SurfaceId { kind: shape.chart.kind, sector });
+            Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..grids.len()).collect() }
+        }));
+    }
+    let tolerance = program.tolerances.chord_rough.get();
+    let all = deepest(&covered, &grids, sweeps, (0.0, tolerance), progress, "allowance on vanes");
+    let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
+    let least = |found: Extreme| found.map_or(0.0, |f| f.0);
+    let worst = covered.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);
+    let worst = worst.min_by(|a, b| least(a.1.found).total_cmp(&least(b.1.found))).map(|(c, d)| Missing {
+        surface: c.surface.id.to_string(),
+        place: surface::extreme(&c.surface, d.found, -1.0, sweeps),
+    });
+    (bound, worst)
+}
+
+impl GrowingReport {
+    /// Writes the line of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        let [tip, root] = self.allowance.map(length);
+        let found = self.worst.as_ref().map_or(0.0, |w| -w.place.value);
+        let (found, bound) = (length(found), length(self.bound));
+        writeln!(t, "  {} leaves {tip} .. {root} on the vanes; missing at most {found}, proved {bound}", self.name)
+    }
+}
+
+/// Reports operations that leave less than their allowance as errors.
+pub(super) fn report(program: &Program, motion: &Motion, found: &[GrowingReport], sink: &mut Sink) {
+    let tolerance = program.tolerances.chord_rough.get();
+    for r in found.iter().filter(|r| r.bound > tolerance) {
+        let Some(operation) = motion.operations.get(r.operation as usize) else { continue };
+        let (name, allowed) = (&r.name, length(tolerance));
+        let [tip, root] = r.allowance.map(length);
+        let worst = r.worst.as_ref().filter(|w| -w.place.value > tolerance);
+        let text = match worst {
+            Some(w) => {
+                let (missing, surface) = (length(-w.place.value), &w.surface);
+                format!(
+                    "`{name}` leaves {missing} less than its allowance on the {surface}; at most {allowed} may be missing"
+                )
+            }
+            None => {
+                let bound = length(r.bound);
+                format!(
+                    "`{name}` is proved to leave its allowance only to within {bound}; at most {allowed} may be missing"
+                )
+            }
+        };
+        let mut diag = Diag::error(verification::VANE_ALLOWANCE, text)
+            .label(program.operations[operation.operation].span, "in this operation");
+        if let Some(w) = worst {
+            diag = diag.place(describe(program, motion, w.place.at), w.place.point.into());
+            if let Some(at) = w.place.at {
+                diag = diag.block(at.operation, at.index);
+            }
+        }
+        sink.push(
+            diag.note(format!(
+                "its allowance grows from {tip} at the tip to {root} at the root; it may lack `tolerance rough`"
+            ))
+            .help("use a smaller allowance at the root, or compile the job again and do not change its program"),
+        );
+    }
+}
