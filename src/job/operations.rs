@@ -233,6 +233,7 @@ impl OperationReader<'_> {
             // Fillet, edge and floor are touched by a ball only.
             "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
             "channel" => &["ball", "lollipop"],
+            "rough" => &["flat", "ball", "bull", "tapered-ball"],
             _ => &["flat", "ball", "bull"],
         };
         if !suits(needed) {

@@ -150,7 +150,8 @@ impl StepSize {
             let range = Range::Between(LEAST_DEPTH, (self.most)(tool).get());
             return p.value_of(expr, self.name, Dimension::LENGTH, range).map(Mm);
         }
-        let share = if matches!(tool.kind, CutterKind::Ball) { self.ball } else { self.flat };
+        let ball = matches!(tool.kind, CutterKind::Ball | CutterKind::TaperedBall(_));
+        let share = if ball { self.ball } else { self.flat };
         Some(Mm(share * tool.diameter.get()))
     }
 }

@@ -36,6 +36,9 @@ fn one_item_is_one_operation_a_tool() {
     // The defaults by the shapes of a flat and a ball of 2 mm.
     assert_eq!(found[0], ("rough".into(), 0, 0.75, 1.5, Levels::Hub, Milling::Climb, None));
     assert_eq!(found[1], ("rough2".into(), 1, 0.66, 0.8, Levels::Hub, Milling::Climb, Some(0.2)));
+    // A tapered ball counts as a ball of its diameter at the tip.
+    let operations = read("tool t2 = ball {", "tool t2 = tapered-ball { angle 4 deg ").unwrap();
+    assert_eq!((figures(&operations[1]).2, figures(&operations[1]).3), (0.66, 0.8));
     // One value for all tools, or one for each.
     let given = "depth 0.5 mm, 0.4 mm  stepover 1 mm  levels from-shroud  milling conventional  allowance vane";
     let found: Vec<_> = read("allowance vane", given).unwrap().iter().map(figures).collect();

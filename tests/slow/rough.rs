@@ -4,6 +4,7 @@ use crate::support::height;
 use crate::support::jobs::{self, Compiled};
 use impellerc::contract::ContractKind;
 use impellerc::diag::Sink;
+use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{MoveKind, Operation, OperationKind, Program};
 use impellerc::method::{Levels, Milling};
@@ -91,6 +92,53 @@ fn a_growing_allowance_is_kept_at_every_height() {
         // `tolerance rough` is 0.05 mm; samples of the planner and their reserve take 0.08 mm with a sharp edge.
         assert!(least < 0.1, "{third}: {least}");
     }
+}
+
+/// A tapered ball of 1.2 mm as the last tool of `rough` gets where the tools of 2 mm do not fit, leaves a growing allowance
+/// by proof and by the distances of all samples, and collides with nothing.
+#[test]
+fn a_tapered_ball_roughs() {
+    let folder = tempfile::tempdir().unwrap();
+    let taper = "tool t3 = tapered-ball { diameter 1.2 mm  angle 4 deg  flutes 4  flute 10 mm  reach 25 mm  holder \
+                 \"er16-mini\" }\n\noperation rough {";
+    let mut text = include_str!("../../jobs/small/rough.imp").to_owned();
+    for (from, to) in [
+        ("operation rough {", taper),
+        ("tools t1, t2 ", "tools t1, t2, t3  sectors 1"),
+        ("feed 300 mm/min", "feed 300 mm/min, 300 mm/min, 150 mm/min"),
+        ("vane 0.2 mm,", "vane 0.2 mm .. 0.4 mm,"),
+        ("require rest      <= 0.8 mm", ""),
+    ] {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    std::fs::write(folder.path().join("job.imp"), text).unwrap();
+    std::fs::write(folder.path().join("vane_curves.csv"), include_str!("../../jobs/small/vane_curves.csv")).unwrap();
+    let options = Options { job: folder.path().join("job.imp"), ..Options::default() };
+    let program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+    let compiled = Compiled::new(program);
+    let (program, motion) = compiled.planned();
+    let last = Sweep::new(program, motion, 2).expect("a tapered ball");
+    let samples = sample(&program.part, 0.2);
+    let missing = samples.par_iter().filter(|s| matches!(s.surface.kind, SurfaceKind::Face(_))).map(|s| {
+        let required = 0.4 - 0.2 * height(&program.part, &s.position);
+        required - last.nearest(&s.position, required).map_or(required, |n| n.distance)
+    });
+    let missing = missing.reduce(|| 0.0, f64::max);
+    let growing = &compiled.certificate.allowance.as_ref().expect("roughing").growing;
+    let stock = &compiled.certificate.stock.as_ref().expect("a stock").operations[2];
+    let rest = &compiled.certificate.rest;
+    println!(
+        "tapered ball: {missing:.4} mm missing, proved {:.5} mm; {:.1} mm3 removed, {:.2} by links; cleared {:.2} % to {:.2} %",
+        growing[2].bound,
+        stock.removed,
+        stock.by_links,
+        100.0 * rest[1].cleared,
+        100.0 * rest[2].cleared
+    );
+    assert!(missing < 1e-3 && growing[2].bound < 1e-3, "{missing} {}", growing[2].bound);
+    assert!(stock.collisions.is_empty() && stock.removed > 3.0 && stock.by_links < 0.05 * stock.removed);
+    assert!(rest[2].cleared > rest[1].cleared);
 }
 
 /// The simulation of the verifier, in cells of a tenth of the tools: nothing collides, no link removes more than a cut,

@@ -77,7 +77,9 @@ impl Obstacles {
     /// Samples all surfaces of the part, and of the rotating obstacles of a machine, as closely as the tools of a program
     /// need.
     pub fn of(program: &Program) -> Self {
-        let radii = program.operations.iter().map(|(_, o)| program.tools[o.tool].solid.radius());
+        // Of a tapered tool the ball counts, which is thinner than the end of the flutes.
+        let radius = |solid: &ToolSolid| solid.radius().min(solid.cutter.nominal_radius());
+        let radii = program.operations.iter().map(|(_, o)| radius(&program.tools[o.tool].solid));
         let thinnest = radii.fold(WHOLE_SPACING, f64::min);
         let finest = (sample::estimate(&program.part, SPACING) / MOST_SAMPLES).sqrt();
         let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
