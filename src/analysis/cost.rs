@@ -55,6 +55,10 @@ const SPACING: f64 = 0.25;
 /// Share of the lines of `method corridor` without a direct link.
 const NOT_JOINED: f64 = 0.1;
 
+/// Memory of the links of a line of `rough`, as a share of that of a link over the clearance surface. More than 95 of 100
+/// run through air, with fewer changes of speed. Measured: 0.2 MB a pass that cuts.
+const THROUGH_AIR: f64 = 0.3;
+
 /// Stations of a finishing line.
 const FINISHING_STATIONS: f64 = 405.0;
 
@@ -194,7 +198,7 @@ impl Sizes {
             OperationKind::Rough { depth, stepover, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / stepover.get()).ceil() + 1.0;
-                of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), 1.0)
+                of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), THROUGH_AIR)
             }
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)

@@ -186,6 +186,17 @@ pub struct PostChoice {
 }
 
 impl Program {
+    /// The same program with another solid for a tool.
+    #[must_use]
+    pub fn with_solid(&self, tool: ToolId, solid: &ToolSolid) -> Self {
+        let mut tools = PrimaryMap::new();
+        for (id, other) in self.tools.iter() {
+            let solid = if id == tool { solid } else { &other.solid };
+            tools.push(Tool { solid: solid.clone(), ..other.clone() });
+        }
+        Self { tools, ..self.clone() }
+    }
+
     /// Largest clearance to the part that the contracts require for shank or holder, mm.
     pub fn clearance_asked(&self, body: Guarded) -> Option<f64> {
         let asks = |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);

@@ -303,7 +303,10 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
             Diag::error(codes::STOCK, "the stock ends inside the part")
                 .label(job.stock.span, format!("its back is at {}", job.stock.back))
                 .label(job.part.hub.span, format!("the hub goes down to {lowest:.3} mm"))
-                .help("put the back of the stock below the hub"),
+                .help(format!(
+                    "put the back of the stock below the hub: `back {:.2} mm` or lower",
+                    (lowest * 100.0).ceil() / 100.0 - 0.01
+                )),
         );
     }
     if let Some(span) = job.stock.clamping.span.filter(|_| job.stock.clamping.below.get() > job.stock.back.get()) {

@@ -1,6 +1,6 @@
 //! The order of the passes, with the reason for each place.
 
-use super::axis::{avoid_collision, orient_tool, smooth_axis};
+use super::axis::{avoid_collision, orient_tool, short_reach, smooth_axis};
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, time_feeds};
@@ -42,6 +42,8 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let obstacles = Obstacles::of(program);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
+    // Tools that are too short are told before their levels are planned without the floor.
+    short_reach::check(&mut cx)?;
     // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
     // that the one before reached.
     let cc = plan(&mut cx)?;

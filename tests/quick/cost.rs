@@ -72,6 +72,9 @@ fn estimates_are_within_a_factor_of_two_of_what_was_measured() {
         ))
     };
     let reduced = include_str!("../../jobs/reduced/reduced.imp");
+    let (rough, turbo20) = (include_str!("../../jobs/small/rough.imp"), include_str!("../../jobs/turbo20/turbo20.imp"));
+    let narrow = rough.replace("vanes 8", "vanes 16").replace("ball { diameter 2 mm", "ball { diameter 0.56 mm");
+    let alone_in_narrow = narrow.replace("tools t1, t2 ", "tools t2 ").replace("tool t1", "tool t0");
     let measured = [
         (needed(small), 73e6),
         (needed(include_str!("../../jobs/small/point.imp")), 99e6),
@@ -84,6 +87,12 @@ fn estimates_are_within_a_factor_of_two_of_what_was_measured() {
         (needed(&channel("0.1 um", "1")), 661e6),
         (needed(&channel("1 um", "1, 2, 3, 4, 5, 6, 7, 8")), 1.637e9),
         (needed(&expand("0.1 mm", "5 um")), 16.15e9),
+        (needed(rough), 352e6),
+        (needed(&narrow), 1.397e9),
+        (needed(&alone_in_narrow), 4.846e9),
+        (needed(include_str!("../../jobs/wei2021/rough.imp")), 260e6),
+        (needed_with(include_str!("../../jobs/pump/pump.imp"), ""), 275e6),
+        (needed_with(turbo20, include_str!("../../jobs/turbo20/vane_curves.csv")), 276e6),
     ];
     let ratios = measured.map(|(needed, bytes)| needed / bytes);
     println!("{ratios:.2?}");

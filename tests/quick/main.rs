@@ -46,6 +46,7 @@ mod planning;
 mod platform;
 mod posts;
 mod progress;
+mod refused_roughing;
 mod report;
 mod rest_machining;
 mod rough;

@@ -18,5 +18,6 @@ mod orientation;
 mod part_volume;
 mod point;
 mod quantities;
+mod refused_roughing;
 mod rough;
 mod stock;

@@ -1,6 +1,6 @@
 //! Jobs that are planned and verified once for all tests of a test program.
 
-use impellerc::diag::Sink;
+use impellerc::diag::{Diag, Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline::{self, Plan};
@@ -57,6 +57,33 @@ pub fn program(job: &str, machine: Option<&str>) -> Program {
 /// The machine with the control of a dialect, where the machine of the jobs has another control.
 pub fn machine_of(dialect: &str) -> Option<&'static str> {
     (dialect == "linuxcnc").then_some("5mc850-c-linuxcnc")
+}
+
+/// What a run says of `jobs/small/rough.imp` with texts replaced, each in all of its places: planned and verified, without
+/// outputs.
+pub fn rough_with(changes: &[(&str, &str)]) -> Outcome {
+    let text = changes.iter().fold(include_str!("../../jobs/small/rough.imp").to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from} is not in the job");
+        text.replace(from, to)
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rough.imp");
+    std::fs::write(&path, text).unwrap();
+    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    driver::compile(&Options { job: path, ..Options::default() }, &mut Stages::default())
+}
+
+/// The errors of a run.
+pub fn errors(outcome: &Outcome) -> Vec<&Diag> {
+    outcome.sink.diags().iter().filter(|d| d.severity == Severity::Error).collect()
+}
+
+/// The first number behind some words of a text.
+pub fn number_behind(text: &str, words: &str) -> f64 {
+    let (_, rest) = text.split_once(words).unwrap_or_else(|| panic!("{words} is not in {text}"));
+    let rest = rest.trim_start();
+    let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-')).unwrap_or(rest.len());
+    rest[..end].parse().unwrap_or_else(|_| panic!("no number behind {words} in {text}"))
 }
 
 /// A job on the machines of both dialects, each compiled on first use.

@@ -9,16 +9,14 @@
 use super::clear_axes::ClearAxes;
 use super::orient_tool::tilted_points;
 use super::remedy::remedy;
-use super::sequence;
+use super::{sequence, short_reach};
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::entity::PrimaryMap;
-use crate::ir::{
-    CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, OperationKind, Program, Tool,
-};
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, OperationKind, Program};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
-use crate::passes::context::{AxisTilt, Obstacles, PassContext};
+use crate::passes::context::{AxisTilt, Keep, Obstacles, PassContext};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
@@ -45,42 +43,24 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
         let tilts: Vec<Result<f64, Miss>> =
             pairs().map(|(cc, cl)| work.step(clearing_tilt(program, obstacles, operation, cc, &cl.points))).collect();
-        let remedies: Vec<Option<String>> = pairs()
-            .zip(&tilts)
-            .map(|((cc, cl), tilt)| {
-                tilt.is_err().then(|| tool_that_clears(program, obstacles, operation, cc, &cl.points))
-            })
-            .collect();
         let mut steepest = 0.0_f64;
-        let passes = planned.passes.iter().zip(&mut oriented.passes);
-        for ((cc, pass), (tilt, remedy)) in passes.zip(tilts.into_iter().zip(remedies)) {
+        let mut blocked = Vec::new();
+        for (index, tilt) in tilts.into_iter().enumerate() {
             match tilt {
                 Ok(tilt) => {
                     steepest = steepest.max(tilt);
-                    if tilts_away(operation, cc) {
-                        pass.points = tilted_points(program, operation, cc, AxisTilt::Away(tilt.to_radians()));
+                    if tilts_away(operation, &planned.passes[index]) {
+                        let tilt = AxisTilt::Away(tilt.to_radians());
+                        oriented.passes[index].points = tilted_points(program, operation, &planned.passes[index], tilt);
                     }
                 }
-                Err((index, violation)) => {
-                    failed = true;
-                    let tool = &cx.program.tools[operation.tool];
-                    let at = pass.points.get(index).map_or_else(nalgebra::Point3::origin, |p| p.tip);
-                    let (label, at) = cx.in_first_sector(operation, &pass.label, at);
-                    let diag = Diag::error(
-                        orientation::COLLISION,
-                        format!(
-                            "`{}`: {} is {violation:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
-                            operation.name,
-                            tool.name,
-                            cx.program.clearance.get()
-                        ),
-                    )
-                    .label(operation.span, "in this operation")
-                    .label(tool.span, "with this tool")
-                    .place(label, at);
-                    cx.sink.push(remedy.into_iter().fold(diag, Diag::help));
-                }
+                Err(miss) => blocked.push((index, miss)),
             }
+        }
+        if !blocked.is_empty() {
+            failed = true;
+            let diag = too_near(cx, operation, (planned, oriented), &blocked);
+            cx.sink.push(diag);
         }
         if steepest > 0.0 {
             oriented
@@ -140,26 +120,51 @@ fn clear_axes(
     Ok(())
 }
 
-/// Describes a tool that would clear the pass. For a pass along the rulings the cutter stays: the surface that the pass
-/// cuts determines its size.
-fn tool_that_clears(
-    program: &Program,
-    obstacles: &Obstacles,
+/// The error of an operation: its worst place, and a tool that would clear all of its passes. For passes along the rulings
+/// the cutter stays: the surface that they cut determines its size.
+fn too_near(
+    cx: &PassContext<'_>,
     operation: &Operation,
-    cc: &CcPass,
-    points: &[ClPoint],
-) -> String {
-    let free = tilts_away(operation, cc);
-    remedy(&program.tools[operation.tool].solid, free, |solid| {
-        let mut program = program.clone();
-        let mut tools = PrimaryMap::new();
-        for (id, tool) in program.tools.iter() {
-            let solid = if id == operation.tool { solid } else { &tool.solid };
-            tools.push(Tool { solid: solid.clone(), ..tool.clone() });
-        }
-        program.tools = tools;
-        clearing_tilt(&program, obstacles, operation, cc, points).is_ok()
-    })
+    (planned, oriented): (&CcOperation, &ClOperation),
+    blocked: &[(usize, Miss)],
+) -> Diag {
+    if matches!(operation.kind, OperationKind::Rough { .. })
+        && let Some(diag) = short_reach::refusal(cx, operation)
+    {
+        return diag;
+    }
+    let (program, obstacles) = (cx.program, cx.obstacles);
+    let tool = &program.tools[operation.tool];
+    let worst = blocked.iter().copied().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
+    let (index, (station, violation)) = worst.unwrap_or_default();
+    let place = oriented.passes.get(index).and_then(|pass| Some((pass, pass.points.get(station)?.tip)));
+    let (label, at) =
+        place.map_or((String::new(), Point3::origin()), |(pass, tip)| cx.in_first_sector(operation, &pass.label, tip));
+    let cutter_free = blocked.iter().all(|(k, _)| tilts_away(operation, &planned.passes[*k]));
+    let help = remedy(&tool.solid, cutter_free, |solid| {
+        let program = program.with_solid(operation.tool, solid);
+        let clear = |k: usize| {
+            clearing_tilt(&program, obstacles, operation, &planned.passes[k], &oriented.passes[k].points).is_ok()
+        };
+        blocked.par_iter().all(|(k, _)| clear(*k))
+    });
+    let diag = Diag::error(
+        orientation::COLLISION,
+        format!(
+            "`{}`: {} is {violation:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
+            operation.name,
+            tool.name,
+            program.clearance.get()
+        ),
+    )
+    .label(operation.span, "in this operation")
+    .label(tool.span, "with this tool")
+    .place(label, at)
+    .help(help);
+    match blocked.len() {
+        1 => diag,
+        count => diag.note(format!("{count} of {} passes are too near; this is the worst place", planned.passes.len())),
+    }
 }
 
 /// The least tilt angle, degrees, that clears a pass, or the worst place and by how much the tool is too near there, mm.

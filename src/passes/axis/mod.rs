@@ -6,4 +6,5 @@ pub(crate) mod orient_tool;
 mod remedy;
 pub(crate) mod run;
 mod sequence;
+pub(crate) mod short_reach;
 pub(crate) mod smooth_axis;

@@ -6,10 +6,12 @@ use crate::collide::{Section, ToolSolid};
 /// longer flutes and reach; a slimmer holder; a slimmer shank; and, for `cutter_free`, a smaller cutter with its shank.
 pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolSolid) -> bool) -> String {
     let from = solid.holder.first().map_or(0.0, |h| h.from);
+    let widest = |sections: &[Section]| sections.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
+    // As thick everywhere as a holder or shank of this diameter may be.
     let slimmed = |sections: &mut [Section], share: f64| {
+        let radius = share * widest(sections);
         for section in sections {
-            section.radius_from *= share;
-            section.radius_to *= share;
+            (section.radius_from, section.radius_to) = (radius, radius);
         }
     };
     let shares = |least: u32| (least..=9).rev().map(|k| 0.1 * f64::from(k));
@@ -48,7 +50,6 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
     if let Some(more) = longer_flutes {
         ways.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
     }
-    let widest = |sections: &[Section]| sections.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
     if let Some(share) = shares(2).find(|share| works_with(&|s| slimmed(&mut s.holder, *share))) {
         ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest(&solid.holder) * share));
     }

@@ -51,7 +51,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         let operation = &cx.program.operations[planned.operation];
         let length = cx.program.tools[operation.tool].length();
         let links = Links::new(cx, operation, &planned.passes);
-        let mut moves = Vec::new();
+        let (mut moves, mut misses) = (Vec::new(), Vec::new());
         // The last sequence is at the top of the stack.
         let mut open = links.runs();
         open.reverse();
@@ -67,12 +67,11 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
                     let middle = run.start + run.len() / 2;
                     open.extend([middle..run.end, run.start..middle]);
                 }
-                Err(reason) => {
-                    failed = true;
-                    report(cx, planned, &linked, &reason);
-                }
+                Err(miss) => misses.extend(linked.get(miss.index).map(|m| (m.to.tip, m.pass as usize, miss))),
             }
         }
+        failed |= !misses.is_empty();
+        report(cx, planned, &misses);
         add_stations(machine, length, &mut moves);
         motion.operations.push(MotionOperation {
             operation: planned.operation,
@@ -208,29 +207,41 @@ fn append(
     }
 }
 
-fn report(cx: &mut PassContext<'_>, operation: &ClOperation, run: &[LinkMove], miss: &OutOfTravel) {
+/// Reports the pass of an operation that goes farthest out of the travel.
+fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f64>, usize, OutOfTravel)]) {
+    let beyond = |miss: &OutOfTravel| (miss.range[0] - miss.value).max(miss.value - miss.range[1]);
+    let farthest = misses.iter().reduce(|a, b| if beyond(&b.2) > beyond(&a.2) { b } else { a });
+    let Some((tip, pass, miss)) = farthest else { return };
     let declared = &cx.program.operations[operation.operation];
     let names = cx.program.machine.names();
-    let (label, tip) = run.get(miss.index).map_or((String::new(), Point3::origin()), |m| {
-        (operation.passes.get(m.pass as usize).map_or(String::new(), |p| p.label.clone()), m.to.tip)
-    });
-    cx.sink.push(
-        Diag::error(
-            kinematics::OUT_OF_TRAVEL,
-            format!(
-                "`{}` needs {} = {:.3} {unit}; the travel of this axis of {} is {:.3} to {:.3} {unit}",
-                declared.name,
-                miss.axis,
-                miss.value,
-                cx.program.machine.name,
-                miss.range[0],
-                miss.range[1],
-                unit = miss.unit
-            ),
-        )
-        .label(declared.span, "in this operation")
-        .place(label, tip)
-        .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
-        .help("use a machine with more travel, or mount the part at another position of the table"),
-    );
+    let sector = |pass: usize| operation.passes.get(pass).map(|p| p.sector);
+    let missed: Vec<u32> = misses.iter().filter_map(|m| sector(m.1)).collect();
+    let possible: Vec<String> =
+        declared.sectors.iter().filter(|s| !missed.contains(s)).map(|s| (s + 1).to_string()).collect();
+    let mut help = "use a machine with more travel, or mount the part at another position of the table".to_owned();
+    if !possible.is_empty() {
+        help = format!(
+            "use a machine with more travel; or machine `sectors {}`, and the others with the part turned on the table",
+            possible.join(", ")
+        );
+    }
+    let diag = Diag::error(
+        kinematics::OUT_OF_TRAVEL,
+        format!(
+            "`{}` needs {} = {:.3} {unit}; the travel of this axis of {} is {:.3} to {:.3} {unit}",
+            declared.name,
+            miss.axis,
+            miss.value,
+            cx.program.machine.name,
+            miss.range[0],
+            miss.range[1],
+            unit = miss.unit
+        ),
+    )
+    .label(declared.span, "in this operation")
+    .place(operation.passes.get(*pass).map_or(String::new(), |p| p.label.clone()), *tip)
+    .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
+    .note(format!("{} of {} passes leave the travel; this one goes farthest", misses.len(), operation.passes.len()))
+    .help(help);
+    cx.sink.push(diag);
 }

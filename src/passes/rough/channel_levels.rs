@@ -16,6 +16,7 @@ use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::Milling;
 use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
+use crate::progress::Work;
 use std::ops::Range;
 
 /// Plans a rough operation.
@@ -23,7 +24,7 @@ use std::ops::Range;
 /// # Errors
 /// The tool fits nowhere; the lines would be too many. The sink holds the reason.
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Rough { stepover, levels: form, milling, .. } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Rough { stepover, levels: form, .. } = operation.kind else { return Err(Aborted) };
     let roughing = super::roughing(cx, operation)?;
     let levels = roughing.levels(form, &operation.name, cx.progress);
     if levels.iter().all(|level| level.runs.is_empty()) {
@@ -34,21 +35,33 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
     check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
+    let lines = lines(&roughing, &levels, operation, &work);
+    Ok(CcOperation { operation: id, passes: passes(lines), notes: notes(&levels, operation) })
+}
+
+/// Names and stations of the lines of all levels.
+pub(super) fn lines(
+    roughing: &Roughing<'_>,
+    levels: &[RoughLevel],
+    operation: &Operation,
+    work: &Work,
+) -> Vec<(String, Vec<CcPoint>)> {
+    let OperationKind::Rough { stepover, milling, .. } = operation.kind else { return Vec::new() };
     let mut lines = Vec::new();
-    for level in &levels {
+    for level in levels {
         for (k, run) in level.runs.iter().enumerate() {
             let name = if level.runs.len() > 1 {
                 format!("level {} part {}", level.number, k + 1)
             } else {
                 format!("level {}", level.number)
             };
-            let run_lines = RunLines::new(&roughing, run, stepover.get(), milling);
+            let run_lines = RunLines::new(roughing, run, stepover.get(), milling);
             let run_lines = run_lines.all().into_iter().enumerate();
             lines.extend(run_lines.map(|(i, points)| (format!("{name} line {}", i + 1), points)));
         }
         work.step(());
     }
-    Ok(CcOperation { operation: id, passes: passes(lines), notes: notes(&levels, operation) })
+    lines
 }
 
 fn notes(levels: &[RoughLevel], operation: &Operation) -> Vec<String> {

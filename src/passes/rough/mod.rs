@@ -3,6 +3,7 @@
 mod best_tilt;
 pub(crate) mod channel_levels;
 pub(crate) mod expand;
+pub(crate) mod floor;
 pub(crate) mod groove;
 mod layers;
 mod levels;

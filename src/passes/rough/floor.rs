@@ -1,0 +1,46 @@
+//! How far a tool of `rough` gets: where it fits near the hub, and all of its positions.
+
+use super::channel_levels::lines;
+use super::channel_points;
+use super::groove::passes;
+use super::layers::{Level, Roughing, length_of};
+use crate::ir::{ClPoint, Operation, OperationKind, Program};
+use crate::passes::context::Obstacles;
+use crate::progress::Progress;
+use rayon::prelude::*;
+
+/// For places along the channel, at most `spacing` apart (mm), whether the tool of an operation fits `over` above the hub
+/// (mm), or on the allowance of the hub where that is higher; with the distance of the places, mm. No places for an
+/// operation that is not roughing.
+pub(crate) fn fits_over_hub(
+    program: &Program,
+    operation: &Operation,
+    obstacles: &Obstacles,
+    [over, spacing]: [f64; 2],
+) -> (Vec<bool>, f64) {
+    let Some(roughing) = Roughing::new(program, operation, obstacles) else { return (Vec::new(), spacing) };
+    let level = Level::OverHub(over.max(roughing.hub_allowance()));
+    let chart = &roughing.chart;
+    let length = length_of(|u| chart.point(u, 0.0, 0.5), 0.0, 1.0);
+    let count = (length / spacing).ceil().max(1.0) as usize;
+    let fits = |i: usize| {
+        let u = i as f64 / count as f64;
+        level.v(chart, u, 0.5) >= 1.0 || roughing.room(u, level).is_some()
+    };
+    ((0..=count).into_par_iter().map(fits).collect(), length / count as f64)
+}
+
+/// Names and stations of all lines of a `rough` operation in sector 0; none for another operation.
+pub(crate) fn positions(
+    program: &Program,
+    operation: &Operation,
+    obstacles: &Obstacles,
+) -> Vec<(String, Vec<ClPoint>)> {
+    let OperationKind::Rough { levels: form, .. } = operation.kind else { return Vec::new() };
+    let Some(roughing) = Roughing::new(program, operation, obstacles) else { return Vec::new() };
+    let progress = Progress::default();
+    let levels = roughing.levels(form, &operation.name, &progress);
+    let work = progress.begin("lines", levels.len());
+    let lines = passes(lines(&roughing, &levels, operation, &work));
+    lines.into_par_iter().map(|pass| (pass.label.clone(), channel_points(&roughing, &pass))).collect()
+}

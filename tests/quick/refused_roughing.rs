@@ -1,0 +1,73 @@
+//! Roughing jobs that cannot be done: each is refused at once, for the true reason, with a way out.
+//! `tests/slow/refused_roughing.rs` follows the ways out to a plan.
+
+use crate::support::jobs::{errors, number_behind, rough_with};
+use impellerc::diag::codes::{geometry, orientation, planning};
+
+const T1: &str = "tool t1 = flat { diameter 2 mm";
+const T2: &str = "tool t2 = ball { diameter 2 mm";
+const BODY: &str = "flute 12 mm  reach 25 mm";
+
+#[test]
+fn tools_that_are_too_wide_for_every_level() {
+    let outcome = rough_with(&[(T1, "tool t1 = flat { diameter 14 mm"), (T2, "tool t2 = ball { diameter 14 mm")]);
+    let found = errors(&outcome);
+    assert!(found.len() == 1 && found[0].code == planning::TOOL_TOO_LARGE, "{found:?}");
+    // The narrowest place of the part, by `facts` and by the map of distances of the paper's part at 0.4 of its size.
+    assert!((number_behind(&found[0].message, "throat of the channel is") - 0.4 * 8.983).abs() < 0.01, "{found:?}");
+    assert!(found[0].place.is_some() && found[0].help.as_ref().unwrap().contains("tool of at most"), "{found:?}");
+}
+
+#[test]
+fn a_channel_too_narrow_for_the_tools() {
+    let outcome = rough_with(&[("vanes 8", "vanes 16")]);
+    let found = errors(&outcome);
+    assert!(found.len() == 1 && found[0].code == planning::TOOL_TOO_LARGE, "{found:?}");
+    let help = found[0].help.as_ref().unwrap();
+    let most = number_behind(help, "a ball tool of at most");
+    let throat = number_behind(&found[0].message, "throat of the channel is");
+    assert!(most > 0.2 && most < throat - 2.0 * 0.2, "{most} {throat}");
+}
+
+#[test]
+fn a_blank_far_over_the_shroud() {
+    let outcome = rough_with(&[("over shroud 0 mm", "over shroud 20 mm")]);
+    let found = errors(&outcome);
+    assert!(found.len() == 1 && found[0].code == geometry::STOCK_HIGH, "{found:?}");
+    // Half of the depth that a flat tool of 2 mm takes by default.
+    assert_eq!(number_behind(found[0].help.as_ref().unwrap(), "`over shroud"), 0.375);
+}
+
+#[test]
+fn a_blank_smaller_than_the_part() {
+    let outcome = rough_with(&[("back -16 mm", "back -10 mm")]);
+    let found = errors(&outcome);
+    assert!(found.len() == 1 && found[0].code == geometry::STOCK, "{found:?}");
+    let back = number_behind(found[0].help.as_ref().unwrap(), "`back");
+    // The lowest point of the curves of the hub is at -13.042 mm.
+    assert!(back < -13.042 && back > -13.07, "{back}");
+}
+
+/// One error for each of both operations, with the place and what is too near.
+fn is_refused_for_its_holder(changes: &[(&str, &str)]) {
+    let outcome = rough_with(changes);
+    let found = errors(&outcome);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), [orientation::COLLISION; 2], "{found:?}");
+    for (error, operation) in found.iter().zip(["`rough`", "`rough2`"]) {
+        println!("{} {:?}", error.message, error.help);
+        assert!(error.message.contains(operation) && error.message.contains("its holder would be"), "{error:?}");
+        assert!(number_behind(&error.message, "its holder would be") > 1.0, "{error:?}");
+        assert!(error.place.is_some() && error.help.as_ref().unwrap().contains("reach of"), "{error:?}");
+    }
+}
+
+#[test]
+fn no_tool_reaches_the_floor() {
+    is_refused_for_its_holder(&[(BODY, "flute 6 mm  reach 8 mm")]);
+    is_refused_for_its_holder(&[(BODY, "flute 3 mm  reach 4 mm")]);
+}
+
+#[test]
+fn a_holder_that_does_not_go_into_the_channel() {
+    is_refused_for_its_holder(&[(BODY, "flute 4 mm  reach 8 mm"), ("er16-mini", "er32")]);
+}
