@@ -3,7 +3,10 @@
 crate::codes! {
     COLLISION = "IMP0501", "shank, holder or cutter side too near to the part",
         "In a pass of this operation, no tool axis keeps shank and holder at the required clearance from vanes and \
-hub (`require clearance`). At the machine such a pass bends the tool or breaks the spindle.\n\nRemedy: the help line \
+hub (`require clearance`). At the machine such a pass bends the tool or breaks the spindle.\n\n`rough` plans lines \
+only where the whole tool fits. It is refused when shank or holder keep all of its tools from the floor, so that more \
+is left than `require rest` allows. The message then compares the tool with the lines that its cutter alone would \
+have.\n\nRemedy: the help line \
 names a reach, or a diameter of holder, shank or cutter. Each of these changes is sufficient by itself. A smaller \
 required clearance helps too.";
     NO_AXIS = "IMP0502", "no clear tool axis at a contact",

@@ -12,7 +12,9 @@ use crate::passes::channel::hub_points;
 use crate::passes::context::{AxisTilt, PassContext};
 use crate::passes::flank::{flank_points, path_points};
 use crate::passes::point::vane_points;
-use crate::passes::rough::{channel_points, roughing};
+use crate::passes::rough::channel_points;
+pub(crate) use crate::passes::rough::floor::{fits_over_hub, positions};
+pub(crate) use crate::passes::rough::roughing;
 use rayon::prelude::*;
 
 /// Makes cutter locations.

@@ -4,6 +4,7 @@
 //! no line collides. The lines that the cutter alone would have show what the rest of the tool lacks: it is long enough
 //! when it is clear on all of these lines.
 
+use super::orient_tool::{fits_over_hub, positions, roughing};
 use super::remedy::remedy;
 use crate::collide::tool::tool_coordinates;
 use crate::collide::{Section, ToolSolid};
@@ -12,8 +13,6 @@ use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{ClPoint, Operation, OperationKind, Program};
 use crate::part::Clamping;
 use crate::passes::context::{Obstacles, PassContext, maximal_ranges};
-use crate::passes::rough::floor::{fits_over_hub, positions};
-use crate::passes::rough::roughing;
 use nalgebra::Point3;
 use rayon::prelude::*;
 use std::cell::RefCell;
