@@ -218,13 +218,10 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f
     let missed: Vec<u32> = misses.iter().filter_map(|m| sector(m.1)).collect();
     let possible: Vec<String> =
         declared.sectors.iter().filter(|s| !missed.contains(s)).map(|s| (s + 1).to_string()).collect();
-    let mut help = "use a machine with more travel, or mount the part at another position of the table".to_owned();
-    if !possible.is_empty() {
-        help = format!(
-            "use a machine with more travel; or machine `sectors {}`, and the others with the part turned on the table",
-            possible.join(", ")
-        );
-    }
+    let within = match possible.as_slice() {
+        [] => "in no sector all of them stay within it".to_owned(),
+        sectors => format!("all of them stay within it in the sectors {}", sectors.join(", ")),
+    };
     let diag = Diag::error(
         kinematics::OUT_OF_TRAVEL,
         format!(
@@ -241,7 +238,11 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f
     .label(declared.span, "in this operation")
     .place(operation.passes.get(*pass).map_or(String::new(), |p| p.label.clone()), *tip)
     .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
-    .note(format!("{} of {} passes leave the travel; this one goes farthest", misses.len(), operation.passes.len()))
-    .help(help);
+    .note(format!(
+        "{} of {} passes leave the travel, and this one goes farthest; {within}",
+        misses.len(),
+        operation.passes.len()
+    ))
+    .help("use a machine with more travel, or mount the part at another position of the table");
     cx.sink.push(diag);
 }
