@@ -38,11 +38,8 @@ fn the_widest_tool_that_fits() {
 fn the_tool_for_a_narrow_channel() {
     let narrow = ("vanes 8", "vanes 16");
     let most = number_behind(&help(&rough_with(&[narrow]), 0), "a ball tool of at most");
-    is_planned(&[
-        narrow,
-        (T2, &format!("tool t2 = ball {{ diameter {most} mm")),
-        ("hub 0.4 mm", "hub 0.4 mm  sectors 1"),
-    ]);
+    let one = [("hub 0.4 mm", "hub 0.4 mm  sectors 1"), ("require rest      <= 0.8 mm", "")];
+    is_planned(&[narrow, (T2, &format!("tool t2 = ball {{ diameter {most} mm")), one[0], one[1]]);
 }
 
 #[test]
