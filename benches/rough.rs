@@ -8,19 +8,14 @@
 #![allow(clippy::expect_used, reason = "a bench fails by panicking")]
 #![allow(clippy::print_stdout, reason = "a bench prints its times")]
 
+mod time;
+
 use impellerc::driver::{Options, Outcome, Stages, front};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// Processor time of this process, s; `None` where the system does not tell it as Linux does.
-fn processor() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    let ticks: Vec<f64> = stat.rsplit(')').next()?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    // The state, a letter, is left out; a hundred ticks a second.
-    Some((ticks.get(10)? + ticks.get(11)?) / 100.0)
-}
+use time::processor;
 
 fn main() {
     let options = Options { job: PathBuf::from("jobs/wei2021/rough.imp"), ..Options::default() };

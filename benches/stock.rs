@@ -8,6 +8,8 @@
 #![allow(clippy::expect_used, reason = "a bench fails by panicking")]
 #![allow(clippy::print_stdout, reason = "a bench prints its times")]
 
+mod time;
+
 use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{Options, Outcome, Stages, front};
 use impellerc::ir::{Motion, Program};
@@ -17,6 +19,7 @@ use impellerc::verify::stock::{Settings, simulate};
 use nalgebra::{Point3, Vector3};
 use std::path::PathBuf;
 use std::time::Instant;
+use time::processor;
 
 fn planned() -> (Program, Motion) {
     let options = Options { job: PathBuf::from("jobs/wei2021/wei2021.imp"), ..Options::default() };
@@ -24,14 +27,6 @@ fn planned() -> (Program, Motion) {
     let program = front(&options, &mut Stages::default(), &mut outcome).expect("a job").expect("a program");
     let motion = pipeline::run(&program, &mut outcome.sink).expect("a plan").motion;
     (program, motion)
-}
-
-/// Processor time of this process, s; `None` where the system does not tell it as Linux does.
-fn processor() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    let ticks: Vec<f64> = stat.rsplit(')').next()?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    // The state, a letter, is left out; a hundred ticks a second.
-    Some((ticks.get(10)? + ticks.get(11)?) / 100.0)
 }
 
 fn timed(name: &str, run: impl FnOnce() -> f64) {

@@ -15,7 +15,7 @@ use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, OperationKind, Program};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
-use crate::passes::context::{AxisTilt, Keep, Obstacles, PassContext};
+use crate::passes::context::{AxisTilt, Obstacles, PassContext};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
