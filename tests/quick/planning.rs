@@ -1,8 +1,8 @@
 //! Planning of the paper's part.
 
-use crate::support;
+use crate::support::{self, jobs};
 use impellerc::collide::{Cutter, Section};
-use impellerc::diag::Sink;
+use impellerc::diag::{Severity, Sink, codes::kinematics, codes::verification};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::MoveKind;
 use impellerc::passes::pipeline;
@@ -62,4 +62,30 @@ fn a_lollipop_finishes_channels_like_the_ball_it_carries() {
     // Both keep the tolerance of the plan, and leave the same scallops.
     assert!(gouge < 0.003 && of_ball < 0.003, "{gouge} {of_ball}");
     assert!((excess - excess_of_ball).abs() < 0.01, "{excess} {excess_of_ball}");
+}
+
+/// Sectors are planned once and copied; the travel of C is judged for each of them, in planning and in verification.
+#[test]
+fn each_sector_is_within_the_travel_of_c() {
+    let limited = |from: f64, to: f64| {
+        let mut program = jobs::program("small", None);
+        (program.machine.rotary[1].min, program.machine.rotary[1].max) = (from.to_radians(), to.to_radians());
+        program
+    };
+    // Less than the eighth of a turn between two sectors: one error an operation.
+    let narrow = limited(-20.0, 20.0);
+    let mut sink = Sink::default();
+    assert!(pipeline::run(&narrow, &mut sink).is_err());
+    let out = sink.diags().iter().filter(|d| d.code == kinematics::OUT_OF_TRAVEL).count();
+    assert!(out > 0 && out <= narrow.operations.len(), "{out} errors");
+    // A whole turn that begins elsewhere: no move leaves it, links and rapids included.
+    let turned = limited(10.0, 370.0);
+    let plan = pipeline::run(&turned, &mut Sink::default()).expect("a plan");
+    let angles = || plan.motion.operations.iter().flat_map(|o| &o.moves).map(|m| m.joints.rotary[1].to_degrees());
+    let (least, most) = angles().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
+    assert!(least >= 10.0 && most <= 370.0 && most - least > 180.0, "{least} to {most}");
+    // The same motion on the machine with less travel is refused by the verifier.
+    let mut sink = Sink::default();
+    let _ = certify(&narrow, &plan.motion, &mut sink);
+    assert!(sink.diags().iter().any(|d| d.code == verification::AXIS_TRAVEL && d.severity == Severity::Error));
 }

@@ -130,7 +130,7 @@ than the sum of the tolerance and the chord error of the path, or a smaller tole
 of the cutter is engaged. Three cases are reported: a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, and a finishing operation that cuts a slot of full width deeper than a quarter of the \
 diameter. The first two are errors, also where the spindle stands still. The third is an error if the slot is deeper \
-than the diameter and the feed per tooth is too large as well.\n\nExample: `flank` directly after `groove`, without an \
+than the diameter and the feed per tooth is above 3 % of it as well.\n\nExample: `flank` directly after `groove`, without an \
 `expand` between them.\n\nRemedy: use a lower `feed`, a higher `speed`, or roughing that leaves less stock.";
     PART_CUT = "IMP0746", "stock is missing inside the finished part",
         "In the simulated stock material is missing inside the hub disc, deeper than 0.1 mm below its surface (0.5 mm \

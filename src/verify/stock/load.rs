@@ -17,6 +17,9 @@ const FULL_DEPTH: f64 = 0.25;
 /// Depth of a slot from which the tool breaks when the chip is thick as well, as a share of the diameter.
 const BREAKING_DEPTH: f64 = 1.0;
 
+/// Feed per tooth that breaks the tool in such a slot, as a share of the diameter: tables of end mills end at some 2 %.
+const THICK_CHIP: f64 = 0.03;
+
 /// Excess over the largest chip that rounding of the feed may add, as a share.
 const ROUNDING: f64 = 1e-3;
 
@@ -115,7 +118,8 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     }
     let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
     let Some(full) = full else { return };
-    let breaks = full.value > BREAKING_DEPTH * diameter && too_thick.is_some();
+    let thick = chip.is_some_and(|(chip, _)| chip > THICK_CHIP * diameter);
+    let breaks = full.value > BREAKING_DEPTH * diameter && thick;
     let new = if breaks { Diag::error } else { Diag::remark };
     let text = format!(
         "finishing cuts in full material: a slot of {} that is {} deep, {}",
