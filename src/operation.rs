@@ -59,6 +59,31 @@ impl std::fmt::Display for VaneAllowance {
     }
 }
 
+/// What roughing leaves on the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowances {
+    /// On vanes and fillets.
+    pub vane: VaneAllowance,
+    /// On the hub.
+    pub hub: Mm,
+}
+
+impl Allowances {
+    /// No allowances.
+    pub const NONE: Self = Self::even(0.0);
+
+    /// The same allowance everywhere, mm.
+    pub const fn even(value: f64) -> Self {
+        Self { vane: VaneAllowance::even(Mm(value)), hub: Mm(value) }
+    }
+
+    /// The allowances with a distance more, mm.
+    #[must_use]
+    pub fn plus(self, more: f64) -> Self {
+        Self { vane: self.vane.plus(more), hub: Mm(self.hub.get() + more) }
+    }
+}
+
 /// Kind of an operation with its own parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OperationKind {

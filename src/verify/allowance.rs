@@ -8,7 +8,7 @@ use super::kept::{cover, deepest};
 use super::place::describe;
 use super::proof::sweep::Sweep;
 use super::surface::{self, SLACK, Worst};
-use super::vane_allowance::{self, GrowingReport};
+use super::vane_allowance::{self, VaneReport};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::part::kept::{Kept, kept, milled};
@@ -26,9 +26,8 @@ pub struct AllowanceReport {
     pub nearest: Option<NearestRough>,
     /// Proved lower bound of the distance to all surfaces, mm; distances beyond the tolerance are cut off.
     pub bound: f64,
-    /// Operations with an allowance on the vanes that grows towards the root.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub growing: Vec<GrowingReport>,
+    /// Operations with an allowance on the vanes.
+    pub vanes: Vec<VaneReport>,
 }
 
 /// The place where a roughing cutter is nearest.
@@ -62,7 +61,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, &sweeps),
     });
-    Some(AllowanceReport { tolerance, nearest, bound, growing: vane_allowance::check(program, motion, progress) })
+    Some(AllowanceReport { tolerance, nearest, bound, vanes: vane_allowance::check(program, motion, progress) })
 }
 
 impl AllowanceReport {
@@ -85,13 +84,13 @@ impl AllowanceReport {
                 n.surface
             ),
         }?;
-        self.growing.iter().try_for_each(|of_operation| of_operation.write(t))
+        self.vanes.iter().try_for_each(|of_operation| of_operation.write(t))
     }
 }
 
 /// Reports roughing that reaches the part as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport, sink: &mut Sink) {
-    vane_allowance::report(program, motion, &found.growing, sink);
+    vane_allowance::report(program, motion, &found.vanes, sink);
     if !found.fails() {
         return;
     }

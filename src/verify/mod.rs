@@ -9,7 +9,7 @@
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], by [`proof`] |
 //! | | do the cutters leave the kept surfaces untouched? | [`kept`] |
 //! | | does roughing keep clear of the part, deviations of the control included? | [`allowance`] |
-//! | | does roughing leave an allowance that grows towards the root? | [`vane_allowance`] |
+//! | | does roughing leave its allowance on the vanes? | [`vane_allowance`] |
 //! | | what is the clearance of shank and holder to the part, and of rapids to the stock? | [`clearance`] |
 //! | | what is the clearance of the tool to table and fixtures? | [`carried`] |
 //! | | what is the clearance of the tool to the clamping of the job? | [`clamping`] |

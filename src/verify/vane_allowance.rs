@@ -1,4 +1,4 @@
-//! Does roughing leave an allowance that grows towards the root, at every height of the vanes?
+//! Does roughing leave its allowance on the vanes, at every height?
 //!
 //! The allowance is stock of this thickness, measured along the normal of a face or a fillet. Its outside is therefore
 //! the surface of the part, moved along the normal by the allowance at the height of each point. No cutter may go into
@@ -24,14 +24,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// What an operation leaves on the vanes, against an allowance that grows towards the root.
+/// What an operation leaves on the vanes, against its allowance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GrowingReport {
+pub struct VaneReport {
     /// Index of the operation in the motion.
     pub operation: u32,
     /// Name of the operation.
     pub name: String,
-    /// Allowance at the tip and at the root, mm.
+    /// Allowance at the tip and at the root, mm; both are the same unless it grows.
     pub allowance: [f64; 2],
     /// The place where most is missing; `None` where no cutter reaches into the allowance.
     pub worst: Option<Missing>,
@@ -67,18 +67,18 @@ impl Shape for Moved<'_> {
     }
 }
 
-/// Measures each roughing operation whose allowance grows.
-pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<GrowingReport> {
+/// Measures each roughing operation with an allowance on the vanes.
+pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<VaneReport> {
     let operations = (0..).zip(&motion.operations);
-    let growing = operations.filter_map(|(o, operation)| {
+    let reports = operations.filter_map(|(o, operation)| {
         let declared = &program.operations[operation.operation];
-        let (_, vane, _) = declared.kind.roughing().filter(|(_, vane, _)| vane.growth() > 0.0)?;
+        let (_, vane, _) = declared.kind.roughing().filter(|(_, vane, _)| vane.root().get() > 0.0)?;
         let sweep = Sweep::new(program, motion, o as usize)?;
         let (bound, worst) = missing(program, vane, &[sweep], progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());
-        Some(GrowingReport { operation: o, name: declared.name.clone(), allowance, worst, bound })
+        Some(VaneReport { operation: o, name: declared.name.clone(), allowance, worst, bound })
     });
-    growing.collect()
+    reports.collect()
 }
 
 /// Proved bound of what is missing of an allowance, mm, and the worst place.
@@ -110,26 +110,32 @@ fn missing(
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, sweeps),
     });
-    (bound, worst)
+    // The search for the worst place may leave the strip at the border of a surface that the proof leaves out.
+    (worst.as_ref().map_or(bound, |w: &Missing| bound.max(-w.place.value)), worst)
 }
 
-impl GrowingReport {
+impl VaneReport {
+    /// The allowance: one value, or the values at the tip and at the root.
+    fn allowance(&self) -> String {
+        let [tip, root] = self.allowance.map(length);
+        if self.allowance[0] == self.allowance[1] { tip } else { format!("{tip} .. {root}") }
+    }
+
     /// Writes the line of the certificate.
     pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
-        let [tip, root] = self.allowance.map(length);
+        let allowance = self.allowance();
         let found = self.worst.as_ref().map_or(0.0, |w| -w.place.value);
         let (found, bound) = (length(found), length(self.bound));
-        writeln!(t, "  {} leaves {tip} .. {root} on the vanes; missing at most {found}, proved {bound}", self.name)
+        writeln!(t, "  {} leaves {allowance} on the vanes; missing at most {found}, proved {bound}", self.name)
     }
 }
 
 /// Reports operations that leave less than their allowance as errors.
-pub(super) fn report(program: &Program, motion: &Motion, found: &[GrowingReport], sink: &mut Sink) {
+pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], sink: &mut Sink) {
     let tolerance = program.tolerances.chord_rough.get();
     for r in found.iter().filter(|r| r.bound > tolerance) {
         let Some(operation) = motion.operations.get(r.operation as usize) else { continue };
         let (name, allowed) = (&r.name, length(tolerance));
-        let [tip, root] = r.allowance.map(length);
         let worst = r.worst.as_ref().filter(|w| -w.place.value > tolerance);
         let text = match worst {
             Some(w) => {
@@ -154,10 +160,8 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &[GrowingReport]
             }
         }
         sink.push(
-            diag.note(format!(
-                "its allowance grows from {tip} at the tip to {root} at the root; it may lack `tolerance rough`"
-            ))
-            .help("use a smaller allowance at the root, or compile the job again and do not change its program"),
+            diag.note(format!("its allowance on the vanes is {}; it may lack `tolerance rough`", r.allowance()))
+                .help("use a smaller allowance on the vanes, or compile the job again and do not change its program"),
         );
     }
 }

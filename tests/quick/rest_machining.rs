@@ -1,11 +1,13 @@
 //! Rest machining: an operation cuts only where earlier operations left stock.
 
-use crate::support;
+use crate::support::{self, jobs};
+use impellerc::collide::tool::tool_coordinates;
 use impellerc::collide::{Cutter, Section};
 use impellerc::diag::{Sink, codes};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
-use impellerc::part::{PassageId, SurfaceKind, sample};
+use impellerc::operation::{Allowances, VaneAllowance};
+use impellerc::part::{PassageId, Sample, Surface, SurfaceKind, sample};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::passes::{Obstacles, rest_machining};
 use impellerc::progress::Progress;
@@ -214,4 +216,45 @@ fn the_number_of_threads_does_not_matter() {
         format!("{:?}", (plan.cl, plan.motion))
     };
     assert!(run(1) == run(2));
+}
+
+/// A way through stock keeps the allowance on the vanes from vanes and that on the hub from the hub, whichever is larger.
+/// Oracle: the distances of finer samples to a ball beside a face, over its whole height.
+#[test]
+fn a_way_keeps_each_allowance_from_its_own_surfaces() {
+    /// The larger reserve for samples and some more: farther than that, a way is clear.
+    const SURELY: f64 = 0.1;
+    let program = jobs::program("rough", None);
+    let obstacles = Obstacles::of(&program);
+    let ball = program.tools.iter().map(|(_, tool)| &tool.solid).find(|s| s.cutter.tip_radius() > 0.0).unwrap();
+    let (hub, walls): (Vec<_>, Vec<_>) =
+        sample::sample(&program.part, 0.2).into_iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
+    let face = program.part.face(program.part.first_passage().walls[0]);
+    for (vane, on_hub) in [(0.5, 0.2), (0.2, 0.5)] {
+        let kept = Allowances { vane: VaneAllowance::even(Mm(vane)), hub: Mm(on_hub) };
+        let smaller = Allowances::even(vane.min(on_hub));
+        let (mut refused, mut clear) = (0, 0);
+        for (u, v, over) in (1..10).flat_map(|u| (0..10).flat_map(move |v| [0.3, 0.7].map(|over| (u, v, over)))) {
+            let (u, v) = (0.1 * f64::from(u), 0.1 * f64::from(v));
+            let (place, out) = (face.surface.point(u, v), face.normal(u, v));
+            let axis = (face.surface.ruling(u).normalize() + out * 0.2).normalize();
+            let tip = place + out * (ball.radius() + over) - axis * ball.radius();
+            let keeps = |kept: Allowances| {
+                let slack = |rho: f64, s: f64, allowance: f64| ball.cutter_distance(rho, s) - allowance;
+                obstacles.keeps((&tip, &axis), (slack, kept), (&tip, 0.0, 0.0))
+            };
+            let least = |samples: &[Sample]| {
+                let distances = samples.iter().map(|s| tool_coordinates(&s.position, &tip, &axis));
+                distances.map(|(rho, s)| ball.cutter_distance(rho, s)).fold(f64::INFINITY, f64::min)
+            };
+            let (to_walls, to_hub) = (least(&walls), least(&hub));
+            let case = format!("{u} {v} {over}: {to_walls} from the walls, {to_hub} from the hub");
+            assert!(!keeps(kept) || (to_walls >= vane && to_hub >= on_hub), "{case}");
+            assert!(keeps(kept) || to_walls < vane + SURELY || to_hub < on_hub + SURELY, "{case}");
+            clear += usize::from(keeps(kept));
+            refused += usize::from(keeps(smaller) && !keeps(kept));
+        }
+        println!("vane {vane}, hub {on_hub}: {clear} clear, {refused} refused that keep the smaller allowance");
+        assert!(clear > 0 && refused > 0, "{clear} {refused}");
+    }
 }

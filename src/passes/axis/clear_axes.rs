@@ -14,7 +14,7 @@ use crate::diag::{Diag, codes::orientation};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{Operation, Program};
-use crate::operation::VaneAllowance;
+use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles};
 use nalgebra::{Point3, Vector2, Vector3};
@@ -85,7 +85,7 @@ impl<'a> ClearAxes<'a> {
         self.in_travel(axis, cap)
             && self.obstacles.keeps(
                 (&tip, axis),
-                (|rho, s| self.slack(rho, s), VaneAllowance::NONE),
+                (|rho, s, _| self.slack(rho, s), Allowances::NONE),
                 (centre, cap, margin),
             )
     }
@@ -97,7 +97,7 @@ impl<'a> ClearAxes<'a> {
 
     /// True when the tool is clear over a whole piece of motion.
     pub(crate) fn proved(&self, ends: &Ends) -> bool {
-        self.obstacles.keeps_over(ends, (|rho, s| self.slack(rho, s), VaneAllowance::NONE))
+        self.obstacles.keeps_over(ends, (|rho, s, _| self.slack(rho, s), Allowances::NONE))
     }
 
     /// Clear axes about a direction, the nearest first.

@@ -5,7 +5,7 @@ use crate::collide::tool::tool_coordinates;
 use crate::collide::{Cloud, CloudPoint, ToolSolid};
 use crate::ir::{OperationKind, Program};
 use crate::kin::{Carried, Chain, Machine, RotaryPose};
-use crate::operation::VaneAllowance;
+use crate::operation::{Allowances, VaneAllowance};
 use crate::part::{Part, Sample, SurfaceKind, sample};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -137,35 +137,34 @@ impl Obstacles {
         self.scale * if solid.cutter.tip_radius() >= self.scale * ROUND { ROUND_MARGIN } else { EDGE_MARGIN }
     }
 
-    /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis
-    /// and its height over the tip, and returns its distance less the required distance. It must change no faster than
-    /// the point moves. From vanes and fillets the tool keeps as much more as `vane` has there more than at the tip. No
-    /// tool point may move by more than `shift` plus `turn` times its distance from `about`.
+    /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis,
+    /// its height over the tip and the allowance at the point, and returns its distance less the required distance. It
+    /// must change no faster than the point moves, and not grow with the allowance. Table and fixtures have no allowance.
+    /// No tool point may move by more than `shift` plus `turn` times its distance from `about`.
     pub fn keeps(
         &self,
         (tip, axis): (&Point3<f64>, &Vector3<f64>),
-        (slack, vane): (impl Fn(f64, f64) -> f64, VaneAllowance),
+        (slack, kept): (impl Fn(f64, f64, f64) -> f64, Allowances),
         (about, turn, shift): (&Point3<f64>, f64, f64),
     ) -> bool {
         // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
         // fast.
-        let value = |p: &Point3<f64>, margin: f64| {
+        let value = |p: &Point3<f64>, kept: f64, margin: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (slack(rho, s) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
+            (slack(rho, s, kept) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
         };
-        let of_part = |p: &Point3<f64>, more: f64| value(p, self.edge_margin() + more);
-        let more = |i: usize| self.allowance(vane, i) - vane.tip().get();
-        let of_walls = |i: usize, p: &Point3<f64>| of_part(p, more(i));
-        self.walls.least_of(|p| of_part(p, vane.growth()), of_walls, 0.0).is_none()
-            && self.hub.least(|p| of_part(p, 0.0), 0.0).is_none()
-            && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, *beside), 0.0).is_none())
+        let of_part = |p: &Point3<f64>, kept: f64| value(p, kept, self.edge_margin());
+        let of_walls = |i: usize, p: &Point3<f64>| of_part(p, self.allowance(kept.vane, i));
+        self.walls.least_of(|p| of_part(p, kept.vane.root().get()), of_walls, 0.0).is_none()
+            && self.hub.least(|p| of_part(p, kept.hub.get()), 0.0).is_none()
+            && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, 0.0, *beside), 0.0).is_none())
     }
 
     /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion in which the tip
     /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
     /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
     /// Pieces are halved until the distance at the middle is larger than that.
-    pub fn keeps_over(&self, ends: &Ends, (slack, vane): (impl Fn(f64, f64) -> f64, VaneAllowance)) -> bool {
+    pub fn keeps_over(&self, ends: &Ends, (slack, kept): (impl Fn(f64, f64, f64) -> f64, Allowances)) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
             let middle = RotaryPose {
@@ -174,7 +173,7 @@ impl Obstacles {
             };
             let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
             let axis = self.chain.tool_axis(middle.rotary);
-            if self.keeps((&middle.tip, &axis), (&slack, vane), (&middle.tip, turn, shift)) {
+            if self.keeps((&middle.tip, &axis), (&slack, kept), (&middle.tip, turn, shift)) {
                 continue;
             }
             if depth >= HALVINGS {

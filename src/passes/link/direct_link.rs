@@ -16,7 +16,7 @@ use crate::collide::{Section, ToolSolid};
 use crate::contract::{ContractKind, Guarded};
 use crate::ir::{ClPoint, Operation, Program};
 use crate::kin::{Machine, RotaryPose};
-use crate::operation::VaneAllowance;
+use crate::operation::Allowances;
 use crate::passes::axis::run::rotary;
 use crate::passes::context::{Ends, Obstacles};
 
@@ -89,9 +89,7 @@ impl<'a> DirectLinks<'a> {
             let way = (over[1].tip - over[0].tip).norm();
             let moves = way > LEAST_WAY;
             let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
-            let slack = |rho: f64, s: f64, least: f64| self.slack(rho, s, least);
-            let clear =
-                |least: f64| self.obstacles.keeps_over(&ends, (|rho, s| slack(rho, s, least), VaneAllowance::NONE));
+            let clear = |least: f64| self.keeps(&ends, Allowances::even(least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
             let places = if *lift > 0.0 { over.to_vec() } else { Vec::new() };
@@ -99,17 +97,19 @@ impl<'a> DirectLinks<'a> {
         })
     }
 
-    /// True when the tool keeps its distances to the part, each at least `least`, while its tip goes straight from one
-    /// place to another and the rotary axes turn evenly. From vanes and fillets it keeps as much more as `vane` has there
-    /// more than at the tip.
-    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint, (least, vane): (f64, VaneAllowance)) -> bool {
+    /// True when the tool keeps its distances to the part, each at least the allowance there, while its tip goes straight
+    /// from one place to another and the rotary axes turn evenly.
+    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint, kept: Allowances) -> bool {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
         let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
         let moves = (to.tip - from.tip).norm() > LEAST_WAY;
-        moves
-            && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN)
-            && self.obstacles.keeps_over(&ends, (|rho, s| self.slack(rho, s, least), vane))
+        moves && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN) && self.keeps(&ends, kept)
+    }
+
+    /// True when the tool keeps its distances, each at least the allowance, over a motion.
+    fn keeps(&self, ends: &Ends, kept: Allowances) -> bool {
+        self.obstacles.keeps_over(ends, (|rho, s, least| self.slack(rho, s, least), kept))
     }
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.

@@ -17,7 +17,7 @@ use super::stock_steps::{PathPoint, cutter_alone, stations, steps_of, way};
 use super::through_air::ThroughAir;
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
-use crate::operation::VaneAllowance;
+use crate::operation::Allowances;
 use crate::passes::context::maximal_ranges;
 use crate::progress::Work;
 use crate::stock::{self, Field, StepKind};
@@ -39,8 +39,9 @@ const NEAR_AIR: f64 = 2.0;
 const RAMP: f64 = 1.0;
 const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// Error of the free width that the planner finds, mm: a pass keeps the allowances to it.
-const FOUND_TO: f64 = 0.05;
+/// Part of the reserve for samples that a ramp need not keep, mm; less with thin tools. The reserve of a way is the larger
+/// one, for sharp edges; passes of rounded cutters, which a ramp begins or ends on, have a smaller one.
+const RESERVE: f64 = 0.05;
 
 /// Passes of one operation, reduced one after the other.
 struct Reduction<'a> {
@@ -249,16 +250,15 @@ impl Reduction<'_> {
         let from = line[beyond].point;
         let along = (line[station].point.tip - from.tip).normalize();
         let side = from.axis.cross(&along);
-        let kept = self.operation.kind.roughing();
-        let least = kept.map_or(0.0, |(_, vane, hub)| vane.tip().get().min(hub.get())) - FOUND_TO;
-        let keep = (least, kept.map_or(VaneAllowance::NONE, |(_, vane, _)| vane));
+        let kept = self.operation.kind.roughing().map_or(Allowances::NONE, |(_, vane, hub)| Allowances { vane, hub });
+        let kept = kept.plus(-RESERVE * self.direct.scale());
         for lift in RAMP_LIFTS {
             for beside in [0.0, lift, -lift] {
                 let tip = from.tip + from.axis * lift + side * beside;
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
                 if self.air.is_free(&[over, place], 0.0, field)
-                    && self.direct.straight(&place, &line[station].point, keep)
+                    && self.direct.straight(&place, &line[station].point, kept)
                 {
                     return Some(place);
                 }

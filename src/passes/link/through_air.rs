@@ -9,7 +9,7 @@ use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, 
 use crate::collide::ToolSolid;
 use crate::ir::{ClPass, ClPoint, Program};
 use crate::kin::{Machine, between};
-use crate::operation::VaneAllowance;
+use crate::operation::Allowances;
 use crate::passes::axis::run::rotary;
 use crate::stock::{self, Field, StepKind, Touched};
 
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 0.02;
 const LINK_FREE: f64 = 0.1;
 
 /// Distances to the part beyond those of every link: stock that is left on purpose is no air.
-const THROUGH_AIR: (f64, VaneAllowance) = (0.0, VaneAllowance::NONE);
+const THROUGH_AIR: Allowances = Allowances::NONE;
 
 /// Longest link through air, mm.
 const LONGEST_LINK: f64 = 80.0;
