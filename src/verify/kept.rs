@@ -22,6 +22,7 @@ use crate::units::length;
 use nalgebra::Rotation3;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 /// Figures of the kept surfaces of one kind, in all sectors.
@@ -136,7 +137,7 @@ pub(super) fn deepest(
     sweeps: &[Sweep<'_>],
     (ceiling, limit): (f64, f64),
     progress: &Progress,
-    stage: &'static str,
+    stage: impl Into<Cow<'static, str>>,
 ) -> Vec<Deepest> {
     let tasks: Vec<(usize, PatchTask<'_>)> = covered
         .iter()

@@ -74,7 +74,7 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
         let declared = &program.operations[operation.operation];
         let (_, vane, _) = declared.kind.roughing().filter(|(_, vane, _)| vane.root().get() > 0.0)?;
         let sweep = Sweep::new(program, motion, o as usize)?;
-        let (bound, worst) = missing(program, vane, &[sweep], progress);
+        let (bound, worst) = missing(program, (&declared.name, vane), &[sweep], progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());
         Some(VaneReport { operation: o, name: declared.name.clone(), allowance, worst, bound })
     });
@@ -84,7 +84,7 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
 /// Proved bound of what is missing of an allowance, mm, and the worst place.
 fn missing(
     program: &Program,
-    vane: VaneAllowance,
+    (name, vane): (&str, VaneAllowance),
     sweeps: &[Sweep<'_>],
     progress: &Progress,
 ) -> (f64, Option<Missing>) {
@@ -102,7 +102,8 @@ fn missing(
         }));
     }
     let tolerance = program.tolerances.chord_rough.get();
-    let all = deepest(&covered, &grids, sweeps, (0.0, tolerance), progress, "allowance on vanes");
+    let stage = format!("{name}, allowance on vanes");
+    let all = deepest(&covered, &grids, sweeps, (0.0, tolerance), progress, stage);
     let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
     let least = |found: Extreme| found.map_or(0.0, |f| f.0);
     let worst = covered.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);
