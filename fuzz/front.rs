@@ -5,7 +5,7 @@ use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Sink, codes, render};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
-use impellerc::job::{self, Files, Missing};
+use impellerc::job::{self, Files, MissingFile};
 use impellerc::post::{self, motion_of::motion_of};
 use impellerc::source::{SourceFile, SourceMap, Span};
 use impellerc::{lower, syntax};
@@ -36,28 +36,28 @@ pub const SMALL: Texts<'_> = Texts {
 };
 
 impl Files for Texts<'_> {
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find(name, self.machine, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find(name, self.tools, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         find(path, Some(self.curves), &[])
     }
 
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         Ok(SourceFile { data: self.mesh.to_vec(), ..SourceFile::text(path, "") })
     }
 }
 
-fn find(name: &str, given: Option<&str>, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {
+fn find(name: &str, given: Option<&str>, files: &[(&str, &str)]) -> Result<SourceFile, MissingFile> {
     let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
     match given.or_else(|| files.iter().find(|f| f.0 == name).map(|f| f.1)) {
         Some(text) => Ok(SourceFile::text(name, text)),
-        None => Err(Missing { reason: "not in memory".to_owned(), known, ..Missing::default() }),
+        None => Err(MissingFile { reason: "not in memory".to_owned(), known, ..MissingFile::default() }),
     }
 }
 

@@ -4,7 +4,7 @@ use super::reading;
 use crate::diag::codes::files;
 use crate::diag::{Diag, printable};
 use crate::job::files::shipped;
-use crate::job::{Fault, Files, Missing};
+use crate::job::{Fault, Files, MissingFile};
 use crate::source::{Origin, SourceFile};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -63,7 +63,7 @@ impl DiskFiles {
         Ok(Self { shown, folder: own, curves, libraries })
     }
 
-    fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<SourceFile, Missing> {
+    fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<SourceFile, MissingFile> {
         // A name is not a path, so it never leads out of the library.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'));
         if plain {
@@ -93,12 +93,12 @@ impl DiskFiles {
             0 => "there is no folder `_lib` beside or above the job; only the shipped library was searched".to_owned(),
             n => format!("searched {n} library folder(s) and the shipped library"),
         };
-        Err(Missing { reason, known, ..Missing::default() })
+        Err(MissingFile { reason, known, ..MissingFile::default() })
     }
 
     /// The file of a path in the job, with symbolic links resolved, and the origin of its folder.
-    fn named(&self, path: &str) -> Result<(PathBuf, Origin), Missing> {
-        let mut fault = Missing { reason: "there is no such file".to_owned(), ..Missing::default() };
+    fn named(&self, path: &str) -> Result<(PathBuf, Origin), MissingFile> {
+        let mut fault = MissingFile { reason: "there is no such file".to_owned(), ..MissingFile::default() };
         for start in [Some(&self.folder), self.curves.as_ref()].into_iter().flatten() {
             match start.join(path).canonicalize() {
                 Ok(file) if file.starts_with(&self.folder) => return Ok((file, Origin::BesideJob)),
@@ -107,7 +107,7 @@ impl DiskFiles {
                 }
                 Ok(_) => {
                     let reason = "it is outside the folder of the job".to_owned();
-                    fault = Missing { fault: Fault::Outside, reason, ..Missing::default() };
+                    fault = MissingFile { fault: Fault::Outside, reason, ..MissingFile::default() };
                 }
                 Err(e) if e.kind() == ErrorKind::NotFound => {}
                 Err(e) => fault = unreadable(reading::reason(&e)),
@@ -125,12 +125,12 @@ impl DiskFiles {
     }
 }
 
-fn unreadable(reason: String) -> Missing {
-    Missing { fault: Fault::Unreadable, reason, ..Missing::default() }
+fn unreadable(reason: String) -> MissingFile {
+    MissingFile { fault: Fault::Unreadable, reason, ..MissingFile::default() }
 }
 
 /// Reads a regular file only; anything else, such as a device, could be endless.
-fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Missing> {
+fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, MissingFile> {
     let regular = std::fs::metadata(path).map_err(|e| unreadable(reading::reason(&e)))?;
     if !(regular.is_file() || regular.is_dir()) {
         return Err(unreadable("it is not a regular file".to_owned()));
@@ -139,7 +139,7 @@ fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Missing> {
     bytes.ok_or_else(|| unreadable(format!("it is larger than {} MB, the limit", most >> 20)))
 }
 
-fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, Missing> {
+fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, MissingFile> {
     let text = String::from_utf8(read_bytes(path, most)?).map_err(|e| {
         unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
     })?;
@@ -152,21 +152,21 @@ fn itself(path: &Path) -> PathBuf {
 }
 
 impl Files for DiskFiles {
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.find("machines", name, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.find("tools", name, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         let (file, origin) = self.named(path)?;
         let found = read(&file, path, MAX_CURVES, origin)?;
         Ok(SourceFile { path: Some(self.shown_path(path, file)), ..found })
     }
 
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         let (file, origin) = self.named(path)?;
         let (data, disk) = (read_bytes(&file, MAX_MESH)?, Some(itself(&file)));
         let name = printable(path).into_owned();

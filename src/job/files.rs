@@ -8,26 +8,26 @@ pub trait Files {
     /// Text of a machine file.
     ///
     /// # Errors
-    /// [`Missing`] when the file does not exist or cannot be read.
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing>;
+    /// [`MissingFile`] when the file does not exist or cannot be read.
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile>;
 
     /// Text of a tool library.
     ///
     /// # Errors
-    /// [`Missing`] when the file does not exist or cannot be read.
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing>;
+    /// [`MissingFile`] when the file does not exist or cannot be read.
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile>;
 
     /// Text of a curve file.
     ///
     /// # Errors
-    /// [`Missing`] when the file does not exist or cannot be read.
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing>;
+    /// [`MissingFile`] when the file does not exist or cannot be read.
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile>;
 
     /// Bytes of a file with the mesh of a solid.
     ///
     /// # Errors
-    /// [`Missing`] when the file does not exist or cannot be read.
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing>;
+    /// [`MissingFile`] when the file does not exist or cannot be read.
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile>;
 }
 
 /// Why there is no text.
@@ -44,7 +44,7 @@ pub enum Fault {
 
 /// Why a file is not available.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Missing {
+pub struct MissingFile {
     /// Kind of fault.
     pub fault: Fault,
     /// Reason in words: where the file was looked for, or why it cannot be read.
@@ -68,11 +68,15 @@ pub struct InMemory {
 }
 
 /// A file that a job names by its path.
-fn named<T>(path: &str, given: &BTreeMap<String, T>, file: impl Fn(&T) -> SourceFile) -> Result<SourceFile, Missing> {
-    let found = given.get(path).ok_or_else(|| Missing {
+fn named<T>(
+    path: &str,
+    given: &BTreeMap<String, T>,
+    file: impl Fn(&T) -> SourceFile,
+) -> Result<SourceFile, MissingFile> {
+    let found = given.get(path).ok_or_else(|| MissingFile {
         reason: "there is no such file".to_owned(),
         known: given.keys().cloned().collect(),
-        ..Missing::default()
+        ..MissingFile::default()
     })?;
     Ok(SourceFile { name: path.to_owned(), origin: Origin::BesideJob, ..file(found) })
 }
@@ -83,7 +87,7 @@ fn find(
     name: &str,
     given: &BTreeMap<String, String>,
     shipped: &[(&str, &str)],
-) -> Result<SourceFile, Missing> {
+) -> Result<SourceFile, MissingFile> {
     let shown = format!("{kind}/{name}.toml");
     if let Some(text) = given.get(name) {
         return Ok(SourceFile { origin: Origin::Library, ..SourceFile::text(shown, text) });
@@ -94,23 +98,23 @@ fn find(
     let known = given.keys().cloned().chain(shipped.iter().map(|s| s.0.to_owned()));
     let known: BTreeSet<String> = known.collect();
     let reason = "the given files and the shipped library were searched".to_owned();
-    Err(Missing { reason, known: known.into_iter().collect(), ..Missing::default() })
+    Err(MissingFile { reason, known: known.into_iter().collect(), ..MissingFile::default() })
 }
 
 impl Files for InMemory {
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find("machines", name, &self.machines, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find("tools", name, &self.tools, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         named(path, &self.curves, |text| SourceFile::text("", text))
     }
 
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         named(path, &self.meshes, |bytes| SourceFile { data: bytes.clone(), ..SourceFile::default() })
     }
 }

@@ -18,6 +18,6 @@ mod rough;
 mod stock_file;
 mod tools;
 
-pub use files::{Fault, Files, InMemory, Missing};
+pub use files::{Fault, Files, InMemory, MissingFile};
 pub use model::{Job, PartialJob};
 pub use resolve::{resolve, understand};

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::curve_file::{self, MAX_POINTS};
 use super::eval::{mismatch, suggest, unknown_unit};
-use super::files::{Fault, Missing};
+use super::files::{Fault, MissingFile};
 use super::limits;
 use super::model::{BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, PartSpec};
 use super::properties::{Properties, Range};
@@ -352,7 +352,7 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
 }
 
 /// The fault of a file that the job names and that cannot be read.
-pub(super) fn not_read(kind: &str, file: &Text, missing: Missing) -> Diag {
+pub(super) fn not_read(kind: &str, file: &Text, missing: MissingFile) -> Diag {
     let (code, help) = match missing.fault {
         Fault::Outside => {
             (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")

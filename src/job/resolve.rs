@@ -2,7 +2,7 @@
 
 use super::context::{Context, head};
 use super::eval::{LetScope, suggest};
-use super::files::{Fault, Files, Missing};
+use super::files::{Fault, Files, MissingFile};
 use super::library::{self, ToolLibrary};
 use super::model::{
     ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
@@ -137,7 +137,7 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
     }
 }
 
-fn not_in_library(kind: &str, what: &Text, missing: &Missing) -> Diag {
+fn not_in_library(kind: &str, what: &Text, missing: &MissingFile) -> Diag {
     if missing.fault == Fault::Unreadable {
         return Diag::error(file_codes::CANNOT_READ, format!("the {kind} file `{}` cannot be read", what.text))
             .label(what.span, missing.reason.clone())

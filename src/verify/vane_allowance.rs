@@ -34,14 +34,14 @@ pub struct VaneReport {
     /// Allowance at the tip and at the root, mm; both are the same unless it grows.
     pub allowance: [f64; 2],
     /// The place where most is missing; `None` where no cutter reaches into the allowance.
-    pub worst: Option<Missing>,
+    pub worst: Option<MissingAllowance>,
     /// Proved bound of what is missing anywhere, mm.
     pub bound: f64,
 }
 
 /// A place where a cutter goes into the allowance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Missing {
+pub struct MissingAllowance {
     /// Surface of the part.
     pub surface: String,
     /// Place on the outside of the allowance. Its value is negative: what is missing.
@@ -87,7 +87,7 @@ fn missing(
     (name, vane): (&str, VaneAllowance),
     sweeps: &[Sweep<'_>],
     progress: &Progress,
-) -> (f64, Option<Missing>) {
+) -> (f64, Option<MissingAllowance>) {
     let part = &program.part;
     let of_vane = |chart: &Chart<'_>| matches!(chart.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
     let shapes: Vec<Moved<'_>> =
@@ -107,12 +107,12 @@ fn missing(
     let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
     let least = |found: Extreme| found.map_or(0.0, |f| f.0);
     let worst = covered.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);
-    let worst = worst.min_by(|a, b| least(a.1.found).total_cmp(&least(b.1.found))).map(|(c, d)| Missing {
+    let worst = worst.min_by(|a, b| least(a.1.found).total_cmp(&least(b.1.found))).map(|(c, d)| MissingAllowance {
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, sweeps),
     });
     // The search for the worst place may leave the strip at the border of a surface that the proof leaves out.
-    (worst.as_ref().map_or(bound, |w: &Missing| bound.max(-w.place.value)), worst)
+    (worst.as_ref().map_or(bound, |w: &MissingAllowance| bound.max(-w.place.value)), worst)
 }
 
 impl VaneReport {

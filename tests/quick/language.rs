@@ -4,7 +4,7 @@ use impellerc::contract::{ContractKind, Cuts, Guarded};
 use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
-use impellerc::job::{self, Files, Job, Missing};
+use impellerc::job::{self, Files, Job, MissingFile};
 use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::part::{BladeId, SurfaceClass, SurfaceKind};
 use impellerc::source::{SourceFile, SourceId, SourceMap};
@@ -18,28 +18,28 @@ const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
 struct Memory;
 
 impl Files for Memory {
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find(name, shipped::MACHINES)
     }
 
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         find(name, shipped::TOOLS)
     }
 
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         find(path, &[("vane_curves.csv", include_str!("../../jobs/reduced/vane_curves.csv"))])
     }
 
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         find(path, &[])
     }
 }
 
-fn find(name: &str, files: &[(&str, &str)]) -> Result<SourceFile, Missing> {
+fn find(name: &str, files: &[(&str, &str)]) -> Result<SourceFile, MissingFile> {
     let known: Vec<String> = files.iter().map(|f| f.0.to_owned()).collect();
     match files.iter().find(|f| f.0 == name) {
         Some((name, text)) => Ok(SourceFile::text(*name, *text)),
-        None => Err(Missing { reason: "not in memory".to_owned(), known, ..Missing::default() }),
+        None => Err(MissingFile { reason: "not in memory".to_owned(), known, ..MissingFile::default() }),
     }
 }
 

@@ -7,7 +7,7 @@ use impellerc::diag::{Severity, Sink, codes, render};
 use impellerc::export::certificate_file::{self, CertificateFile};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
-use impellerc::job::{self, Files, Missing};
+use impellerc::job::{self, Files, MissingFile};
 use impellerc::lower;
 use impellerc::post::{self, MOST_FAULTS, Post, motion_of::motion_of};
 use impellerc::source::{Origin, SourceFile, SourceId, SourceMap, Span};
@@ -148,32 +148,32 @@ impl Memory {
         Self(files)
     }
 
-    fn find(&self, name: &str) -> Result<SourceFile, Missing> {
+    fn find(&self, name: &str) -> Result<SourceFile, MissingFile> {
         match self.0.get(name) {
             Some(text) => Ok(SourceFile::text(name, text)),
-            None => Err(Missing {
+            None => Err(MissingFile {
                 reason: "not in memory".to_owned(),
                 known: self.0.keys().cloned().collect(),
-                ..Missing::default()
+                ..MissingFile::default()
             }),
         }
     }
 }
 
 impl Files for Memory {
-    fn machine(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.find(name)
     }
 
-    fn tools(&mut self, name: &str) -> Result<SourceFile, Missing> {
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.find(name)
     }
 
-    fn curves(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         self.find(path)
     }
 
-    fn mesh(&mut self, path: &str) -> Result<SourceFile, Missing> {
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         self.find(path)
     }
 }

@@ -182,12 +182,12 @@ pub struct StockReport {
     /// Operations in order.
     pub operations: Vec<OperationStock>,
     /// Missing stock inside of the hub disc, after the first operation that removes some.
-    pub missing: Option<Missing>,
+    pub missing: Option<MissingStock>,
 }
 
 /// Stock that was removed inside of the finished part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Missing {
+pub struct MissingStock {
     /// Index of the operation in the motion.
     pub operation: u32,
     /// Missing volume deeper than 0.1 mm below the surface, 0.5 mm where the job allows gouge, mm3.
@@ -299,7 +299,7 @@ pub fn simulate(
         before = report.rest;
         if missing.is_none() {
             let uncut = field.uncut_under(&disc, below, start.as_ref());
-            missing = uncut.map(|uncut| Missing {
+            missing = uncut.map(|uncut| MissingStock {
                 operation: report.operation,
                 volume: uncut.volume,
                 point: uncut.point.coords.into(),
