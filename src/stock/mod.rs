@@ -10,6 +10,7 @@
 //! | `moving` | such a body in motion with bounds, against a line |
 //! | `lanes` | queries about eight intervals of material at once against such a body |
 //! | `intervals` | what such a body removes of the intervals of a group of lines |
+//! | [`slices`] | slices of a cutter along its axis: sides to which it removes material |
 //! | `run` | successive steps as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of the material |
 //! | [`simulate()`] | a stream of steps through all tiles |
@@ -31,6 +32,7 @@ mod run;
 mod shape;
 pub mod simulate;
 mod slice;
+pub mod slices;
 pub mod stl;
 mod surface_nets;
 mod sweep;
@@ -39,6 +41,7 @@ mod tile;
 pub use field::{Field, FieldError, Uncut};
 pub use mesh::Mesh;
 pub use simulate::{BlockCut, Collision, Outcome, simulate};
+pub use slices::{SLICES, Sides, Slices};
 
 use nalgebra::{Point3, Vector3};
 

@@ -8,6 +8,7 @@ use super::intervals::Intervals;
 use super::moving::Moving;
 use super::run::{self, Frame, Prepared, RUN};
 use super::shape::SolidShape;
+use super::slices::{Sides, Slices};
 use super::sweep::StepSweep;
 use super::tile::{Overlap, RayRun, Removal, SIDE, Tile};
 use super::{END_ERROR, Field, Step, Touched};
@@ -23,7 +24,7 @@ const BATCH: usize = 1 << 14;
 pub const CONTACT: f64 = 5e-3;
 
 /// Removal of a block. Blocks without removal have no entry.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BlockCut {
     /// Number of the block.
     pub block: u32,
@@ -32,8 +33,8 @@ pub struct BlockCut {
     /// Lowest and highest height over the tip where material was removed; the lowest is above the highest when the tool
     /// only rubbed.
     pub height: [f64; 2],
-    /// Extent of the removed material across tip motion and axis, from the axis.
-    pub side: [f64; 2],
+    /// Extent of the removed material across tip motion and axis, from the axis, in each slice of the cutter.
+    pub sides: Sides,
 }
 
 /// Stock inside a part of the tool that must not touch it: the deepest place for each block and part.
@@ -114,12 +115,13 @@ fn run_batch(
         .collect();
     let runs = run::split(steps, cutter.reach());
     let area = field.cell * field.cell;
+    let slices = Slices::new(cutter.extent().1, field.cell);
     let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
     let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, (cutter, body), frame));
     let said: Vec<Said> = tile_work(field, &frames, &prepared)
         .par_iter_mut()
         .map(|(tile, axis, list)| {
-            let mut said = run_tile(tile, list, &prepared[*axis]);
+            let mut said = run_tile(tile, list, &prepared[*axis], &slices);
             for (_, _, overlap) in &mut said.overlaps {
                 let own = overlap.point;
                 frames[*axis].order.iter().zip(own).for_each(|(k, x)| overlap.point[*k] = x);
@@ -176,7 +178,7 @@ fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
         if r.length > 0.0 {
             push_cut(
                 outcome,
-                BlockCut { block: *block, volume: r.length * area / 3.0, height: r.height, side: r.side },
+                BlockCut { block: *block, volume: r.length * area / 3.0, height: r.height, sides: r.sides },
             );
         }
     }
@@ -206,7 +208,7 @@ fn push_cut(outcome: &mut Outcome, cut: BlockCut) {
         Some(last) if last.block == cut.block => {
             last.volume += cut.volume;
             last.height = [last.height[0].min(cut.height[0]), last.height[1].max(cut.height[1])];
-            last.side = [last.side[0].min(cut.side[0]), last.side[1].max(cut.side[1])];
+            last.sides.join(&cut.sides);
         }
         _ => outcome.cuts.push(cut),
     }
@@ -222,7 +224,7 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
 }
 
 /// Processes the runs of a tile in order.
-fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
+fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slices) -> Said {
     let mut said = Said::default();
     let mut work = Intervals::default();
     for &n in list {
@@ -236,7 +238,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
             .collect();
         let touches = run.sweeps.iter().any(|s| near.iter().any(|(_, shape)| touch(tile, s, shape).is_some()));
         if !touches {
-            said.remove(tile, run, 0..run.steps.len(), &mut work);
+            said.remove(tile, (run, 0..run.steps.len()), slices, &mut work);
             continue;
         }
         for (k, (sweep, ordinal)) in run.sweeps.iter().zip(&run.ordinals).enumerate() {
@@ -246,7 +248,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared]) -> Said {
                 }
             }
             if !run.steps.is_empty() {
-                said.remove(tile, run, k..k + 1, &mut work);
+                said.remove(tile, (run, k..k + 1), slices, &mut work);
             }
         }
     }
@@ -277,7 +279,13 @@ impl Said {
     }
 
     /// Removes what the cutter sweeps in some of the steps of a run.
-    fn remove(&mut self, tile: &mut Tile, run: &Prepared, steps: std::ops::Range<usize>, work: &mut Intervals) {
+    fn remove(
+        &mut self,
+        tile: &mut Tile,
+        (run, steps): (&Prepared, std::ops::Range<usize>),
+        slices: &Slices,
+        work: &mut Intervals,
+    ) {
         let cut = &run.steps[steps.clone()];
         let whole = match cut {
             [] => return,
@@ -288,7 +296,7 @@ impl Said {
             },
         };
         let mut removals = [Removal::NONE; RUN];
-        tile.remove(&RayRun { whole, steps: cut }, work, &mut removals);
+        tile.remove(&RayRun { whole, steps: cut, slices }, work, &mut removals);
         for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {

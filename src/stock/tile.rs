@@ -4,6 +4,7 @@
 use super::intervals::{Chip, Intervals};
 use super::moving::Moving;
 use super::ray::Ray;
+use super::slices::{Sides, Slices};
 use super::sweep::RayLine;
 
 /// Rays along an edge of a tile.
@@ -38,35 +39,35 @@ pub(super) struct Removal {
     /// Lowest and highest height over the tip; infinity and minus infinity when no chip counts.
     pub(super) height: [f64; 2],
     /// Extent across tip motion and axis, from the axis.
-    pub(super) side: [f64; 2],
+    pub(super) sides: Sides,
 }
 
 impl Removal {
-    pub(super) const NONE: Self =
-        Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], side: [f64::INFINITY, f64::NEG_INFINITY] };
+    pub(super) const NONE: Self = Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], sides: Sides::NONE };
 
     /// Adds the part that a step removes from a line.
-    fn take(&mut self, step: &Moving, chip: &Chip) {
+    fn take(&mut self, step: &Moving, slices: &Slices, chip: &Chip) {
         self.length += chip.to - chip.from;
         let [least, most] = NOTABLE_WITHIN;
         if chip.to - chip.from < (NOTABLE * step.sweep.way().norm()).clamp(least, most) {
             return;
         }
-        for (x, t) in [(chip.from, chip.times[0]), (chip.to, chip.times[1])] {
+        let ends = [(chip.from, chip.times[0]), (chip.to, chip.times[1])].map(|(x, t)| {
             let (tip, axis) = step.sweep.pose(t);
             let d = chip.line.point(x) - tip;
-            let s = d.dot(&axis);
-            let across = (d - axis * s).dot(&step.side);
-            self.height = [self.height[0].min(s), self.height[1].max(s)];
-            self.side = [self.side[0].min(across), self.side[1].max(across)];
+            let height = d.dot(&axis);
+            [height, (d - axis * height).dot(&step.side)]
+        });
+        for [height, _] in ends {
+            self.height = [self.height[0].min(height), self.height[1].max(height)];
         }
+        self.sides.add(slices, ends);
     }
 
     pub(super) fn add(&mut self, other: &Self) {
         self.length += other.length;
-        let join = |a: &mut [f64; 2], b: &[f64; 2]| *a = [a[0].min(b[0]), a[1].max(b[1])];
-        join(&mut self.height, &other.height);
-        join(&mut self.side, &other.side);
+        self.height = [self.height[0].min(other.height[0]), self.height[1].max(other.height[1])];
+        self.sides.join(&other.sides);
     }
 }
 
@@ -291,7 +292,7 @@ impl Tile {
                 let first = work.chips.len();
                 work.cut(step);
                 for chip in &work.chips[first..] {
-                    removal.take(step, chip);
+                    removal.take(step, run.slices, chip);
                 }
             }
             let chips = &mut work.chips;
@@ -331,6 +332,8 @@ pub(super) struct RayRun<'a> {
     pub(super) whole: &'a Moving,
     /// Its steps, in order.
     pub(super) steps: &'a [Moving],
+    /// Slices of the cutter.
+    pub(super) slices: &'a Slices,
 }
 
 /// A fine group of rays, with the interval in which a body may meet it.

@@ -3,9 +3,11 @@
 
 use super::{Removal, StepPlace};
 use crate::ir::MoveKind;
-use crate::stock::{BlockCut, END_ERROR};
+use crate::stock::{BlockCut, END_ERROR, SLICES, Sides, Slices};
 use crate::verify::proof::piece::At;
+use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// Width of a class, degrees.
 pub const CLASS: f64 = 15.0;
@@ -51,6 +53,8 @@ pub(super) struct Circle {
     pub(super) cell: f64,
     /// Tip motion whose chips show the engagement at its end, mm.
     pub(super) window: f64,
+    /// Slices in which the engagement is measured.
+    pub(super) slices: Slices,
 }
 
 impl Circle {
@@ -65,12 +69,20 @@ impl Circle {
         let angle = |side: f64| libm::asin((side / self.radius).clamp(-1.0, 1.0));
         (angle(side[1]) - angle(side[0])).to_degrees()
     }
+
+    /// For each slice the slices at whose heights material lies that can belong to chips which the rays show in it, or
+    /// which they do not show although it lies in the slice.
+    fn beside(&self) -> Vec<RangeInclusive<usize>> {
+        let at = |height: f64| self.slices.at(height);
+        let unseen = self.unseen();
+        (0..SLICES).map(|k| at(self.slices.edge(k) - unseen)..=at(self.slices.edge(k + 1) + unseen)).collect()
+    }
 }
 
 /// Arc of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StepArc {
-    /// Arc of the chips on the rays, degrees: no more than the true arc.
+    /// Arc of the chips on the rays, degrees, in the slice with the largest one: no more than the true arc there.
     pub(super) found: f64,
     /// Upper bound, degrees.
     pub(super) bound: f64,
@@ -83,48 +95,60 @@ pub(super) struct StepArc {
 /// Arcs of all steps. Chips of all steps at feed in the same direction over the tip motion `window` that ends with a
 /// step show its arc: the rays seldom meet all chips of a step that is shorter than a cell.
 pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut], circle: &Circle) -> Vec<StepArc> {
-    let mut sides: Vec<Option<[f64; 2]>> = vec![None; places.len()];
+    let mut own: Vec<Option<&Sides>> = vec![None; places.len()];
     for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
-        if let Some(side) = sides.get_mut(c.block as usize) {
-            *side = Some(c.side);
+        if let Some(sides) = own.get_mut(c.block as usize) {
+            *sides = Some(&c.sides);
         }
     }
+    let beside = circle.beside();
     let at_feed = |i: usize| places[i].kind != MoveKind::Rapid;
-    let mut arcs = vec![StepArc::default(); places.len()];
-    for i in (0..places.len()).filter(|i| at_feed(*i) && removal.cuts[*i]) {
-        let mut side = [f64::INFINITY, f64::NEG_INFINITY];
+    let arc = |i: usize| {
+        if !at_feed(i) || !removal.cuts[i] {
+            return StepArc::default();
+        }
+        let mut sides = Sides::NONE;
         let mut way = 0.0;
         for k in (0..=i).rev() {
             let turned = places[k].step.dot(&places[i].step) < SAME_DIRECTION * places[k].way * places[i].way;
             if !at_feed(k) || turned {
                 break;
             }
-            if let Some(own) = sides[k] {
-                side = [side[0].min(own[0]), side[1].max(own[1])];
+            if let Some(own) = own[k] {
+                sides.join(own);
             }
             way += places[k].way;
             if way >= circle.window {
                 break;
             }
         }
-        if side[0] <= side[1] {
-            arcs[i] = StepArc::new(side, circle);
-        }
-    }
+        StepArc::new(&sides, circle, &beside)
+    };
+    let mut arcs: Vec<StepArc> = (0..places.len()).into_par_iter().map(arc).collect();
     mark_slots(places, removal, &mut arcs, 2.0 * circle.radius);
     arcs
 }
 
 impl StepArc {
-    fn new(side: [f64; 2], circle: &Circle) -> Self {
+    fn new(sides: &Sides, circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
         let unseen = circle.unseen();
         let rim = circle.radius - unseen;
-        Self {
-            found: circle.arc(side),
-            bound: circle.arc([side[0] - unseen, side[1] + unseen]),
-            full: rim > 0.0 && side[0] <= -rim && side[1] >= rim,
-            slot: false,
+        let mut arc = Self::default();
+        let mut last = Sides::NONE.over(0..=0);
+        for (k, beside) in beside.iter().enumerate() {
+            let [from, to] = sides.over(k..=k);
+            if from <= to {
+                arc.found = arc.found.max(circle.arc([from, to]));
+                arc.full |= rim > 0.0 && from <= -rim && to >= rim;
+            }
+            let wide = sides.over(beside.clone());
+            // Neighbours with the same sides have the same bound.
+            if wide[0] <= wide[1] && (wide[0] < last[0] || wide[1] > last[1]) {
+                arc.bound = arc.bound.max(circle.arc([wide[0] - unseen, wide[1] + unseen]));
+                last = wide;
+            }
         }
+        arc
     }
 }
 

@@ -16,7 +16,7 @@ use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::between;
 use crate::progress::{Progress, Work};
-use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Step, StepKind, Touched};
+use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, StepKind, Touched};
 use crate::units::trim;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -455,10 +455,15 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let radius = solid.cutter.widest_below(solid.flute_length);
-    let circle = Circle { radius, cell: field.cell(), window };
+    let slices = Slices::new(solid.flute_length, field.cell());
+    let circle = Circle { radius, cell: field.cell(), window, slices };
     let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
     let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
     let depth = |c: &BlockCut| c.height[1] - c.height[0];
+    let width = |c: &BlockCut| {
+        let [from, to] = c.sides.over(0..=stock::SLICES - 1);
+        to - from
+    };
     let link = fastest_link(operation, places, &outcome.cuts, LINK_VOLUME);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
@@ -473,7 +478,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
         arcs: ArcTimes::new(places, &removal, &arcs),
         depth: milled.peak(&depth),
-        width: milled.peak(&|c| c.side[1] - c.side[0]),
+        width: milled.peak(&|c| width(c)),
         arc: milled.peak(&arc),
         arc_bound: milled.arc_bound(&arcs, |_| true),
         arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
