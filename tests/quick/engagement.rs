@@ -9,8 +9,10 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, JointMove, Motion, MotionOperation, MoveKind, Operation, Program, Tool};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
+use impellerc::stock::{SLICES, Slices};
 use impellerc::verify::stock::{OperationStock, Settings, default_cell, simulate};
 use nalgebra::{Point3, Vector3};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Largest way and turn over which contacts count as one engagement, mm and radians, as the certificate defines.
@@ -67,8 +69,8 @@ impl PointGrid {
     }
 
     /// Removes the points inside of a flat cutter that has come from one pose to the next, and adds their distances from the
-    /// tool axis, across the direction of feed, to `side`.
-    fn cut(&mut self, before: &Pose, to: &Pose, (radius, flute): (f64, f64), side: &mut [f64; 2]) {
+    /// tool axis, across the direction of feed, to the sides at their height.
+    fn cut(&mut self, before: &Pose, to: &Pose, (radius, flute): (f64, f64), sides: &mut Sides) {
         let (tip, axis) = to;
         let way = to.0 - before.0;
         let feed = (way - axis * way.dot(axis)).try_normalize(1e-9);
@@ -84,13 +86,13 @@ impl PointGrid {
                 }
                 for i in row.filter(|i| self.material[first + i]).collect::<Vec<_>>() {
                     let q = self.point(i, j, k) - tip;
-                    if !(0.0..=flute).contains(&q.dot(axis)) {
+                    let height = q.dot(axis);
+                    if !(0.0..=flute).contains(&height) {
                         continue;
                     }
                     self.material[first + i] = false;
                     if let Some(feed) = feed {
-                        let across = q.dot(&axis.cross(&feed));
-                        *side = [side[0].min(across), side[1].max(across)];
+                        sides.add(height, q.dot(&axis.cross(&feed)));
                     }
                 }
             }
@@ -112,8 +114,39 @@ fn pose(program: &Program, pair: &[JointMove], t: f64) -> Pose {
     (a.0 + (b.0 - a.0) * t, machine.chain.tool_axis(turn))
 }
 
-/// Distances of removed points from the tool axis, across the direction of feed, mm; nothing where the first is larger.
-type Sides = [f64; 2];
+/// Heights over which removed points are put together, mm: less than the verifier takes together for its bound.
+const THICK: f64 = 0.25;
+
+/// Least and largest distance of removed points from the tool axis, across the direction of feed, mm, for each piece of
+/// [`THICK`] of the height over the tip.
+#[derive(Clone, Default)]
+struct Sides(BTreeMap<usize, [f64; 2]>);
+
+impl Sides {
+    fn add(&mut self, height: f64, across: f64) {
+        let own = self.0.entry((height / THICK) as usize).or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+        *own = [own[0].min(across), own[1].max(across)];
+    }
+
+    fn join(&mut self, other: &Self) {
+        for (k, side) in &other.0 {
+            let own = self.0.entry(*k).or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+            *own = [own[0].min(side[0]), own[1].max(side[1])];
+        }
+    }
+
+    /// The largest arc, degrees, when all points within `around` of a height count for it, and sides are wider by
+    /// `unseen`.
+    fn arc(&self, around: f64, unseen: f64, radius: f64) -> f64 {
+        let angle = |s: f64| (s / radius).clamp(-1.0, 1.0).asin().to_degrees();
+        let reach = (around / THICK).ceil() as usize;
+        let near = |k: usize| self.0.range(k.saturating_sub(reach)..=k + reach).map(|(_, s)| *s);
+        let all =
+            |k: &usize| near(*k).fold([f64::INFINITY, f64::NEG_INFINITY], |a, s| [a[0].min(s[0]), a[1].max(s[1])]);
+        let arcs = self.0.keys().map(all).map(|[from, to]| angle(to + unseen) - angle(from - unseen));
+        arcs.fold(0.0, f64::max)
+    }
+}
 
 /// Sides of each piece of each move, and the turn of the tool over a piece, radians; `advance` is the way between two
 /// poses, mm.
@@ -137,12 +170,12 @@ fn sides_on(
             // The end of the flutes moves by the turn as well.
             let steps = ((way + turn * tool.1) / pieces / advance).ceil().max(1.0);
             for piece in 0..pieces as usize {
-                let mut side = [f64::INFINITY, f64::NEG_INFINITY];
+                let mut sides = Sides::default();
                 for k in 0..steps as usize {
                     let at = |k: usize| pose(program, pair, (piece as f64 + k as f64 / steps) / pieces);
-                    grid.cut(&at(k), &at(k + 1), tool, &mut side);
+                    grid.cut(&at(k), &at(k + 1), tool, &mut sides);
                 }
-                found.sides.push(side);
+                found.sides.push(sides);
             }
         }
         all.push(found);
@@ -158,15 +191,9 @@ struct Pieces {
     sides: Vec<Sides>,
 }
 
-/// Arc between two sides that are wider by `unseen`, degrees.
-fn arc(side: Sides, unseen: f64, radius: f64) -> f64 {
-    let angle = |s: f64| (s / radius).clamp(-1.0, 1.0).asin().to_degrees();
-    if side[0] > side[1] { 0.0 } else { angle(side[1] + unseen) - angle(side[0] - unseen) }
-}
-
 /// The largest arc of the points of each move: no more than the true arc of a piece.
 fn found_by_points(pieces: &[Pieces], radius: f64) -> Vec<f64> {
-    pieces.iter().map(|p| p.sides.iter().map(|s| arc(*s, 0.0, radius)).fold(0.0, f64::max)).collect()
+    pieces.iter().map(|p| p.sides.iter().map(|s| s.arc(0.0, 0.0, radius)).fold(0.0, f64::max)).collect()
 }
 
 fn by_verifier(program: &Program, motion: &Motion, cell: Option<f64>) -> OperationStock {
@@ -310,6 +337,44 @@ fn a_channel_is_a_slot_from_where_the_cutter_enters() {
     assert!(side.arc_outside_slots.unwrap().value > 120.0);
 }
 
+/// A wall at one height and a floor at another are no slot: each height has its own arc.
+#[test]
+fn each_height_has_its_own_arc() {
+    let radius = 2.0;
+    let program = plate(radius);
+    // A slot; then a pass beside it that runs deeper: at its tip it cuts over the full width, above only beside the slot.
+    let motion = passes(&program, radius, 0.3, 0.4);
+    let moves = &motion.operations[0].moves;
+    let count = moves.len() / PASSES.len();
+    let (beside, deeper) = (0.5, 0.3);
+    let second: Vec<JointMove> = moves[..count]
+        .iter()
+        .map(|m| {
+            let tip = program.machine.forward(&m.joints).tip;
+            let (s, c) = 0.3_f64.sin_cos();
+            let by = Vector3::new(-s * beside * radius, c * beside * radius, -deeper);
+            JointMove { joints: program.machine.joints(&(tip + by), [0.0, 0.0]), ..*m }
+        })
+        .collect();
+    let operation = MotionOperation { moves: [&moves[..count], &second].concat(), ..motion.operations[0].clone() };
+    let found = by_verifier(&program, &Motion { operations: vec![operation.clone()] }, None);
+    let middle = &found.moves[count + count / 2];
+    assert!(middle.arc > 170.0, "the floor is cut over the full width: {middle:?}");
+    // The same pass at the height of the slot has the arc of its stepover.
+    let level: Vec<JointMove> = second
+        .iter()
+        .map(|m| {
+            let tip = program.machine.forward(&m.joints).tip + Vector3::new(0.0, 0.0, deeper + 0.01);
+            JointMove { joints: program.machine.joints(&tip, [0.0, 0.0]), ..*m }
+        })
+        .collect();
+    let operation = MotionOperation { moves: [&moves[..count], &level].concat(), ..operation };
+    let found = by_verifier(&program, &Motion { operations: vec![operation] }, None);
+    let middle = &found.moves[count + count / 2];
+    println!("at the height of the slot {middle:?}");
+    assert!((middle.arc - closed_form(beside)).abs() < 4.0 && middle.arc_bound >= closed_form(beside), "{middle:?}");
+}
+
 /// Straight passes by the points of a grid: each way to find an arc stays below the bound of the other.
 #[test]
 fn points_and_rays_find_no_more_than_the_bound_of_the_other() {
@@ -323,7 +388,7 @@ fn points_and_rays_find_no_more_than_the_bound_of_the_other() {
     let mut grid = PointGrid::new([-blank; 2], [blank; 2], 0.05, heights, inside);
     let pieces = sides_on(&mut grid, &program, moves, (radius, 20.0), 0.05);
     let found = by_verifier(&program, &motion, None);
-    agree(&pieces, &found, &grid, radius, &|_| true);
+    agree(&pieces, &found, &grid, (radius, thickest_slice(20.0, 0.05 * radius)), &|_| true);
 }
 
 /// The first passes of the first tool of a roughing: tilted axes, passes beside each other, a turned blank.
@@ -342,29 +407,41 @@ fn passes_of_roughing_have_the_arcs_of_the_points() {
         let way = end.0 - start.0;
         way.dot(&end.1).abs() < 0.5 * way.norm()
     };
-    agree(&pieces, &found, &grid, radius, &across);
+    let slice = thickest_slice(solid.flute_length, 0.05 * radius);
+    agree(&pieces, &found, &grid, (radius, slice), &across);
+}
+
+/// Thickness of the thickest slice of a cutter with flutes of a length, mm.
+fn thickest_slice(flutes: f64, cell: f64) -> f64 {
+    let slices = Slices::new(flutes, cell);
+    (0..SLICES).map(|k| slices.edge(k + 1) - slices.edge(k)).fold(0.0, f64::max)
 }
 
 /// Asserts for each chosen move that points and rays find no more than the bound of the other. Both find the places of
 /// true chips, so that both arcs are at most the true one, and each bound adds the diameter of the ball that its points or
 /// rays cannot miss. Beside that the direction of feed may differ by the turn of the tool within a piece, and the rays
 /// show the moves before as well, over four cells of way.
-fn agree(pieces: &[Pieces], found: &OperationStock, grid: &PointGrid, radius: f64, chosen: &dyn Fn(usize) -> bool) {
+fn agree(
+    pieces: &[Pieces],
+    found: &OperationStock,
+    grid: &PointGrid,
+    (radius, slice): (f64, f64),
+    chosen: &dyn Fn(usize) -> bool,
+) {
     let points = found_by_points(pieces, radius);
     let window = 0.2 * radius + 1e-9;
     let bound_of_points = |i: usize| {
-        let mut side = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut sides = Sides::default();
         let mut way = 0.0;
         for p in pieces[..=i].iter().rev() {
-            for s in &p.sides {
-                side = [side[0].min(s[0]), side[1].max(s[1])];
-            }
+            p.sides.iter().for_each(|s| sides.join(s));
             way += p.way;
             if way - pieces[i].way > window {
                 break;
             }
         }
-        arc(side, grid.unseen(), radius)
+        // As high as a slice in which the verifier takes the material together, and the chips that points miss.
+        sides.arc(slice + grid.unseen(), grid.unseen(), radius)
     };
     // Both ends of the arc; with the angle between motion and axis over 60 deg, the side turns by 1.16 of the turn.
     let turned = |i: usize| 2.0 * 1.16 * pieces[i].turn.to_degrees() + 0.1;

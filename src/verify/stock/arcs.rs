@@ -202,3 +202,31 @@ impl ArcTimes {
         self.time.iter().sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wall to the left at one height and a floor to the right at another: the arc is the larger one of both, not that
+    /// from the wall to the floor. At the same height it is.
+    #[test]
+    fn heights_far_apart_are_not_one_arc() {
+        let slices = Slices::new(10.0, 0.05);
+        let circle = Circle { radius: 2.0, cell: 0.05, window: 0.2, slices };
+        let arc = |floor: f64, wall: f64| {
+            let mut sides = Sides::NONE;
+            sides.add(&slices, [[floor, 1.0], [floor, 2.0]]);
+            sides.add(&slices, [[wall, -2.0], [wall, -1.0]]);
+            StepArc::new(&sides, &circle, &circle.beside())
+        };
+        let apart = arc(0.1, 5.0);
+        assert!((apart.found - 60.0).abs() < 1e-3 && apart.bound > 60.0 && apart.bound < 65.0, "{apart:?}");
+        assert!(!apart.full);
+        for one in [arc(0.1, 0.1), arc(5.0, 5.0)] {
+            assert!(one.found > 179.9 && one.full, "{one:?}");
+        }
+        // Rays may have missed material up to a diagonal of a cell over a chip, so that both may lie at one height.
+        let near = arc(5.0, slices.edge(slices.at(5.0) + 1) + 0.5 * circle.unseen());
+        assert!(near.found < 60.1 && near.bound > 179.9, "{near:?}");
+    }
+}
