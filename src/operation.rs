@@ -139,6 +139,9 @@ pub enum OperationKind {
         lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
+        /// For a larger ball, which finishes the middle of the floor only: what it leaves beside vanes and fillets.
+        /// `None` for the ball that finishes the floor up to the fillets.
+        allowance_vane: Option<Mm>,
     },
     /// Faces, fillets or edges of vanes, milled in lines of constant scallop height.
     Point {
@@ -178,6 +181,14 @@ impl OperationKind {
             | Self::Expand { depth, allowance_vane, allowance_hub, .. }
             | Self::Rough { depth, allowance_vane, allowance_hub, .. } => Some((depth, allowance_vane, allowance_hub)),
             Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
+        }
+    }
+
+    /// What the larger ball of a channel floor leaves beside vanes and fillets; `None` for all other operations.
+    pub fn of_larger_ball(&self) -> Option<Mm> {
+        match self {
+            Self::Channel { allowance_vane, .. } => *allowance_vane,
+            _ => None,
         }
     }
 

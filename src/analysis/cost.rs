@@ -203,9 +203,12 @@ impl Sizes {
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)
             }
-            OperationKind::Channel { scallop, method, .. } => {
-                // The remaining width is finished by balls that roll in the fillets.
-                let floor = self.width - 2.0 * program.part.main().fillet.map_or(radius, Mm::get);
+            OperationKind::Channel { scallop, method, allowance_vane, .. } => {
+                // The remaining width is finished by balls that roll in the fillets. What a larger ball leaves to the
+                // next one is known only while planning.
+                let beside = program.part.main().fillet.map_or(radius, Mm::get);
+                let beside = allowance_vane.map_or(beside, |vane| beside.max(radius) + vane.get());
+                let floor = self.width - 2.0 * beside;
                 of((floor.max(0.0) / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
             }
             OperationKind::Point { surfaces, scallop, method, .. } => {

@@ -37,6 +37,7 @@ fn allowances(kind: &OperationKind) -> Option<(VaneAllowance, f64)> {
         return Some((vane, hub.get()));
     }
     match kind {
+        OperationKind::Channel { allowance_vane: Some(vane), .. } => Some((VaneAllowance::even(*vane), 0.0)),
         OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some((VaneAllowance::NONE, 0.0)),
         _ => None,
     }
@@ -173,7 +174,12 @@ pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> 
         })
         .collect();
     roughing(program, &finder, &reaches, sink);
-    for reach in reaches.iter().filter(|r| !r.fits && program.operations[r.operation].kind.finishes()) {
+    // A larger ball of the floor leaves to the next one what it does not reach.
+    let must_fit = |r: &&Reach| {
+        let kind = &program.operations[r.operation].kind;
+        kind.finishes() && kind.of_larger_ball().is_none()
+    };
+    for reach in reaches.iter().filter(must_fit).filter(|r| !r.fits) {
         sink.push(too_large(program, throat, &[reach], "finish the channel"));
     }
     reaches

@@ -164,9 +164,10 @@ fn kind(kind: &OperationKind) -> String {
             let (method, strips) = (flank.method.name(), flank.strips_text());
             format!("flank {method} {} strips {strips}", faces.join(" "))
         }
-        OperationKind::Channel { scallop, spacing, lines, method } => {
+        OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
             let (spacing, lines, method) = (spacing.name(), lines.name(), method.name());
-            format!("channel {spacing} scallop {scallop} {lines} axes {method}")
+            let vane = allowance_vane.map_or_else(String::new, |vane| format!(" vane {vane}"));
+            format!("channel {spacing} scallop {scallop} {lines} axes {method}{vane}")
         }
         OperationKind::Point { surfaces, scallop, lines, method } => {
             let names: Vec<&str> = surfaces

@@ -1,5 +1,6 @@
 //! The job: quantities have types, names are resolved, every default is explicit, and libraries are merged.
 
+mod channel;
 mod context;
 mod contracts;
 pub mod curve_file;

@@ -19,7 +19,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 const KINDS: [&str; 8] = ["rough", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
-const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
+pub(super) const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
+
+/// Properties of `channel` beside the common ones.
+pub(super) const OF_CHANNEL: [&str; 4] = ["scallop", "spacing", "lines", "method"];
 
 /// Least step down, mm: thinner chips are dust.
 pub(super) const LEAST_DEPTH: f64 = 0.01;
@@ -64,8 +67,13 @@ pub(super) fn resolve(
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
         let on_whole_blank = used.names.len() == 1 && !cut_before;
         let mut reader = OperationReader { name, on_whole_blank, tools, machine, vanes, groove: layers };
-        if kind.text == "rough" {
-            let mut planned = reader.rough(item, cx).unwrap_or_default();
+        let several = match kind.text.as_str() {
+            "rough" => Some(reader.rough(item, cx)),
+            _ if OperationReader::has_list(item) => Some(reader.channel(item, cx)),
+            _ => None,
+        };
+        if let Some(planned) = several {
+            let mut planned = planned.unwrap_or_default();
             for (k, operation) in planned.iter_mut().enumerate().skip(1) {
                 operation.name = numbered(&operation.name, k + 1, kind.span, &mut used);
             }
@@ -163,7 +171,7 @@ impl OperationReader<'_> {
             "flank" => &["faces", "method", "strips", "side", "conflict"],
             "point" | "fillet" => &["faces", "scallop", "lines", "method"],
             "edge" => &["edges", "scallop", "lines", "method"],
-            _ => &["scallop", "spacing", "lines", "method"],
+            _ => &OF_CHANNEL,
         };
         let known = [&COMMON, own].concat();
         let owner = format!("operation {}", self.name);
@@ -431,7 +439,12 @@ impl OperationReader<'_> {
         Some(sectors.into_iter().map(|(s, _)| s - 1).collect())
     }
 
-    fn kind(&self, kind: &Name, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+    pub(super) fn kind(
+        &self,
+        kind: &Name,
+        tool: Option<&ToolSpec>,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<OperationKind> {
         let radius = tool.map_or(250.0, |t| t.diameter.get() / 2.0);
         match kind.text.as_str() {
             "groove" => {
@@ -476,7 +489,13 @@ impl OperationReader<'_> {
                     (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
                 let method = named(p, "method", &AxisMethod::ALL, AxisMethod::name);
                 let scallop = Mm(scallop?.0);
-                Some(OperationKind::Channel { scallop, spacing: spacing?, lines: lines?, method: method? })
+                Some(OperationKind::Channel {
+                    scallop,
+                    spacing: spacing?,
+                    lines: lines?,
+                    method: method?,
+                    allowance_vane: None,
+                })
             }
         }
     }
@@ -501,7 +520,7 @@ impl OperationReader<'_> {
 }
 
 /// Largest allowance, mm.
-const ALLOWANCE: Range = Range::NotNegative(100.0);
+pub(super) const ALLOWANCE: Range = Range::NotNegative(100.0);
 
 /// Allowances on vane and hub.
 pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {

@@ -161,9 +161,12 @@ fn operations(out: &mut String, job: &Job) {
                     let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
                 }
             }
-            OperationKind::Channel { scallop, spacing, lines, method } => {
+            OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
+                if let Some(vane) = allowance_vane {
+                    let _ = writeln!(out, "  allowance vane {vane}");
+                }
             }
             OperationKind::Point { surfaces, scallop, lines, method } => {
                 let names: Vec<_> = surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1).collect();

@@ -116,7 +116,7 @@ impl OperationReader<'_> {
 
 /// One expression for each of `count` tools: a single value holds for all. `None` in the list where an optional property
 /// is not given.
-fn each<'a>(
+pub(super) fn each<'a>(
     p: &mut Properties<'a, '_>,
     name: &str,
     count: usize,

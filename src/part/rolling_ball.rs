@@ -14,14 +14,20 @@ impl Part {
     /// v at which a ball of a given radius that touches the face at (u, v) from outside also touches the hub: the upper
     /// edge of the fillet. `None` when the ruling has no such place. Sector 0.
     pub fn fillet_tangent(&self, id: FaceId, u: f64, radius: f64) -> Option<f64> {
+        self.beside_centre(id, u, [radius; 2], 1.0)
+    }
+
+    /// v at which the point that lies `wall` off the face at (u, v) lies `floor` off the hub, at most `top`. `None` when
+    /// the ruling has no such place. Sector 0.
+    pub fn beside_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2], top: f64) -> Option<f64> {
         let face = self.face(id);
         let gap = |v: f64| {
-            let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
-            self.hub.distance(&centre) - radius
+            let centre = face.surface.point(u, v) + face.normal(u, v) * wall;
+            self.hub.distance(&centre) - floor
         };
         // The ball sinks into the hub at the root and is clear of the hub at some height. For a face inclined over the
         // hub the start may have to lie below the root.
-        let ends = [-0.5, 1.0].map(|v| (v, gap(v)));
+        let ends = [-0.5, top].map(|v| (v, gap(v)));
         (ends[0].1 <= 0.0 && ends[1].1 >= 0.0).then(|| halved(gap, ends))
     }
 

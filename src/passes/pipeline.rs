@@ -1,6 +1,7 @@
 //! The order of the passes, with the reason for each place.
 
-use super::axis::{avoid_collision, orient_tool, short_reach, smooth_axis};
+use super::axis::{avoid_collision, clear_floor, orient_tool, short_reach, smooth_axis};
+use super::channel::middle::Middles;
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, time_feeds};
@@ -44,9 +45,11 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("lower", validate::program)?;
     // Tools that are too short are told before their levels are planned without the floor.
     short_reach::check(&mut cx)?;
+    // Smaller balls of the floor finish what larger ones cannot.
     // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
     // that the one before reached.
-    let cc = plan(&mut cx)?;
+    let middles = clear_floor::run(&mut cx)?;
+    let cc = plan(&mut cx, &middles)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
@@ -79,7 +82,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 
 /// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
 /// kind reached.
-fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
+fn plan(cx: &mut PassContext<'_>, middles: &Middles<'_>) -> Result<CcPlan, Aborted> {
     let (mut groove_level, mut expand_level) = (1.0, 1.0);
     let mut cc = CcPlan::default();
     let mut failed = false;
@@ -97,7 +100,7 @@ fn plan(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
             OperationKind::Rough { .. } => channel_levels::plan(cx, id, operation),
             OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
             OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
-            OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation),
+            OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation, middles),
         };
         match planned {
             Ok(plan) => {

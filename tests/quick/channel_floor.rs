@@ -24,8 +24,13 @@ fn with_ball(radius: f64, scallop: f64, spacing: Spacing) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius }, 30.0, 42.0));
-    let kind =
-        OperationKind::Channel { scallop: Mm(scallop), spacing, lines: Lines::OneWay, method: AxisMethod::Blend };
+    let kind = OperationKind::Channel {
+        scallop: Mm(scallop),
+        spacing,
+        lines: Lines::OneWay,
+        method: AxisMethod::Blend,
+        allowance_vane: None,
+    };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program
 }
@@ -64,26 +69,26 @@ fn scallop_holds_as_proved_and_the_path_is_near_its_lower_bound() {
 }
 
 /// True for a point of the hub between inlet and outlet.
-fn on_hub(program: &Program, p: &CcPoint) -> bool {
+pub(crate) fn on_hub(program: &Program, p: &CcPoint) -> bool {
     (0.0..=1.0).contains(&p.u) && program.part.hub.distance(&p.position) < 1e-9
 }
 
 /// Length of a pass where it lies on the hub between inlet and outlet.
-fn contact_length(program: &Program, pass: &CcPass) -> f64 {
+pub(crate) fn contact_length(program: &Program, pass: &CcPass) -> f64 {
     let on = |w: &&[CcPoint]| w.iter().all(|p| on_hub(program, p));
     pass.points.windows(2).filter(on).map(|w| (w[1].position - w[0].position).norm()).sum()
 }
 
 /// Excess at a point of the hub over the ways of a ball along all passes, brute force: the distance to the nearest piece
 /// of the way of its centre, less the radius.
-struct Ways {
+pub(crate) struct Ways {
     radius: f64,
     /// Pieces by the cell of 2 mm in x and y of their first point.
     cells: BTreeMap<[i64; 2], Vec<[Point3<f64>; 2]>>,
 }
 
 impl Ways {
-    fn new(passes: &[CcPass], radius: f64) -> Self {
+    pub(crate) fn new(passes: &[CcPass], radius: f64) -> Self {
         let mut cells: BTreeMap<[i64; 2], Vec<[Point3<f64>; 2]>> = BTreeMap::new();
         for pair in passes.iter().flat_map(|p| p.points.windows(2)) {
             let piece = [0, 1].map(|i| pair[i].position + pair[i].normal * radius);
@@ -96,7 +101,7 @@ impl Ways {
         [(p.x / 2.0).floor() as i64, (p.y / 2.0).floor() as i64]
     }
 
-    fn excess(&self, at: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
+    pub(crate) fn excess(&self, at: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
         let [i, j] = Self::cell(&(at + normal * self.radius));
         let around = (i - 1..=i + 1).flat_map(|i| (j - 1..=j + 1).map(move |j| [i, j]));
         let pieces = around.filter_map(|c| self.cells.get(&c)).flatten();
@@ -115,7 +120,7 @@ fn passes(program: &Program) -> Vec<CcPass> {
 }
 
 /// Where the rolling ball touches the hub, by the first or the last line: azimuth at the station nearest to u.
-fn azimuth(line: &CcPass, u: f64) -> f64 {
+pub(crate) fn azimuth(line: &CcPass, u: f64) -> f64 {
     let p = line.points.iter().min_by(|a, b| (a.u - u).abs().total_cmp(&(b.u - u).abs())).unwrap();
     p.position.y.atan2(p.position.x)
 }

@@ -90,7 +90,8 @@ fn the_main_job_reads_as_it_is_written() {
             scallop,
             spacing: Spacing::ConstantScallop,
             lines: Lines::Zigzag,
-            method: AxisMethod::Corridor
+            method: AxisMethod::Corridor,
+            allowance_vane: None,
         }
     );
     assert_eq!(job.operations[5].sectors, [0, 1, 2, 3, 4, 5, 6, 7]);
@@ -114,6 +115,59 @@ fn expand_takes_the_layers_of_the_groove_before_it() {
     let layers = |o: usize| job.operations[o].kind.roughing();
     assert!(layers(0).is_some());
     assert_eq!(layers(0), layers(1));
+}
+
+/// The main job with these properties of `channel` in place of its tool, its speed, its feed and its spacing.
+fn floor(properties: &str) -> String {
+    let text = changed("tool t3  speed 8000 rpm  feed 250 mm/min  spacing constant-scallop", properties);
+    let larger = "tool t9 = ball { diameter 10 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n";
+    text.replacen("operation groove", &format!("{larger}operation groove"), 1)
+}
+
+#[test]
+fn a_channel_with_tools_is_an_operation_for_each() {
+    let job = read(&floor("tools t9, t3  speed 6000 rpm, 8000 rpm  feed 300 mm/min")).job.unwrap();
+    let [larger, last] = &job.operations[5..] else { panic!("{} operations", job.operations.len()) };
+    assert_eq!([larger.name.as_str(), last.name.as_str()], ["channel", "channel2"]);
+    assert_eq!([larger, last].map(|o| o.speed.get()), [6000.0, 8000.0]);
+    assert_eq!([larger, last].map(|o| o.feed.get()), [300.0; 2]);
+    assert_eq!([larger, last].map(|o| job.tools[o.tool].diameter.get()), [10.0, 6.0]);
+    // The larger ball leaves a default, which is printed; the last one leaves nothing.
+    assert_eq!(larger.kind.of_larger_ball(), Some(impellerc::units::Mm(0.2)));
+    assert_eq!(last.kind.of_larger_ball(), None);
+    let printed = job::print::print(&job);
+    let of_larger = printed.split("operation channel channel\n").nth(1).unwrap().split("operation").next().unwrap();
+    assert!(of_larger.contains("  allowance vane 0.2 mm\n"), "{of_larger}");
+    assert!(!printed.split("operation channel channel2").nth(1).unwrap().contains("allowance"), "{printed}");
+    let given = read(&floor("tools t9, t3  speed 8000 rpm  feed 300 mm/min  allowance vane 0.35 mm")).job.unwrap();
+    assert_eq!(given.operations[5].kind.of_larger_ball(), Some(impellerc::units::Mm(0.35)));
+    // A list of one tool is that tool.
+    let one = read(&floor("tools t3  speed 8000 rpm  feed 250 mm/min  spacing constant-scallop")).job.unwrap();
+    let plain = read(JOB).job.unwrap();
+    assert_eq!(one.operations.len(), 6);
+    assert_eq!(one.operations[5].kind, plain.operations[5].kind);
+}
+
+#[test]
+fn lists_of_balls_that_mean_nothing_are_refused() {
+    let tail = "speed 8000 rpm  feed 250 mm/min";
+    for (properties, code, words) in [
+        (format!("tools t3, t9  {tail}"), codes::job::WRONG_TOOL, "do not get smaller"),
+        (format!("tools t9, t9  {tail}"), codes::job::WRONG_TOOL, "do not get smaller"),
+        (format!("tools t1, t3  {tail}"), codes::job::WRONG_TOOL, "cannot use a flat tool"),
+        (format!("tools t9, t3  {tail}  spacing equal-division"), codes::job::WRONG_FORM, "needs one tool"),
+        (format!("tools t9, t3  {tail}, 3 mm/min, 4 mm/min"), codes::job::WRONG_FORM, "one for each of the 2 tools"),
+        (format!("tools t9, t3  {tail}  allowance hub 1 mm"), codes::job::UNKNOWN_PROPERTY, "no part `hub`"),
+        (format!("tools t9, t3  {tail}  allowance vane -1 mm"), codes::job::OUT_OF_RANGE, "allowance vane"),
+        (format!("tools t3  {tail}  allowance vane 1 mm"), codes::job::UNKNOWN_PROPERTY, "no property `allowance`"),
+        (format!("tools t9, t3  tool t3  {tail}"), codes::job::UNKNOWN_PROPERTY, "no property `tool`"),
+    ] {
+        let read = read(&floor(&properties));
+        let found = read.sink.diags().iter().find(|d| d.code == code);
+        let found = found.unwrap_or_else(|| panic!("{properties}: {:?}", read.sink.diags()));
+        assert!(found.message.contains(words), "{properties}: {}", found.message);
+        assert!(read.job.is_none() && found.help.is_some(), "{properties}");
+    }
 }
 
 #[test]

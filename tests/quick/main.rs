@@ -29,6 +29,7 @@ mod geom_oracles;
 mod golden;
 mod kept;
 mod language;
+mod larger_balls;
 mod layering;
 mod left;
 mod linuxcnc_impeller;

@@ -24,6 +24,7 @@ fn floor(lines: Lines, scallop: f64) -> Program {
         spacing: Spacing::EqualDivision,
         lines,
         method: AxisMethod::Corridor,
+        allowance_vane: None,
     };
     program.operations.push(support::operation("channel", kind, tool, vec![0], 8.0));
     program

@@ -50,7 +50,13 @@ fn alone(job: &Program, kind: OperationKind, lead: f64) -> Program {
 
 /// Channel finishing alone.
 fn floor(job: &Program, method: AxisMethod, lines: Lines, scallop: f64) -> Program {
-    let kind = OperationKind::Channel { scallop: Mm(scallop), spacing: Spacing::EqualDivision, lines, method };
+    let kind = OperationKind::Channel {
+        scallop: Mm(scallop),
+        spacing: Spacing::EqualDivision,
+        lines,
+        method,
+        allowance_vane: None,
+    };
     alone(job, kind, 8.0)
 }
 

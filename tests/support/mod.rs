@@ -195,7 +195,7 @@ pub fn operation(name: &str, kind: OperationKind, tool: ToolId, sectors: Vec<u32
 /// Finishing of channels with evenly spaced lines, all in one direction, with the scallop height in mm.
 pub fn channel(scallop: f64) -> OperationKind {
     let (spacing, lines, method) = (Spacing::EqualDivision, Lines::OneWay, AxisMethod::Blend);
-    OperationKind::Channel { scallop: Mm(scallop), spacing, lines, method }
+    OperationKind::Channel { scallop: Mm(scallop), spacing, lines, method, allowance_vane: None }
 }
 
 /// The paper's part with roughing and finishing on the given sectors.

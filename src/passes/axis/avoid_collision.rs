@@ -20,7 +20,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
-const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
+pub(super) const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
 /// Station at which a pass is not clear, and by how much the tool is too near there, mm.
 type Miss = (usize, f64);

@@ -29,6 +29,10 @@ const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
 /// Axes tried on each ring.
 const AROUND: usize = 16;
 
+/// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
+/// branch.
+const LEAST_TILT: f64 = 0.1;
+
 /// Largest cone about an axis, as a tangent in the plane at height one.
 const REACH: f64 = 0.6;
 
@@ -105,6 +109,11 @@ impl<'a> ClearAxes<'a> {
         around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
     }
 
+    /// True when an axis about a direction is clear and far enough from the pole.
+    pub(crate) fn has_candidate(&self, centre: &Point3<f64>, middle: &Vector3<f64>, margin: f64) -> bool {
+        around(middle).any(|d| is_steep(&d) && self.clear(centre, &d, 0.0, margin))
+    }
+
     /// Clear axes at most the first angle of [`RINGS`] from a direction, this direction first.
     pub(crate) fn beside(&self, centre: &Point3<f64>, to: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
         around(to).take(1 + AROUND).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
@@ -157,6 +166,11 @@ impl<'a> ClearAxes<'a> {
         let clear = ClearAxes { solid, ..*self };
         around(middle).any(|d| clear.clear(centre, &d, 0.0, 0.0))
     }
+}
+
+/// True when an axis is far enough from the pole.
+pub(crate) fn is_steep(axis: &Vector3<f64>) -> bool {
+    libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
 }
 
 /// Directions about `middle`: first `middle` itself, then ring by ring.

@@ -2,6 +2,7 @@
 
 pub(crate) mod avoid_collision;
 mod clear_axes;
+pub(crate) mod clear_floor;
 pub(crate) mod orient_tool;
 mod remedy;
 pub(crate) mod run;

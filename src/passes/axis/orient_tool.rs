@@ -9,6 +9,7 @@ use crate::ir::{
 };
 use crate::method::AxisMethod;
 use crate::passes::channel::hub_points;
+pub(crate) use crate::passes::channel::middle::{Middle, Middles};
 use crate::passes::context::{AxisTilt, PassContext};
 use crate::passes::flank::{flank_points, path_points};
 use crate::passes::point::vane_points;

@@ -1,7 +1,7 @@
 //! Sequences of clear tool axes along a pass of the floor: `method corridor` by the shortest path in the axes of the
 //! machine, `method xu` by the greedy choice of Xu 2013.
 
-use super::clear_axes::ClearAxes;
+use super::clear_axes::{ClearAxes, is_steep};
 use super::run::{lengths, rotary, stretch};
 use crate::geom::Triangulation;
 use crate::geom::angle::nearest_turn;
@@ -24,11 +24,7 @@ const STEP: f64 = 4.0;
 const MOST_CANDIDATES: usize = 40;
 
 /// Distance that candidates add to the required distance, mm: free space for the corridor about them.
-const MARGIN: f64 = 0.1;
-
-/// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
-/// branch.
-const LEAST_TILT: f64 = 0.1;
+pub(super) const MARGIN: f64 = 0.1;
 
 /// Weight of second differences in formula (4), 1/s.
 const SMOOTHNESS: f64 = 40.0;
@@ -105,11 +101,6 @@ struct WayStations {
     candidates: Vec<Vec<AxisCandidate>>,
     /// The direction of the channel at each station.
     middles: Vec<Vector3<f64>>,
-}
-
-/// True when an axis is far enough from the pole.
-fn is_steep(axis: &Vector3<f64>) -> bool {
-    libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
 }
 
 /// The poses of an axis on both branches, with the cost of its angle to the direction of the channel.

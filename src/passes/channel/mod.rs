@@ -1,6 +1,9 @@
 //! Finishing of the channel floor.
 
 mod axes;
+mod finished;
+mod floor;
+pub(crate) mod middle;
 pub(crate) mod plan;
 
 pub(crate) use axes::hub_points;

@@ -6,110 +6,68 @@
 //! (formula 13). Their number is the least that keeps the scallop height at the widest place. The step there follows
 //! the exact law with the curvature of the hub across the line.
 
+use super::finished::Finished;
+use super::floor::{ChannelFloor, azimuth, contact};
+use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::diag::{Aborted, Diag, codes::planning};
-use crate::geom::BandMetric;
-use crate::geom::angle::nearest_turn;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Spacing;
-use crate::part::{FaceId, Part, Surface};
+use crate::part::{Part, Surface};
 use crate::passes::context::{
     PassContext, STATIONS,
     limits::{check_fillet, check_points},
 };
-use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, METRIC_STATIONS, constant_scallop, scallop};
-use nalgebra::Vector2;
-
-/// Contacts with the hub of the ball that rolls in the fillet: (u of the hub, azimuth), ascending in u.
-type Contact = Vec<[f64; 2]>;
-
-/// The machined surface: the hub of channel 0 between the two lines where the ball leaves the fillets.
-struct ChannelFloor<'a> {
-    part: &'a Part,
-    /// Radius of the ball of the tool.
-    radius: f64,
-    walls: [Contact; 2],
-}
-
-impl ChannelFloor<'_> {
-    /// Azimuth of the first wall, and the angle from it to the second.
-    fn walls(&self, u: f64) -> (f64, f64) {
-        let a = azimuth(&self.walls[0], u);
-        let ahead = azimuth(&self.walls[1], u) - a;
-        (a, nearest_turn(ahead, 0.0) + self.part.pitch())
-    }
-
-    fn point(&self, u: f64, w: f64, azimuth: f64) -> CcPoint {
-        let hub = &self.part.hub;
-        CcPoint { u, v: 0.0, w, position: hub.point(u, azimuth), normal: hub.normal(u, azimuth) }
-    }
-
-    /// Steps along and across the meridian that leave ridges of a given height.
-    fn steps(&self, u: f64, height: f64) -> [f64; 2] {
-        let hub = &self.part.hub;
-        [hub.meridian_curvature(u), hub.ring_curvature(u)].map(|k| scallop::curved_step(self.radius, height, k))
-    }
-}
-
-impl DriveSurface for ChannelFloor<'_> {
-    fn name(&self) -> String {
-        "channel".to_owned()
-    }
-
-    fn walls(&self, x: f64) -> (f64, f64) {
-        self.walls(x)
-    }
-
-    fn contact(&self, x: f64, y: f64, share: f64) -> CcPoint {
-        self.point(x, share, y)
-    }
-
-    fn speed(&self, x: f64, _y: f64, slope: f64) -> f64 {
-        let m = self.part.hub.meridian(x);
-        libm::hypot(m.first.norm(), m.point.x * slope)
-    }
-
-    /// Along and across the meridian, which are the principal directions, the metric has the exact step.
-    fn metric(&self, height: f64) -> BandMetric {
-        let hub = &self.part.hub;
-        // Until the ball has passed the edges, but well before the axis.
-        let beyond = [0.0, 1.0].map(|u| {
-            let m = hub.meridian(u);
-            self.radius.min(0.5 * m.point.x) / m.first.norm()
-        });
-        BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| {
-            let m = hub.meridian(u);
-            let [along, across] = self.steps(u, height);
-            [m.first.norm() / along, m.point.x / across]
-        })
-    }
-
-    fn least_length(&self, height: f64) -> f64 {
-        (0..STATIONS)
-            .map(|i| {
-                let u = (i as f64 + 0.5) / STATIONS as f64;
-                let m = self.part.hub.meridian(u);
-                let [along, across] = self.steps(u, height);
-                m.first.norm() * m.point.x * self.walls(u).1 / along.max(across) / STATIONS as f64
-            })
-            .sum()
-    }
-}
+use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
 
 /// Plans a channel operation.
 ///
 /// # Errors
 /// The ball does not reach the hub between the vanes, or is too big for its hollow; the sink holds the diagnostic.
-pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Channel { scallop: height, spacing, lines: order, .. } = operation.kind else {
+pub(crate) fn plan(
+    cx: &mut PassContext<'_>,
+    id: OperationId,
+    operation: &Operation,
+    middles: &Middles<'_>,
+) -> Result<CcOperation, Aborted> {
+    let OperationKind::Channel { scallop: height, spacing, lines: order, allowance_vane, .. } = operation.kind else {
         return Err(Aborted);
     };
-    let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
-    let rolling = part.main().fillet.map_or(radius, |f| f.get());
     check_hollow(cx, operation, radius)?;
-    let [ahead, behind] = part.first_passage().walls;
-    let bounds = (contact(part, ahead, rolling), contact(part, behind, rolling));
-    let (Some(first), Some(second)) = bounds else {
+    let ridges = left_to_ridges(cx, height.get());
+    let larger = before(cx.program, id).filter_map(|id| middles.get(&id));
+    let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
+    let LaidLines { lines, notes } = match allowance_vane {
+        Some(allowance) => middle_lines(cx, operation, middles.get(&id), (&finished, allowance.get(), height.get()))?,
+        None => {
+            let floor = whole_floor(cx, operation, radius, finished)?;
+            let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
+            let directions = lines::directions(operation, radius, speed, order);
+            match spacing {
+                Spacing::EqualDivision => {
+                    let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
+                    lines::turn_back(&mut laid.lines, order);
+                    laid
+                }
+                Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
+            }
+        }
+    };
+    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive: Drive::Hub, points };
+    Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
+}
+
+/// The floor up to the fillets.
+fn whole_floor<'a>(
+    cx: &mut PassContext<'a>,
+    operation: &Operation,
+    radius: f64,
+    finished: Vec<Finished>,
+) -> Result<ChannelFloor<'a>, Aborted> {
+    let part = &cx.program.part;
+    let rolling = part.main().fillet.map_or(radius, |f| f.get());
+    let [ahead, behind] = part.first_passage().walls.map(|side| contact(part, side, [rolling; 2], 1.0));
+    let (Some(first), Some(second)) = (ahead, behind) else {
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
@@ -120,30 +78,50 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         );
         return Err(Aborted);
     };
-    let floor = ChannelFloor { part, radius, walls: [first, second] };
+    let floor = ChannelFloor { part, radius, walls: [first, second], finished };
     check_fit(cx, operation, &floor)?;
-    let speed = [0.0, 1.0].map(|u| part.hub.meridian(u).first.norm());
-    let directions = lines::directions(operation, radius, speed, order);
-    let LaidLines { mut lines, notes } = match spacing {
-        Spacing::EqualDivision => equal_division(cx, operation, &floor, height.get(), &directions)?,
-        Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
+    Ok(floor)
+}
+
+/// Lines of a larger ball, stretch by stretch; none where the ball fits nowhere.
+fn middle_lines(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    middle: Option<&Middle<'_>>,
+    (finished, allowance, height): (&[Finished], f64, f64),
+) -> Result<LaidLines, Aborted> {
+    let OperationKind::Channel { lines: order, .. } = operation.kind else { return Err(Aborted) };
+    let mut all = LaidLines { lines: Vec::new(), notes: Vec::new() };
+    let Some(middle) = middle.filter(|m| m.fits()) else {
+        all.notes.push("the ball fits nowhere between the vanes: smaller balls finish the floor".to_owned());
+        return Ok(all);
     };
-    lines::turn_back(&mut lines, order);
-    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive: Drive::Hub, points };
-    Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
+    all.notes.push(middle.note(allowance));
+    let radius = middle.floor.radius;
+    for stretch in &middle.stretches {
+        let surface = StretchFloor { middle, stretch: *stretch, finished };
+        let speed = [0.0, 1.0].map(|x| surface.speed(x, 0.0, 0.0));
+        let directions = lines::directions(operation, radius, speed, order);
+        let LaidLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;
+        all.lines.extend(lines);
+        all.notes.extend(notes);
+    }
+    Ok(all)
+}
+
+/// Where the hub is most hollow along or across the meridian, and the radius there; `None` where it is hollow nowhere.
+fn hollow(part: &Part) -> Option<(f64, f64)> {
+    let curvature = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
+    let stations = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
+    let worst = stations.min_by(|a, b| curvature(*a).total_cmp(&curvature(*b)))?;
+    (curvature(worst) < 0.0).then(|| (worst, -1.0 / curvature(worst)))
 }
 
 /// Refuses a ball with a larger radius than the hollow of the hub along or across the meridian.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) -> Result<(), Aborted> {
     let part = &cx.program.part;
     let tool = &cx.program.tools[operation.tool];
-    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
-    let stations = (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
-    let Some(worst) = stations.min_by(|a, b| hollow(*a).total_cmp(&hollow(*b))) else { return Err(Aborted) };
-    let hollow_radius = -1.0 / hollow(worst);
-    if hollow(worst) >= 0.0 || hollow_radius > radius {
-        return Ok(());
-    }
+    let Some((worst, hollow_radius)) = hollow(part).filter(|(_, hollow)| *hollow <= radius) else { return Ok(()) };
     // Approximately the middle of the channel.
     let root = part.face(part.first_passage().walls[0]).surface.point(worst, 0.0);
     let at = part.hub.point(worst, libm::atan2(root.y, root.x) + 0.5 * part.pitch());
@@ -158,12 +136,17 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(operation.span, "this operation finishes the hub")
         .label(tool.span, "this ball would gouge the hub beside its line")
         .place(format!("hub at u = {worst:.3}"), at)
-        .help(part.main().fillet.map_or_else(
-            || what_would_do(part, radius),
-            |f| format!("use a ball of less than {:.2} mm diameter", (200.0 * hollow_radius.min(f.get())).floor() / 100.0),
-        )),
+        .help(match (part.main().fillet, operation.kind.of_larger_ball()) {
+            (_, Some(_)) => less_than(hollow_radius),
+            (Some(f), None) => less_than(hollow_radius.min(f.get())),
+            (None, None) => what_would_do(part, radius),
+        }),
     );
     Err(Aborted)
+}
+
+fn less_than(radius: f64) -> String {
+    format!("use a ball of less than {:.2} mm diameter", (200.0 * radius).floor() / 100.0)
 }
 
 /// Refuses a ball that is too big for the fillets or for the space between them.
@@ -207,15 +190,13 @@ const RADIUS_STEP: f64 = 0.005;
 /// Describes the largest ball below a radius that rolls along both walls, leaves floor between them and fits the hollow
 /// of the hub. For a design with a fillet it describes the fillet as well.
 fn what_would_do(part: &Part, below: f64) -> String {
-    let hollow = |u: f64| part.hub.meridian_curvature(u).min(part.hub.ring_curvature(u));
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
-    let sharpest = stations().map(hollow).fold(f64::INFINITY, f64::min);
-    let [ahead, behind] = part.first_passage().walls;
+    let over_hollow = hollow(part).map_or(f64::INFINITY, |(_, hollow)| hollow);
     let fits = |radius: f64| {
-        let walls = contact(part, ahead, radius).zip(contact(part, behind, radius));
-        walls.is_some_and(|(first, second)| {
-            let floor = ChannelFloor { part, radius, walls: [first, second] };
-            -sharpest * radius < 1.0 && stations().all(|u| floor.walls(u).1 > 0.0)
+        let [ahead, behind] = part.first_passage().walls.map(|side| contact(part, side, [radius; 2], 1.0));
+        ahead.zip(behind).is_some_and(|(first, second)| {
+            let floor = ChannelFloor { part, radius, walls: [first, second], finished: Vec::new() };
+            radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
         })
     };
     // A smaller ball fits wherever a bigger ball fits, so that bisection finds the largest step.
@@ -293,42 +274,4 @@ fn equal_division(
         scallop::formula_9_step(radius, height)
     )];
     Ok(LaidLines { lines, notes })
-}
-
-/// Contact line of the ball that rolls between the hub and a face of sector 0.
-fn contact(part: &Part, side: FaceId, radius: f64) -> Option<Contact> {
-    let face = part.face(side);
-    let mut line: Contact = Vec::with_capacity(STATIONS + 1);
-    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
-    let (from, to) = (-part.root_step(side, 0.0, radius), 1.0 + part.root_step(side, 1.0, radius));
-    for i in 0..=STATIONS {
-        let u = from + (to - from) * i as f64 / STATIONS as f64;
-        let v = part.fillet_tangent(side, u, radius)?;
-        let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
-        let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
-        let mut azimuth = libm::atan2(centre.y, centre.x);
-        if let Some(last) = line.last() {
-            azimuth = nearest_turn(azimuth, last[1]);
-        }
-        line.push([hub_u, azimuth]);
-    }
-    Some(line)
-}
-
-/// Azimuth of a contact line at a hub parameter; linear beyond both ends. Four point interpolation: over 0.15 mm its
-/// error is far below a nanometre for a smooth line.
-fn azimuth(line: &Contact, u: f64) -> f64 {
-    let n = line.len();
-    let i = line.partition_point(|p| p[0] <= u).clamp(2, n - 2);
-    let at = &line[i - 2..i + 2];
-    if u < line[0][0] {
-        return line[0][1] + (line[1][1] - line[0][1]) / (line[1][0] - line[0][0]) * (u - line[0][0]);
-    }
-    if u > line[n - 1][0] {
-        let (p, q) = (line[n - 2], line[n - 1]);
-        return q[1] + (q[1] - p[1]) / (q[0] - p[0]) * (u - q[0]);
-    }
-    (0..4)
-        .map(|j| (0..4).filter(|k| *k != j).map(|k| (u - at[k][0]) / (at[j][0] - at[k][0])).product::<f64>() * at[j][1])
-        .sum()
 }

@@ -8,6 +8,9 @@
 //! continues as line k of the first family. Every point therefore lies within half a step of a line, and no place has
 //! more lines than this requires.
 //!
+//! Earlier tools may have finished the floor between two edges. A line is then used only where its strip, half a step to
+//! both sides, begins before the edge: up to there no earlier line is as near as half a step of its own tool.
+//!
 //! ```text
 //! first wall ---------------------------------- 0
 //!            ---------------------------------- 1
@@ -49,13 +52,14 @@ struct Family {
 
 /// Lines over the floor between two walls, for x over `span`, from the first wall to the second. A wall is given as y
 /// at the stations of the metric; the second y is greater than the first inside of `span`. The unit of the metric is
-/// the step. A line that would end less than `short` (in x) from an end of the span, or from its own next piece, is not
+/// the step. `finished` has the edges of the floor that earlier tools have finished, station by station; it is empty
+/// where there is none. A line that would end less than `short` (in x) from an end of the span, or from its own next piece, is not
 /// interrupted. `None` when the families have not met after `most` lines.
 pub(crate) fn tracks(
     metric: &BandMetric,
     walls: [&[f64]; 2],
-    span: [f64; 2],
-    short: f64,
+    finished: &[Option<[f64; 2]>],
+    (span, short): ([f64; 2], f64),
     most: usize,
 ) -> Option<Vec<Track>> {
     let x: Vec<f64> = metric.stations().collect();
@@ -76,9 +80,10 @@ pub(crate) fn tracks(
         }
     }
     let seam: Vec<[f64; 2]> = (0..x.len()).map(|i| seam_at(&first, &second, i)).collect();
+    let finished = surely_finished(metric, &x, &seam, finished);
     let turn: Vec<f64> = x.iter().zip(&seam).map(|(x, s)| TURN / metric.form(*x, s[1])[1]).collect();
     let mut sides: [Vec<Track>; 2] = [Vec::new(), Vec::new()];
-    for ((side, family), along_seam) in sides.iter_mut().zip([&first, &second]).zip([true, false]) {
+    for (end, (side, family)) in sides.iter_mut().zip([&first, &second]).enumerate() {
         for (k, front) in family.fronts.iter().step_by(2).enumerate() {
             if k == 0 {
                 let range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -88,11 +93,16 @@ pub(crate) fn tracks(
             let azimuth: Vec<f64> = (0..x.len())
                 .map(|i| seam[i][1] - family.sign * soft_rest(family.sign * (seam[i][1] - front[i]), turn[i]))
                 .collect();
-            let need: Vec<f64> = if along_seam {
-                seam.iter().map(|s| s[0] - (k as f64 - 0.5)).collect()
-            } else {
-                (0..x.len()).map(|i| family.sign * (seam[i][1] - front[i]) / turn[i] + BEGINS).collect()
+            let need = |i: usize| {
+                let to_seam = match end {
+                    0 => seam[i][0] - (k as f64 - 0.5),
+                    _ => family.sign * (seam[i][1] - front[i]) / turn[i] + BEGINS,
+                };
+                let Some(edges) = finished[i] else { return to_seam };
+                let to_edge = family.sign * (edges[end] - family.fronts[2 * k - 1][i]);
+                to_seam.min(to_edge * metric.form(x[i], edges[end])[1])
             };
+            let need: Vec<f64> = (0..x.len()).map(need).collect();
             for range in ranges(&x, &need, span, short) {
                 side.push(Track { azimuth: azimuth.clone(), range });
             }
@@ -101,6 +111,33 @@ pub(crate) fn tracks(
     let [mut all, back] = sides;
     all.extend(back.into_iter().rev());
     Some(all)
+}
+
+/// The edges of finished floor that lines may rely on. A line that ends covers its strip only up to its end, so the floor
+/// counts as finished where it is so over half a step along both ways. The seam has to lie in it, for each family goes no
+/// further than that.
+fn surely_finished(
+    metric: &BandMetric,
+    x: &[f64],
+    seam: &[[f64; 2]],
+    finished: &[Option<[f64; 2]>],
+) -> Vec<Option<[f64; 2]>> {
+    let holds_seam = |i: usize| {
+        let edges = finished.get(i).copied().flatten();
+        edges.filter(|[low, high]| (*low..=*high).contains(&seam[i][1]))
+    };
+    let held: Vec<Option<[f64; 2]>> = (0..x.len()).map(holds_seam).collect();
+    let apart = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
+    let sure = |i: usize| {
+        let around = (0.5 / (metric.form(x[i], seam[i][1])[0] * apart)).ceil() as usize;
+        let near = &held[i.saturating_sub(around)..(i + around + 1).min(x.len())];
+        let all: Option<Vec<[f64; 2]>> = near.iter().copied().collect();
+        let [low, high] = all?
+            .into_iter()
+            .fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], edges| [low.max(edges[0]), high.min(edges[1])]);
+        (low < high).then_some([low, high])
+    };
+    (0..x.len()).map(sure).collect()
 }
 
 /// True when the families have met at all stations.
@@ -238,7 +275,7 @@ mod tests {
         {
             let metric = BandMetric::new(-3.0, 13.0, 161, |_| [2.0, 2.0]);
             let walls = [0.0, 0.5 * width].map(|y| vec![y; 161]);
-            let found = tracks(&metric, [&walls[0], &walls[1]], [0.0, 10.0], 0.5, 40).unwrap();
+            let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([0.0, 10.0], 0.5), 40).unwrap();
             assert_eq!(found.len(), lines, "{width}");
             assert!(found.iter().all(|t| t.range == OPEN));
             let y: Vec<f64> = found.iter().map(|t| t.azimuth[80]).collect();
@@ -255,7 +292,7 @@ mod tests {
         let (step, from, to) = (0.5, 0.6 * 0.5 / 0.2_f64.tan(), 40.0);
         let metric = BandMetric::new(from - 1.0, to + 1.0, 901, |_| [1.0 / step; 2]);
         let walls = [-1.0, 1.0].map(|s| metric.stations().map(|x| s * x * sin / cos).collect::<Vec<f64>>());
-        let found = tracks(&metric, [&walls[0], &walls[1]], [from, to], 0.1, 100).unwrap();
+        let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([from, to], 0.1), 100).unwrap();
         // The seam is the middle, x sin away from both walls.
         let most = (to * sin / step).floor() as usize;
         let half = (to * sin / step - most as f64 >= 0.5) as usize;
@@ -290,7 +327,7 @@ mod tests {
         let metric = BandMetric::new(-1.0, 41.0, 421, |_| [1.0, 1.0]);
         let half = |x: f64| 2.2 + 1.6 * (x / 20.0 * std::f64::consts::PI).cos();
         let walls = [-1.0, 1.0].map(|s| metric.stations().map(|x| s * half(x)).collect::<Vec<f64>>());
-        let found = tracks(&metric, [&walls[0], &walls[1]], [0.0, 40.0], 0.3, 100).unwrap();
+        let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([0.0, 40.0], 0.3), 100).unwrap();
         let ends = found.iter().filter(|t| t.range[0] == f64::NEG_INFINITY && t.range[1].is_finite()).count();
         let begins = found.iter().filter(|t| t.range[0].is_finite() && t.range[1] == f64::INFINITY).count();
         assert!(ends == begins && ends > 2, "{ends} {begins}");
@@ -310,7 +347,7 @@ mod tests {
         let metric = BandMetric::new(-21.0, 21.0, 841, |_| [1.0, 1.0]);
         let low: Vec<f64> = metric.stations().map(|x| 0.5 * x.abs()).collect();
         let high = vec![16.0; 841];
-        let found = tracks(&metric, [&low, &high], [-20.0, 20.0], 0.3, 200).unwrap();
+        let found = tracks(&metric, [&low, &high], &[], ([-20.0, 20.0], 0.3), 200).unwrap();
         let mut worst = 0.0_f64;
         for i in 0..81 {
             let x = -6.0 + 12.0 * f64::from(i) / 80.0;
@@ -323,8 +360,44 @@ mod tests {
     }
 
     #[test]
+    fn lines_go_round_finished_floor_and_cover_all_beside_it() {
+        let metric = BandMetric::new(-1.0, 41.0, 421, |_| [1.0, 1.0]);
+        let (low, high) = (|x: f64| 0.3 * x, |x: f64| 12.0 + 0.5 * x);
+        let edges = |x: f64| (10.0..=30.0).contains(&x).then(|| [low(x) + 3.2, high(x) - 2.4]);
+        let walls: [Vec<f64>; 2] = [metric.stations().map(low).collect(), metric.stations().map(high).collect()];
+        let finished: Vec<Option<[f64; 2]>> = metric.stations().map(edges).collect();
+        let laid = |finished: &[Option<[f64; 2]>]| {
+            tracks(&metric, [&walls[0], &walls[1]], finished, ([0.0, 40.0], 0.3), 100).unwrap()
+        };
+        let (all, found) = (laid(&[]), laid(&finished));
+        let mut worst = 0.0_f64;
+        for i in 0..160 {
+            let x = 40.0 * (f64::from(i) + 0.37) / 160.0;
+            for j in 0..=80 {
+                let y = low(x) + (high(x) - low(x)) * f64::from(j) / 80.0;
+                if edges(x).is_none_or(|[a, b]| !(a..=b).contains(&y)) {
+                    worst = worst.max(nearest(&metric, &found, 1.0, x, y));
+                }
+            }
+        }
+        assert!(worst < 0.502, "{worst}");
+        // Lines go half a step into finished floor, and no further but where they end.
+        for track in &found {
+            for x in (0..=100).map(|i| 12.0 + 16.0 * f64::from(i) / 100.0) {
+                let y = metric.at(&track.azimuth, x);
+                let inside = edges(x).is_some_and(|[a, b]| (a + 0.7..=b - 0.7).contains(&y));
+                assert!(!inside || x < track.range[0] || x > track.range[1], "{x} {y}");
+            }
+        }
+        let length =
+            |tracks: &[Track]| -> f64 { tracks.iter().map(|t| t.range[1].min(40.0) - t.range[0].max(0.0)).sum() };
+        // The finished floor is half of the whole.
+        assert!(length(&found) < 0.65 * length(&all), "{} {}", length(&found), length(&all));
+    }
+
+    #[test]
     fn walls_that_never_meet_in_the_lines_allowed_give_none() {
         let metric = BandMetric::new(0.0, 1.0, 11, |_| [1.0, 1.0]);
-        assert!(tracks(&metric, [&[0.0; 11], &[50.0; 11]], [0.0, 1.0], 0.1, 10).is_none());
+        assert!(tracks(&metric, [&[0.0; 11], &[50.0; 11]], &[], ([0.0, 1.0], 0.1), 10).is_none());
     }
 }

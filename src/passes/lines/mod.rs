@@ -13,13 +13,15 @@ use crate::ir::{CcPoint, Operation};
 use crate::method::Lines as Order;
 use crate::passes::context::{PassContext, STATIONS, limits::check_points};
 use constant_scallop::{Track, tracks};
+use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Stations of the metric, minus one.
 pub(crate) const METRIC_STATIONS: usize = 600;
 
-/// Stations of an arc at the end of a line that begins or ends inside of the surface.
-const ARC_STATIONS: usize = 24;
+/// Stations of an arc at the end of a line that begins or ends inside of the surface. They are dense, and thinned to the
+/// chord tolerance: corners of the arc bound the feed, so that few large ones would cost more time than many small ones.
+const ARC_STATIONS: usize = 64;
 
 /// Width of a surface, in steps, below which one line covers the surface: a ball that rolls along both walls at once.
 const NO_WIDTH: f64 = 1e-3;
@@ -54,6 +56,17 @@ pub(crate) trait DriveSurface: Sync {
         [true; 2]
     }
 
+    /// Direction in which a line that begins or ends inside of the surface comes down and rises.
+    fn rise(&self, at: &CcPoint) -> Vector3<f64> {
+        at.normal
+    }
+
+    /// The edges in y, at x, of what earlier tools have finished; half a step of theirs beside their outer lines. `None`
+    /// where they have finished nothing.
+    fn finished(&self, _x: f64) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Length along a line of a slope dy/dx at (x, y), mm per unit of x.
     fn speed(&self, x: f64, y: f64, slope: f64) -> f64;
 
@@ -71,6 +84,8 @@ pub(crate) trait DriveSurface: Sync {
 
 /// A line on a surface.
 pub(crate) struct SurfaceLine {
+    /// True when it is cut towards smaller x.
+    back: bool,
     /// Contacts on the surface, on the leads and on the arcs.
     points: Vec<CcPoint>,
     /// Contacts on the surface with their x, ascending.
@@ -82,7 +97,7 @@ pub(crate) struct SurfaceLine {
 impl SurfaceLine {
     /// A line of contacts on the surface only, by ascending x.
     pub(crate) fn whole(on_surface: Vec<(f64, CcPoint)>) -> Self {
-        Self { points: Vec::new(), on_surface, partial: false }
+        Self { back: false, points: Vec::new(), on_surface, partial: false }
     }
 
     /// Length on the surface, mm.
@@ -91,7 +106,7 @@ impl SurfaceLine {
     }
 }
 
-/// Lines over a surface in sector 0, with notes for the report.
+/// Lines over a surface in sector 0, in the directions in which they are cut, with notes for the report.
 pub(crate) struct LaidLines {
     pub(crate) lines: Vec<Vec<CcPoint>>,
     pub(crate) notes: Vec<String>,
@@ -103,9 +118,33 @@ pub(crate) struct LineDirection {
     leads: [f64; 2],
 }
 
-/// The directions of even and of odd lines, for speeds along x at both ends, mm per unit. A backward line has its
-/// lead-in at x = 1.
-pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> [LineDirection; 2] {
+/// The directions in which lines are cut.
+pub(crate) struct Directions {
+    /// Of forward and of backward lines. A backward line has its lead-in at x = 1.
+    pub(crate) each: [LineDirection; 2],
+    order: Order,
+}
+
+impl Directions {
+    /// For each line, given by the x of its ends, whether it is cut backwards. With `zigzag` a line begins at the end that is
+    /// nearer to the end of the line before.
+    fn backwards(&self, ends: impl Iterator<Item = [f64; 2]>) -> Vec<bool> {
+        let mut last: Option<(f64, bool)> = None;
+        ends.map(|[from, to]| {
+            let back = self.order == Order::Zigzag
+                && last.is_some_and(|(at, back)| {
+                    let [to_from, to_to] = [(at - from).abs(), (at - to).abs()];
+                    if to_from == to_to { !back } else { to_to < to_from }
+                });
+            last = Some((if back { from } else { to }, back));
+            back
+        })
+        .collect()
+    }
+}
+
+/// The directions of forward and of backward lines, for speeds along x at both ends, mm per unit.
+pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> Directions {
     let beyond = speed.map(|s| radius / s);
     let whole = 1.0 + beyond[0] + beyond[1];
     // Dense until the ball has passed the ends, then the leads.
@@ -124,10 +163,10 @@ pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], or
         Order::Zigzag => [leads[1], leads[0]],
         Order::OneWay | Order::Spiral => leads,
     };
-    [direction(leads), direction(back)]
+    Directions { each: [direction(leads), direction(back)], order }
 }
 
-/// Reverses every other line for the order `zigzag`.
+/// Reverses every other line for the order `zigzag`; all of them go over the whole surface.
 pub(crate) fn turn_back(lines: &mut [Vec<CcPoint>], order: Order) {
     if order == Order::Zigzag {
         lines.iter_mut().skip(1).step_by(2).for_each(|line| line.reverse());
@@ -149,7 +188,7 @@ pub(crate) fn constant_scallop(
     surface: &dyn DriveSurface,
     radius: f64,
     height: f64,
-    directions: &[LineDirection; 2],
+    directions: &Directions,
 ) -> Result<LaidLines, Aborted> {
     let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
@@ -177,7 +216,13 @@ pub(crate) fn constant_scallop(
         ]
     };
     notes.extend(ridge.filter(|_| count > 1).map(|r| format!("highest ridge between lines {r:.4} mm")));
-    Ok(LaidLines { lines: lines.into_iter().map(|l| l.points).collect(), notes })
+    let cut = |mut line: SurfaceLine| {
+        if line.back {
+            line.points.reverse();
+        }
+        line.points
+    };
+    Ok(LaidLines { lines: lines.into_iter().map(cut).collect(), notes })
 }
 
 /// Lays lines for ridges of a height, measures the highest ridge, and repeats with another height until the ridge has
@@ -206,6 +251,12 @@ pub(crate) fn refined<T>(
     Ok((laid, ridge))
 }
 
+/// Radius of the quarter of a circle on which a ball comes down to a line that begins inside of the surface: its length is
+/// the lead, at most a quarter turn of the ball.
+pub(crate) fn arc_radius(lead: f64, radius: f64) -> f64 {
+    lead.min(FRAC_PI_4 * radius) / FRAC_PI_2
+}
+
 /// Lines for ridges of a given height by the metric.
 fn lay(
     cx: &mut PassContext<'_>,
@@ -213,10 +264,10 @@ fn lay(
     surface: &dyn DriveSurface,
     radius: f64,
     planned: f64,
-    directions: &[LineDirection; 2],
+    directions: &Directions,
 ) -> Result<Vec<SurfaceLine>, Aborted> {
     cx.go_on()?;
-    let grid = &directions[0].grid;
+    let grid = &directions.each[0].grid;
     let metric = surface.metric(planned);
     let width = |x: f64| {
         let (a, across) = surface.walls(x);
@@ -229,8 +280,7 @@ fn lay(
     check_points(cx, operation, widest * grid.len() as f64)?;
     // A line that begins inside of the surface comes down on a quarter of a circle. The circle lifts the ball over
     // stock that roughing left.
-    let quarter = |lead: f64| lead.min(FRAC_PI_4 * radius) / FRAC_PI_2;
-    let arcs = [0, 1].map(|back: usize| directions[back].leads.map(quarter));
+    let arcs = [0, 1].map(|back: usize| directions.each[back].leads.map(|lead| arc_radius(lead, radius)));
     let tracks = if steps < NO_WIDTH {
         let middle = |x: f64| {
             let (a, across) = surface.walls(x);
@@ -248,7 +298,8 @@ fn lay(
             .unzip();
         let slowest = grid.iter().map(|x| surface.speed(*x, surface.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
         let short = arcs[0][0].max(arcs[0][1]) / slowest;
-        tracks(&metric, [&first, &second], [0.0, 1.0], short, 4 * widest as usize + 8)
+        let finished: Vec<Option<[f64; 2]>> = metric.stations().map(|x| surface.finished(x)).collect();
+        tracks(&metric, [&first, &second], &finished, ([0.0, 1.0], short), 4 * widest as usize + 8)
     };
     let Some(tracks) = tracks else {
         let message = format!("the lines of `{}` do not cover the {}", operation.name, surface.name());
@@ -259,9 +310,12 @@ fn lay(
         );
         return Err(Aborted);
     };
-    let lines = tracks.iter().enumerate().map(|(j, track)| {
-        let back = j % 2;
-        line(surface, &metric, &tracks, (j, track), arcs[back], &directions[back].grid)
+    let end = |x: f64, i: usize| if x.is_finite() { x } else { i as f64 };
+    let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
+    let lines = backwards.into_iter().enumerate().map(|(j, back)| {
+        let i = usize::from(back);
+        let laid = line(surface, &metric, &tracks, j, arcs[i], &directions.each[i].grid);
+        SurfaceLine { back, ..laid }
     });
     Ok(lines.collect())
 }
@@ -271,11 +325,11 @@ fn line(
     surface: &dyn DriveSurface,
     metric: &BandMetric,
     tracks: &[Track],
-    (j, track): (usize, &Track),
+    j: usize,
     arcs: [f64; 2],
     grid: &[f64],
 ) -> SurfaceLine {
-    let last = tracks.len() - 1;
+    let (track, last) = (&tracks[j], tracks.len() - 1);
     // A station very close to an end would give its piece an arbitrary direction.
     let apart = 0.5 / STATIONS as f64;
     let at = |x: f64| {
@@ -313,7 +367,7 @@ fn line(
     };
     let lifted = |(u, lift): (f64, f64)| {
         let p = point(u);
-        CcPoint { position: p.position + p.normal * lift, ..p }
+        CcPoint { position: p.position + surface.rise(&p) * lift, ..p }
     };
     let mut points: Vec<CcPoint> = Vec::new();
     if from.is_finite() && arcs[0] > 0.0 {
@@ -324,5 +378,5 @@ fn line(
     if to.is_finite() && arcs[1] > 0.0 {
         points.extend(arc(to, arcs[1], 1.0).map(lifted));
     }
-    SurfaceLine { points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
+    SurfaceLine { back: false, points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
 }

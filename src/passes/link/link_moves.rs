@@ -16,9 +16,9 @@ use super::direct_link::DirectLinks;
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation};
-use crate::kin::{Angles, Machine, RotaryPose};
+use crate::kin::{Angles, Joints, Machine, RotaryPose};
 use crate::passes::context::PassContext;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -73,11 +73,12 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         failed |= !misses.is_empty();
         report(cx, planned, &misses);
         add_stations(machine, length, &mut moves);
-        motion.operations.push(MotionOperation {
-            operation: planned.operation,
-            labels: planned.passes.iter().map(|p| p.label.clone()).collect(),
-            moves,
-        });
+        let mut labels: Vec<String> = planned.passes.iter().map(|p| p.label.clone()).collect();
+        if planned.passes.is_empty() {
+            labels.push("no pass".to_owned());
+            moves = aloft(machine, length, motion.operations.last(), at);
+        }
+        motion.operations.push(MotionOperation { operation: planned.operation, labels, moves });
     }
     if failed { Err(Aborted) } else { Ok(motion) }
 }
@@ -171,6 +172,17 @@ fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     };
     moves.insert(0, over(first));
     moves.push(over(last));
+}
+
+/// The moves of an operation that cuts nothing: both stations, where the operation before ended.
+fn aloft(machine: &Machine, length: f64, before: Option<&MotionOperation>, rotary: Angles) -> Vec<JointMove> {
+    let before = before.and_then(|o| o.moves.last()).map(|m| m.joints.xyz);
+    let [x, y] = [0, 1].map(|k: usize| {
+        let axis = &machine.linear[k];
+        before.map_or_else(|| 0.0_f64.clamp(axis.min, axis.max), |xyz| xyz[k])
+    });
+    let joints = Joints { xyz: Vector3::new(x, y, machine.retract - length), rotary };
+    vec![JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }; 2]
 }
 
 /// Appends the moves of a sequence, preceded by the link over the sphere.

@@ -63,7 +63,8 @@ pub fn run(
             }
             continue;
         }
-        if let Some(thickness) = operation.rest {
+        // A ball that fits nowhere on the floor has no passes.
+        if let Some(thickness) = operation.rest.filter(|_| !planned.passes.is_empty()) {
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
             failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
         }

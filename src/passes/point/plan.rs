@@ -82,7 +82,6 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         let lines = constant_scallop(cx, operation, &surface, cutter.tip_radius(), scallop.get(), &directions)?;
         notes.extend(lines.notes);
         let mut lines = lines.lines;
-        lines::turn_back(&mut lines, order);
         if matches!(kind, SurfaceKind::Face(_)) {
             // From the shroud down.
             lines.reverse();

@@ -1,0 +1,87 @@
+//! Where the larger ball of a `channel` operation finds room: between the walls, and with clear tool axes.
+//!
+//! At places along the floor the ball stands on both outer lines and half way between them. It has room where it is clear
+//! of the part on all of them, and where the method of the operation finds a clear axis on each. Smaller balls finish all
+//! other places, so that a larger ball without room is a remark and no error.
+
+use super::avoid_collision::TILTS;
+use super::clear_axes::ClearAxes;
+use super::orient_tool::{Middle, Middles};
+use super::sequence::MARGIN;
+use crate::analysis::flank::SIDE_CLEARANCE;
+use crate::diag::{Aborted, Diag, codes::planning};
+use crate::ir::Operation;
+use crate::method::AxisMethod;
+use crate::passes::context::{AxisTilt, PassContext};
+use crate::units::Mm;
+use rayon::prelude::*;
+
+/// Shares of the way from the first outer line to the second at which the tool is looked at.
+const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// Finds the room of all larger balls.
+///
+/// # Errors
+/// None of its own; a cancelled run ends.
+pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> {
+    let program = cx.program;
+    let mut middles = Middles::new();
+    for (id, operation) in program.operations.iter() {
+        let Some(allowance) = operation.kind.of_larger_ball() else { continue };
+        cx.go_on()?;
+        let middle = Middle::new(program, operation).map(|middle| with_room(cx, operation, middle));
+        if !middle.as_ref().is_some_and(Middle::fits) {
+            let diag = fits_nowhere(cx, operation, allowance);
+            cx.sink.push(diag);
+        }
+        middles.extend(middle.map(|middle| (id, middle)));
+    }
+    Ok(middles)
+}
+
+/// The middle of the floor with the stretches on which the tool has room. Where lines keep one tilt each, the tilt that
+/// gives the ball most places decides.
+fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, mut middle: Middle<'a>) -> Middle<'a> {
+    let (program, obstacles) = (cx.program, cx.obstacles);
+    let places = middle.places(operation);
+    let work = cx.progress.begin(format!("{}, room of the ball", operation.name), places.len());
+    let room: Vec<bool> = places.par_iter().map(|u| work.step(middle.has_room(obstacles, *u))).collect();
+    let clear = ClearAxes::new(program, obstacles, operation);
+    let solid = &program.tools[operation.tool].solid;
+    let radius = solid.cutter.tip_radius();
+    let turns = matches!(operation.kind.axis_method(), Some(AxisMethod::Corridor | AxisMethod::Xu));
+    let fits = |u: f64, tilt: AxisTilt| {
+        SHARES.iter().all(|share| {
+            let Some(p) = middle.tool_at(program, operation, (u, *share), tilt) else { return false };
+            if turns {
+                return clear.has_candidate(&(p.tip + p.axis * radius), &p.axis, MARGIN);
+            }
+            obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
+        })
+    };
+    let with = |tilt: AxisTilt| -> Vec<bool> {
+        places.par_iter().zip(&room).map(|(u, room)| *room && fits(*u, tilt)).collect()
+    };
+    let count = |fits: &Vec<bool>| fits.iter().filter(|fits| **fits).count();
+    let found = match operation.kind.axis_method() {
+        Some(AxisMethod::Ruling) => with(AxisTilt::Along),
+        Some(AxisMethod::Blend) => {
+            let all = TILTS.into_iter().map(|tilt| with(AxisTilt::Away(tilt.to_radians())));
+            all.reduce(|a, b| if count(&b) > count(&a) { b } else { a }).unwrap_or_default()
+        }
+        _ => with(AxisTilt::Away(0.0)),
+    };
+    middle.keep(operation, &places, &found);
+    middle
+}
+
+fn fits_nowhere(cx: &PassContext<'_>, operation: &Operation, allowance: Mm) -> Diag {
+    let tool = &cx.program.tools[operation.tool];
+    Diag::remark(
+        planning::NO_ROOM_ON_FLOOR,
+        format!("`{}` cuts nothing: {} fits nowhere between the vanes", operation.name, tool.name),
+    )
+    .label(operation.span, "smaller balls of this operation finish the floor")
+    .label(tool.span, format!("this tool has to stay {allowance} off vanes and fillets, with a clear axis"))
+    .help("use a smaller ball, a longer reach or a slimmer holder; or leave this tool out")
+}

@@ -1,0 +1,139 @@
+//! The floor of channel 0: the hub between the two lines where a ball leaves the walls.
+
+use super::finished::{Finished, edges};
+use crate::geom::BandMetric;
+use crate::geom::angle::nearest_turn;
+use crate::ir::CcPoint;
+use crate::part::{FaceId, Part, Surface};
+use crate::passes::context::STATIONS;
+use crate::passes::lines::{DriveSurface, METRIC_STATIONS, scallop};
+use nalgebra::Vector2;
+
+/// Contacts with the hub of a ball that rolls along a wall: (u of the hub, azimuth), ascending in u.
+pub(super) type Contact = Vec<[f64; 2]>;
+
+/// The machined surface: the hub of channel 0 between two contact lines.
+pub(super) struct ChannelFloor<'a> {
+    pub(super) part: &'a Part,
+    /// Radius of the ball of the tool.
+    pub(super) radius: f64,
+    pub(super) walls: [Contact; 2],
+    /// What larger balls have finished.
+    pub(super) finished: Vec<Finished>,
+}
+
+impl ChannelFloor<'_> {
+    /// Azimuth of the first wall, and the angle from it to the second.
+    pub(super) fn walls(&self, u: f64) -> (f64, f64) {
+        let a = azimuth(&self.walls[0], u);
+        let ahead = azimuth(&self.walls[1], u) - a;
+        (a, nearest_turn(ahead, 0.0) + self.part.pitch())
+    }
+
+    pub(super) fn point(&self, u: f64, w: f64, azimuth: f64) -> CcPoint {
+        let hub = &self.part.hub;
+        CcPoint { u, v: 0.0, w, position: hub.point(u, azimuth), normal: hub.normal(u, azimuth) }
+    }
+
+    /// Steps along and across the meridian that leave ridges of a given height.
+    pub(super) fn steps(&self, u: f64, height: f64) -> [f64; 2] {
+        let hub = &self.part.hub;
+        [hub.meridian_curvature(u), hub.ring_curvature(u)].map(|k| scallop::curved_step(self.radius, height, k))
+    }
+
+    /// Lower bound of the length of lines over a stretch of u, beside what is finished.
+    pub(super) fn least_length_over(&self, [from, to]: [f64; 2], height: f64, finished: &[Finished]) -> f64 {
+        (0..STATIONS)
+            .map(|i| {
+                let u = from + (to - from) * (i as f64 + 0.5) / STATIONS as f64;
+                let m = self.part.hub.meridian(u);
+                let [along, across] = self.steps(u, height);
+                let (first, angle) = self.walls(u);
+                let done = edges(finished, u, first)
+                    .map_or(0.0, |[low, high]| (high.min(first + angle) - low.max(first)).max(0.0));
+                m.first.norm() * m.point.x * (angle - done) / along.max(across) * (to - from) / STATIONS as f64
+            })
+            .sum()
+    }
+}
+
+impl DriveSurface for ChannelFloor<'_> {
+    fn name(&self) -> String {
+        "channel".to_owned()
+    }
+
+    fn walls(&self, x: f64) -> (f64, f64) {
+        self.walls(x)
+    }
+
+    fn contact(&self, x: f64, y: f64, share: f64) -> CcPoint {
+        self.point(x, share, y)
+    }
+
+    fn finished(&self, x: f64) -> Option<[f64; 2]> {
+        edges(&self.finished, x, self.walls(x).0)
+    }
+
+    fn speed(&self, x: f64, _y: f64, slope: f64) -> f64 {
+        let m = self.part.hub.meridian(x);
+        libm::hypot(m.first.norm(), m.point.x * slope)
+    }
+
+    /// Along and across the meridian, which are the principal directions, the metric has the exact step.
+    fn metric(&self, height: f64) -> BandMetric {
+        let hub = &self.part.hub;
+        // Until the ball has passed the edges, but well before the axis.
+        let beyond = [0.0, 1.0].map(|u| {
+            let m = hub.meridian(u);
+            self.radius.min(0.5 * m.point.x) / m.first.norm()
+        });
+        BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| {
+            let m = hub.meridian(u);
+            let [along, across] = self.steps(u, height);
+            [m.first.norm() / along, m.point.x / across]
+        })
+    }
+
+    fn least_length(&self, height: f64) -> f64 {
+        self.least_length_over([0.0, 1.0], height, &self.finished)
+    }
+}
+
+/// Contact line with the hub of a ball whose centre keeps distances from a face of sector 0 and from the hub, while its
+/// place beside the face is at most `top` high. `None` when a ruling has no such place.
+pub(super) fn contact(part: &Part, side: FaceId, [wall, floor]: [f64; 2], top: f64) -> Option<Contact> {
+    let face = part.face(side);
+    let mut line: Contact = Vec::with_capacity(STATIONS + 1);
+    // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
+    let (from, to) = (-part.root_step(side, 0.0, wall), 1.0 + part.root_step(side, 1.0, wall));
+    for i in 0..=STATIONS {
+        let u = from + (to - from) * i as f64 / STATIONS as f64;
+        let v = part.beside_centre(side, u, [wall, floor], top)?;
+        let centre = face.surface.point(u, v) + face.normal(u, v) * wall;
+        let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
+        let mut azimuth = libm::atan2(centre.y, centre.x);
+        if let Some(last) = line.last() {
+            azimuth = nearest_turn(azimuth, last[1]);
+        }
+        line.push([hub_u, azimuth]);
+    }
+    Some(line)
+}
+
+/// Azimuth of a contact line at a hub parameter; linear beyond both ends. Four point interpolation: over 0.15 mm its
+/// error is far below a nanometre for a smooth line.
+pub(super) fn azimuth(line: &Contact, u: f64) -> f64 {
+    let n = line.len();
+    let i = line.partition_point(|p| p[0] <= u).clamp(2, n - 2);
+    let at = &line[i - 2..i + 2];
+    if u < line[0][0] {
+        return line[0][1] + (line[1][1] - line[0][1]) / (line[1][0] - line[0][0]) * (u - line[0][0]);
+    }
+    if u > line[n - 1][0] {
+        let (p, q) = (line[n - 2], line[n - 1]);
+        return q[1] + (q[1] - p[1]) / (q[0] - p[0]) * (u - q[0]);
+    }
+    (0..4)
+        .map(|j| (0..4).filter(|k| *k != j).map(|k| (u - at[k][0]) / (at[j][0] - at[k][0])).product::<f64>() * at[j][1])
+        .sum()
+}
