@@ -18,6 +18,11 @@ const ALLOWANCE: f64 = 0.2;
 /// The paper's part with nothing but the finishing of one channel: balls in their order, each but the last with an
 /// allowance on the vanes.
 fn balls(radii: &[f64], scallop: f64, allowance: f64) -> Program {
+    with_axes(radii, scallop, allowance, AxisMethod::Blend)
+}
+
+/// The same with a method for the tool axes.
+fn with_axes(radii: &[f64], scallop: f64, allowance: f64, method: AxisMethod) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     for (k, radius) in radii.iter().enumerate() {
@@ -28,7 +33,7 @@ fn balls(radii: &[f64], scallop: f64, allowance: f64) -> Program {
             scallop: Mm(scallop),
             spacing: Spacing::ConstantScallop,
             lines: Lines::Zigzag,
-            method: AxisMethod::Blend,
+            method,
             allowance_vane: (k + 1 < radii.len()).then_some(Mm(allowance)),
         };
         program.operations.push(support::operation(&format!("channel{number}"), kind, tool, vec![0], 8.0));
@@ -75,7 +80,7 @@ fn no_ridge_between_the_bands_of_the_balls_is_higher_than_the_scallop() {
 
 #[test]
 fn the_verifier_proves_scallop_and_gouge_over_the_blend() {
-    let mut program = balls(&[5.0, 3.0], 0.012, ALLOWANCE);
+    let mut program = with_axes(&[5.0, 3.0], 0.012, ALLOWANCE, AxisMethod::Corridor);
     program.contracts.push(Contract::whole(ContractKind::Excess, 0.012));
     let plan = plan(&program);
     let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");

@@ -174,15 +174,23 @@ fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     moves.push(over(last));
 }
 
-/// The moves of an operation that cuts nothing: both stations, where the operation before ended.
+/// Way down of an operation that cuts nothing, mm: a reader of NC text knows an operation by its moves.
+const DOWN: f64 = 1.0;
+
+/// The moves of an operation that cuts nothing: both stations, where the operation before ended, with a short way down
+/// between them.
 fn aloft(machine: &Machine, length: f64, before: Option<&MotionOperation>, rotary: Angles) -> Vec<JointMove> {
     let before = before.and_then(|o| o.moves.last()).map(|m| m.joints.xyz);
     let [x, y] = [0, 1].map(|k: usize| {
         let axis = &machine.linear[k];
         before.map_or_else(|| 0.0_f64.clamp(axis.min, axis.max), |xyz| xyz[k])
     });
-    let joints = Joints { xyz: Vector3::new(x, y, machine.retract - length), rotary };
-    vec![JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }; 2]
+    let at = |z: f64| {
+        let joints = Joints { xyz: Vector3::new(x, y, z), rotary };
+        JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }
+    };
+    let height = machine.retract - length;
+    vec![at(height), at(height - DOWN), at(height)]
 }
 
 /// Appends the moves of a sequence, preceded by the link over the sphere.
