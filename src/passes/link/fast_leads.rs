@@ -9,6 +9,7 @@ use crate::ir::{ClPass, ClPlan, ClPoint, Program};
 use crate::kin::{Chain, between};
 use crate::passes::axis::run::rotary;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Distance of the tool from the blank beyond which it runs at link feed, mm.
 const OFF_BLANK: f64 = 0.5;
@@ -36,27 +37,24 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     let outside = |p: &ClPoint| blank.clear(p, OFF_BLANK);
     let Some(first) = pass.points.iter().position(|p| !outside(p)) else { return };
     let Some(last) = pass.points.iter().rposition(|p| !outside(p)) else { return };
-    let leaves = |inside: usize, out: usize| leaving(&outside, chain, [pass.points[inside], pass.points[out]]);
     let way = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
+    // The place where a lead leaves the blank, for a lead that then has a way worth it.
+    let leaves = |inside: usize, out: usize, lead: Range<usize>| {
+        let place = leaving(&outside, chain, [pass.points[inside], pass.points[out]]);
+        let way = (place.tip - pass.points[out].tip).norm() + way(&pass.points[lead]);
+        (way >= LEAST_WAY).then_some(place)
+    };
+    let behind = if last + 1 < count { leaves(last, last + 1, last + 1..count) } else { None };
+    let before = if first > 0 { leaves(first, first - 1, 0..first) } else { None };
     // The end first, so that the indices at the start stay.
-    let behind = (last + 1 < count).then(|| leaves(last, last + 1));
-    let before = (first > 0).then(|| leaves(first, first - 1));
     let mut air = Vec::new();
     if let Some(place) = behind {
         pass.points.insert(last + 1, place);
-        if way(&pass.points[last + 1..]) >= LEAST_WAY {
-            air.extend(last + 2..pass.points.len());
-        } else {
-            pass.points.remove(last + 1);
-        }
+        air.extend(last + 2..pass.points.len());
     }
     if let Some(place) = before {
         pass.points.insert(first, place);
-        if way(&pass.points[..=first]) >= LEAST_WAY {
-            air = (1..=first).chain(air.into_iter().map(|i| i + 1)).collect();
-        } else {
-            pass.points.remove(first);
-        }
+        air = (1..=first).chain(air.into_iter().map(|i| i + 1)).collect();
     }
     pass.air = air;
 }
