@@ -174,6 +174,12 @@ impl OperationKind {
         matches!(self, Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. })
     }
 
+    /// True for the operation whose lines run on the floor of the channel. Its tool may turn to the axes of neighbouring
+    /// lines; on a face the cutter would turn against the wall that it cuts.
+    pub fn is_on_floor(&self) -> bool {
+        matches!(self, Self::Channel { .. })
+    }
+
     /// Largest step between levels, and the material that roughing leaves on vanes and on the hub; `None` for finishing.
     pub fn roughing(&self) -> Option<(Mm, VaneAllowance, Mm)> {
         match *self {

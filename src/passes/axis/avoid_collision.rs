@@ -92,8 +92,7 @@ fn clear_axes(
     let chosen = if method == AxisMethod::Xu {
         sequence::greedy_axes(&clear, &program.machine.chain, planned, passes)
     } else {
-        let on_floor = matches!(operation.kind, OperationKind::Channel { .. });
-        sequence::shortest(&clear, &program.machine, (passes, on_floor), &work)
+        sequence::shortest(&clear, &program.machine, (passes, operation.kind.is_on_floor()), &work)
     };
     let (found, blocked) = match chosen {
         Ok(points) => (points, Vec::new()),

@@ -143,8 +143,7 @@ impl WayStations {
     }
 
     /// Adds to all candidates the cost of the angle to the axis chosen at the nearest place of earlier lines. Lines of
-    /// the floor may take the clear axes about that axis as well; on faces the cutter would turn against the wall that it
-    /// cuts.
+    /// the floor may take the clear axes about that axis as well.
     fn tilt_towards(
         &mut self,
         clear: &ClearAxes<'_>,

@@ -12,7 +12,7 @@
 use super::clear_axes::ClearAxes;
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint, OperationKind};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
 use crate::kin::{Angles, Chain, RotaryPose, between};
 use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
@@ -78,8 +78,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
                 }
             }
         }
-        // On faces the cutter would turn against the wall that it cuts.
-        if matches!(operation.kind, OperationKind::Channel { .. }) {
+        if operation.kind.is_on_floor() {
             follow(&clear, &program.machine.chain, &mut oriented.passes);
         }
         let peak = oriented
