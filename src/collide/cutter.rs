@@ -258,6 +258,21 @@ impl Cutter {
         }
     }
 
+    /// The cutter enlarged by a distance on all sides; heights count from its new tip. A flat cutter keeps its corner.
+    #[must_use]
+    pub fn enlarged(&self, by: f64) -> Self {
+        match *self {
+            Self::Flat { radius } => Self::Flat { radius: radius + by },
+            Self::Ball { radius } => Self::Ball { radius: radius + by },
+            Self::Bull { radius, corner } => Self::Bull { radius: radius + by, corner: corner + by },
+            Self::TaperedBall { ball, half_angle } => Self::TaperedBall { ball: ball + by, half_angle },
+            Self::Barrel { radius, barrel, tip } => {
+                Self::Barrel { radius: radius + by, barrel: barrel + by, tip: tip + by }
+            }
+            Self::Lollipop { radius } => Self::Lollipop { radius: radius + by },
+        }
+    }
+
     /// Name in the job language.
     pub fn keyword(&self) -> &'static str {
         match self {
@@ -367,6 +382,21 @@ mod tests {
                 let (small, large) =
                     (solid.cutter.distance(rho, s), solid.cutter.scaled(1.7).distance(1.7 * rho, 1.7 * s));
                 assert!((large - 1.7 * small).abs() < 1e-9, "{:?}", solid.cutter);
+            }
+        }
+    }
+
+    #[test]
+    fn an_enlarged_cutter_is_nearer_by_the_enlargement() {
+        const BY: f64 = 0.3;
+        for solid in solids() {
+            let (cutter, enlarged) = (solid.cutter, solid.cutter.enlarged(BY));
+            let outside = (0..100).map(|k| (f64::from(k % 10) * 0.7, f64::from(k / 10) * 1.3 - 2.0));
+            for (rho, s) in outside.filter(|(rho, s)| cutter.distance(*rho, *s) > BY) {
+                let nearer = cutter.distance(rho, s) - enlarged.distance(rho, s + BY);
+                // Beyond the corner of a flat cutter, which stays sharp, a point is nearer than to a rounded one.
+                let corner = matches!(cutter, Cutter::Flat { .. }) && nearer > BY && nearer < 2.0_f64.sqrt() * BY;
+                assert!((nearer - BY).abs() < 1e-9 || corner, "{cutter:?} at {rho}, {s}: {nearer}");
             }
         }
     }

@@ -118,6 +118,17 @@ impl ToolSolid {
         self.cutter_distance(rho, s).min(self.body_distance(rho, s))
     }
 
+    /// The cutter without shank and holder, enlarged by a distance on all sides; heights count from its new tip.
+    #[must_use]
+    pub fn cutter_alone(&self, by: f64) -> Self {
+        Self {
+            cutter: self.cutter.enlarged(by),
+            flute_length: self.flute_length + 2.0 * by,
+            shank: Vec::new(),
+            holder: Vec::new(),
+        }
+    }
+
     /// Upper end of the holder.
     pub fn length(&self) -> f64 {
         self.shank.iter().chain(&self.holder).map(|x| x.to).fold(self.flute_length, f64::max)

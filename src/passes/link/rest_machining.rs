@@ -15,7 +15,7 @@
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
 use super::stock_order;
-use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, rounding, stations, steps, way};
+use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
 use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::{ClOperation, ClPass, ClPlan, Operation, OperationKind, Program};
@@ -125,7 +125,7 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
 
 /// Removes the cuts of an operation from the stock.
 fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
-    let solid = cutter_alone(&program.tools[operation.tool].solid, 0.0);
+    let solid = program.tools[operation.tool].solid.cutter_alone(0.0);
     send(field, &solid, steps(&program.machine, &planned.passes, StepKind::Cut, 0.0), work);
 }
 
@@ -157,7 +157,7 @@ fn reduce(
 ) -> Result<(), Aborted> {
     let solid = &program.tools[operation.tool].solid;
     let grown_by = error_between_rays(field, solid);
-    let grown = cutter_alone(solid, grown_by);
+    let grown = solid.cutter_alone(grown_by);
     // For a rapid, the engine reports what the cutter meets and removes nothing.
     let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
     let met = send(field, &grown, looks, work);

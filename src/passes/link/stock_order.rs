@@ -13,7 +13,7 @@
 
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, cutter_alone, stations, steps_of, way};
+use super::stock_steps::{PathPoint, stations, steps_of, way};
 use super::through_air::ThroughAir;
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
@@ -78,7 +78,7 @@ pub(super) fn reduce(
         air: ThroughAir::new(program, direct, solid, field),
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
-        cutter: cutter_alone(solid, 0.0),
+        cutter: solid.cutter_alone(0.0),
     };
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);

@@ -1,6 +1,6 @@
 //! Planned passes as steps of the stock.
 
-use crate::collide::{Cutter, ToolSolid};
+use crate::collide::ToolSolid;
 use crate::ir::{ClPass, ClPoint};
 use crate::kin::{Angles, Machine, between};
 use crate::stock::{Field, Step, StepKind};
@@ -15,21 +15,6 @@ const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 pub(super) fn rounding(solid: &ToolSolid) -> f64 {
     let tip = solid.cutter.tip_radius();
     if tip > 0.0 { tip } else { solid.radius() }
-}
-
-/// The cutter without shank and holder, enlarged on all sides.
-pub(super) fn cutter_alone(solid: &ToolSolid, by: f64) -> ToolSolid {
-    let cutter = match solid.cutter {
-        Cutter::Flat { radius } => Cutter::Flat { radius: radius + by },
-        Cutter::Ball { radius } => Cutter::Ball { radius: radius + by },
-        Cutter::Bull { radius, corner } => Cutter::Bull { radius: radius + by, corner: corner + by },
-        Cutter::TaperedBall { ball, half_angle } => Cutter::TaperedBall { ball: ball + by, half_angle },
-        Cutter::Barrel { radius, barrel, tip } => {
-            Cutter::Barrel { radius: radius + by, barrel: barrel + by, tip: tip + by }
-        }
-        Cutter::Lollipop { radius } => Cutter::Lollipop { radius: radius + by },
-    };
-    ToolSolid { cutter, flute_length: solid.flute_length + 2.0 * by, shank: Vec::new(), holder: Vec::new() }
 }
 
 /// A place on a pass, with rotary angles that do not jump.

@@ -5,7 +5,7 @@
 //! down along the tool axis at the start of the next. It keeps a distance to the known stock and is clear of the part.
 
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, cutter_alone, error_between_rays, stations, steps_of};
+use super::stock_steps::{PathPoint, error_between_rays, stations, steps_of};
 use crate::collide::ToolSolid;
 use crate::ir::{ClPass, ClPoint, Program};
 use crate::kin::{Machine, between};
@@ -53,7 +53,7 @@ struct EnlargedTool {
 
 impl EnlargedTool {
     fn new(tool: &ToolSolid, by: f64) -> Self {
-        let solid = ToolSolid { shank: tool.shank.clone(), holder: tool.holder.clone(), ..cutter_alone(tool, by) };
+        let solid = ToolSolid { shank: tool.shank.clone(), holder: tool.holder.clone(), ..tool.cutter_alone(by) };
         Self { solid, by }
     }
 }
