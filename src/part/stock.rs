@@ -1,10 +1,11 @@
 //! The turned blank, what is left of it at the start, and its clamping.
 
 use super::Part;
+use crate::collide::{Section, ToolSolid};
 use crate::stock::mesh::halves;
 use crate::stock::{Field, FieldError, Mesh};
 use crate::units::Mm;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -40,6 +41,27 @@ pub struct Clamping {
     pub radius: Option<Mm>,
     /// True when the job does not state the clamping: everything below the back face.
     pub by_default: bool,
+}
+
+impl Clamping {
+    /// True when shank and holder of a tool with this tip and unit axis stay over the clamping or beside it. Each of their
+    /// sections counts as beside with a cylinder around it, so that a tilted one may be refused although it is beside.
+    pub fn clears_body(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
+        let level = libm::hypot(axis.x, axis.y);
+        let rings = |x: &Section| [(x.from, x.radius_from), (x.to, x.radius_to)];
+        let centre = |s: f64| -> Point3<f64> { tip + axis * s };
+        let over = |(s, r): (f64, f64)| centre(s).z - r * level >= self.below.get();
+        let beside = |x: &Section, radius: f64| {
+            // The nearest point of the axis of the section to the axis of the part.
+            let [from, to] = [x.from, x.to].map(centre);
+            let (a, along) = (from.coords.xy(), (to - from).xy());
+            let square = along.norm_squared();
+            let t = if square > 0.0 { (-a.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+            (a + along * t).norm() - x.radius_from.max(x.radius_to) >= radius
+        };
+        let mut sections = solid.shank.iter().chain(&solid.holder);
+        sections.all(|x| rings(x).into_iter().all(over) || self.radius.is_some_and(|r| beside(x, r.get())))
+    }
 }
 
 /// Pieces of the turned profile along the shroud: their chords deviate by less than 1 um from the meridian of a vane.

@@ -5,7 +5,7 @@
 //!
 //! | module | holds | uses |
 //! |---|---|---|
-//! | `context` | program, obstacles, coordinates of the channel, limits of size | |
+//! | `context` | program, obstacles, coordinates of the channel, limits of size, tools that would be clear | |
 //! | `lines` | lines of constant scallop on any surface | `context` |
 //! | `rough`, `flank`, `point`, `channel` | one operation each: its lines and its tool axes | `lines`, `context` |
 //! | `axis` | collision-free and smooth tool axes | the modules of the operations |

@@ -1,12 +1,12 @@
 //! The order of the passes, with the reason for each place.
 
-use super::axis::{avoid_collision, clear_floor, orient_tool, short_reach, smooth_axis};
+use super::axis::{avoid_collision, clear_floor, orient_tool, smooth_axis};
 use super::channel::middle::Middles;
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, time_feeds};
 use super::link::{fast_leads, link_moves, rest_machining};
-use super::rough::{channel_levels, expand, groove};
+use super::rough::{Roughings, channel_levels, expand, groove, roughings, short_reach};
 use super::{channel, copy_sectors, flank, point, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
 use crate::diag::{Aborted, Sink};
@@ -43,18 +43,19 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let obstacles = Obstacles::of(program);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
+    let roughings = roughings(&cx)?;
     // Tools that are too short are told before their levels are planned without the floor.
-    short_reach::check(&mut cx)?;
+    short_reach::check(&mut cx, &roughings)?;
     // Smaller balls of the floor finish what larger ones cannot.
+    let middles = clear_floor::run(&mut cx)?;
     // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
     // that the one before reached.
-    let middles = clear_floor::run(&mut cx)?;
-    let cc = plan(&mut cx, &middles)?;
+    let cc = plan(&mut cx, &roughings, &middles)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
-    let mut cl = orient_tool::run(&mut cx, &cc)?;
+    let mut cl = orient_tool::run(&mut cx, &roughings, &cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
-    avoid_collision::run(&mut cx, &cc, &mut cl)?;
+    avoid_collision::run(&mut cx, short_reach::refusal, &cc, &mut cl)?;
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     smooth_axis::run(&mut cx, &cc, &mut cl)?;
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
@@ -82,22 +83,26 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 
 /// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
 /// kind reached.
-fn plan(cx: &mut PassContext<'_>, middles: &Middles<'_>) -> Result<CcPlan, Aborted> {
+fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'_>) -> Result<CcPlan, Aborted> {
     let (mut groove_level, mut expand_level) = (1.0, 1.0);
     let mut cc = CcPlan::default();
     let mut failed = false;
     for (id, operation) in cx.program.operations.iter() {
         cx.go_on()?;
         let planned = match operation.kind {
-            OperationKind::Groove { .. } => groove::plan(cx, id, operation, groove_level).map(|(plan, level)| {
-                groove_level = level;
-                plan
-            }),
-            OperationKind::Expand { .. } => expand::plan(cx, id, operation, expand_level).map(|(plan, level)| {
-                expand_level = level;
-                plan
-            }),
-            OperationKind::Rough { .. } => channel_levels::plan(cx, id, operation),
+            OperationKind::Groove { .. } => {
+                groove::plan(cx, roughings, (id, operation), groove_level).map(|(plan, level)| {
+                    groove_level = level;
+                    plan
+                })
+            }
+            OperationKind::Expand { .. } => {
+                expand::plan(cx, roughings, (id, operation), expand_level).map(|(plan, level)| {
+                    expand_level = level;
+                    plan
+                })
+            }
+            OperationKind::Rough { .. } => channel_levels::plan(cx, roughings, (id, operation)),
             OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
             OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
             OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation, middles),

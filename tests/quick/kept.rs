@@ -3,6 +3,7 @@
 
 use crate::support;
 use crate::support::jobs;
+use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
@@ -199,6 +200,47 @@ fn the_clamping_has_its_closed_form() {
     clamping_report(&program, &motion, &mut sink);
     let told = sink.diags().iter().find(|d| d.code.id() == "IMP0737").expect("a finding");
     assert!(told.message.contains("holder") && told.message.contains("1.00"), "{}", told.message);
+}
+
+#[test]
+fn what_planning_takes_for_clear_of_the_clamping_is_clear() {
+    let section = |from: f64, to: f64, radius_from: f64, radius_to: f64| Section { from, to, radius_from, radius_to };
+    // The cutter is the lower face of the shank: planning asks for shank and holder, the verifier for the whole tool.
+    let solid = ToolSolid {
+        cutter: Cutter::Flat { radius: 3.0 },
+        flute_length: 0.0,
+        shank: vec![section(0.0, 12.0, 3.0, 3.0)],
+        holder: vec![section(12.0, 30.0, 5.0, 9.0), section(30.0, 50.0, 16.0, 16.0)],
+    };
+    let (program, mut motion) = moved(&[(Point3::origin(), Vector3::z(), MoveKind::Cut); 2]);
+    let tool = program.operations[motion.operations[0].operation].tool;
+    let mut program = program.with_solid(tool, &solid);
+    for radius in [None, Some(Mm(30.0)), Some(Mm(8.0))] {
+        let clamping = Clamping { below: Mm(-40.0), radius, by_default: false };
+        program.stock.clamping = clamping;
+        // Poses clear of the clamping, inside of it, and clear of it but refused.
+        let mut counts = [0; 3];
+        for k in 0..2000 {
+            // Evenly spread over tips, tilts and directions.
+            let share = |step: f64| (f64::from(k) * step).fract();
+            let (tilt, azimuth) = (2.0 * share(0.754_877_666), TAU * share(0.569_840_291));
+            let axis = Vector3::new(tilt.sin() * azimuth.cos(), tilt.sin() * azimuth.sin(), tilt.cos());
+            let tip = Point3::new(
+                120.0 * share(0.438_578_7) - 60.0,
+                40.0 * share(0.671_043_6),
+                60.0 * share(0.819_172_5) - 70.0,
+            );
+            replace(&program, &mut motion, 0, &[(tip, axis, MoveKind::Cut); 2]);
+            let gap = clamping::check(&program, &motion).distance.unwrap();
+            let clear = clamping.clears_body(&solid, &tip, &axis);
+            // The verifier gives a bound that is too low by a few micrometres.
+            assert!(!clear || gap > -3e-3, "{clamping:?} {tip} {axis}: {gap}");
+            assert!(clear || radius.is_some() || gap < 0.0, "{clamping:?} {tip} {axis}: {gap}");
+            counts[if clear { 0 } else { 1 + usize::from(gap >= 0.0) }] += 1;
+        }
+        println!("{radius:?}: {counts:?}");
+        assert!(counts[0] > 100 && counts[1] > 100 && counts[2] < counts[1], "{radius:?}: {counts:?}");
+    }
 }
 
 fn clamping_report(program: &Program, motion: &Motion, sink: &mut Sink) {

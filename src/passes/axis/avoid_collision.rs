@@ -8,14 +8,13 @@
 
 use super::clear_axes::ClearAxes;
 use super::orient_tool::tilted_points;
-use super::remedy::remedy;
-use super::{sequence, short_reach};
+use super::sequence;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, OperationKind, Program};
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
-use crate::passes::context::{AxisTilt, Obstacles, PassContext};
+use crate::passes::context::{AxisTilt, Obstacles, PassContext, remedy};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -25,11 +24,14 @@ pub(super) const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 
 /// Station at which a pass is not clear, and by how much the tool is too near there, mm.
 type Miss = (usize, f64);
 
-/// Makes axes collision-free, or reports where this is impossible.
+/// Tells why the tool of an operation is too near to the part, where the operation itself knows.
+pub(crate) type TooNear = fn(&PassContext<'_>, &Operation) -> Option<Diag>;
+
+/// Makes axes collision-free, or reports where this is impossible: with the reason of the operation, where it has one.
 ///
 /// # Errors
 /// A pass whose shank or holder is nearer to the part than the clearance of the job.
-pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
+pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &mut ClPlan) -> Result<(), Aborted> {
     let mut failed = false;
     for (planned, oriented) in cc.operations.iter().zip(&mut cl.operations) {
         cx.go_on()?;
@@ -59,7 +61,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         }
         if !blocked.is_empty() {
             failed = true;
-            let diag = too_near(cx, operation, (planned, oriented), &blocked);
+            let diag = reason(cx, operation).unwrap_or_else(|| too_near(cx, operation, (planned, oriented), &blocked));
             cx.sink.push(diag);
         }
         if steepest > 0.0 {
@@ -127,11 +129,6 @@ fn too_near(
     (planned, oriented): (&CcOperation, &ClOperation),
     blocked: &[(usize, Miss)],
 ) -> Diag {
-    if matches!(operation.kind, OperationKind::Rough { .. })
-        && let Some(diag) = short_reach::refusal(cx, operation)
-    {
-        return diag;
-    }
     let (program, obstacles) = (cx.program, cx.obstacles);
     let tool = &program.tools[operation.tool];
     let worst = blocked.iter().copied().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });

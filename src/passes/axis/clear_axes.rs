@@ -7,7 +7,6 @@
 //! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
 //! the distance at the middle is larger than that.
 
-use super::remedy::remedy;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::Guarded;
 use crate::diag::{Diag, codes::orientation};
@@ -16,7 +15,7 @@ use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{Operation, Program};
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
-use crate::passes::context::{Ends, Obstacles};
+use crate::passes::context::{Ends, Obstacles, remedy};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::TAU;
 

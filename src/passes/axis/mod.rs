@@ -4,8 +4,6 @@ pub(crate) mod avoid_collision;
 mod clear_axes;
 pub(crate) mod clear_floor;
 pub(crate) mod orient_tool;
-mod remedy;
 pub(crate) mod run;
 mod sequence;
-pub(crate) mod short_reach;
 pub(crate) mod smooth_axis;

@@ -13,28 +13,30 @@ pub(crate) use crate::passes::channel::middle::{Middle, Middles};
 use crate::passes::context::{AxisTilt, PassContext};
 use crate::passes::flank::{flank_points, path_points};
 use crate::passes::point::vane_points;
-use crate::passes::rough::channel_points;
-pub(crate) use crate::passes::rough::floor::{fits_over_hub, positions};
-pub(crate) use crate::passes::rough::roughing;
+use crate::passes::rough::{Roughings, channel_points, roughing};
 use rayon::prelude::*;
 
 /// Makes cutter locations.
 ///
 /// # Errors
 /// None of its own; errors of the roughing set-up are passed on.
-pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+pub(crate) fn run(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut plan = ClPlan::default();
     for operation in &cc.operations {
         cx.go_on()?;
-        plan.operations.push(orient_operation(cx, operation)?);
+        plan.operations.push(orient_operation(cx, roughings, operation)?);
     }
     Ok(plan)
 }
 
-fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOperation, Aborted> {
+fn orient_operation(
+    cx: &mut PassContext<'_>,
+    roughings: &Roughings<'_>,
+    cc: &CcOperation,
+) -> Result<ClOperation, Aborted> {
     let program = cx.program;
     let operation = &program.operations[cc.operation];
-    let rough = if operation.kind.finishes() { None } else { Some(roughing(cx, operation)?) };
+    let rough = if operation.kind.finishes() { None } else { Some(roughing(cx, roughings, cc.operation)?) };
     let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());
     let passes = cc
         .passes
@@ -45,7 +47,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
             air: Vec::new(),
             link: None,
             points: match pass.drive {
-                Drive::Channel => rough.as_ref().map_or_else(Vec::new, |r| channel_points(r, pass)),
+                Drive::Channel => rough.map_or_else(Vec::new, |r| channel_points(r, pass)),
                 Drive::Face { side, .. } => match &pass.path {
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),

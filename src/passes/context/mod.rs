@@ -1,15 +1,18 @@
-//! What every pass reads: the program, the obstacles, the coordinates of the channel, and limits of size.
+//! What every pass reads: the program, the obstacles, the coordinates of the channel, limits of size, and changes of a
+//! tool for messages.
 
 mod channel_chart;
 pub(crate) mod limits;
 mod maximal_ranges;
 mod obstacles;
+mod remedy;
 mod tilt;
 
 pub(crate) use channel_chart::ChannelChart;
 pub(crate) use maximal_ranges::maximal_ranges;
 pub use obstacles::Obstacles;
 pub(crate) use obstacles::{Ends, Keep};
+pub(crate) use remedy::remedy;
 pub(crate) use tilt::AxisTilt;
 
 use crate::analysis::cost::Stations;

@@ -9,6 +9,7 @@
 //!
 //! A line begins outside of the stock, or on its neighbour, which is cut by then.
 
+use super::Roughings;
 use super::groove::passes;
 use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
@@ -23,19 +24,23 @@ use std::ops::Range;
 ///
 /// # Errors
 /// The tool fits nowhere; the lines would be too many. The sink holds the reason.
-pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
+pub(crate) fn plan(
+    cx: &mut PassContext<'_>,
+    roughings: &Roughings<'_>,
+    (id, operation): (OperationId, &Operation),
+) -> Result<CcOperation, Aborted> {
     let OperationKind::Rough { stepover, levels: form, .. } = operation.kind else { return Err(Aborted) };
-    let roughing = super::roughing(cx, operation)?;
+    let roughing = super::roughing(cx, roughings, id)?;
     let levels = roughing.levels(form, &operation.name, cx.progress);
     if levels.iter().all(|level| level.runs.is_empty()) {
         return Err(fits_nowhere(cx, operation));
     }
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
-    let free = |run: &LevelRun| run.stations.iter().map(|s| free(&roughing, run, s)).fold(0.0, f64::max);
+    let free = |run: &LevelRun| run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max);
     let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
     check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
-    let lines = lines(&roughing, &levels, operation, &work);
+    let lines = lines(roughing, &levels, operation, &work);
     Ok(CcOperation { operation: id, passes: passes(lines), notes: notes(&levels, operation) })
 }
 

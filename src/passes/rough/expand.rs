@@ -4,6 +4,7 @@
 //! its side; the legs of a V meet on the groove line where the channel is as narrow as the V. Lines are therefore one
 //! step apart everywhere, also at the narrow inlet. Order: from the groove outward to the walls.
 
+use super::Roughings;
 use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Level, Roughing};
 use crate::diag::Aborted;
@@ -17,12 +18,12 @@ use crate::passes::lines::scallop;
 /// The tool does not fit into the first layer; the sink holds the diagnostic.
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
-    id: OperationId,
-    operation: &Operation,
+    roughings: &Roughings<'_>,
+    (id, operation): (OperationId, &Operation),
     top: f64,
 ) -> Result<(CcOperation, f64), Aborted> {
     let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
-    let roughing = super::roughing(cx, operation)?;
+    let roughing = super::roughing(cx, roughings, id)?;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     let reached = check_room(cx, operation, &layers, &end, top)?;
     let solid = &cx.program.tools[operation.tool].solid;
@@ -35,7 +36,7 @@ pub(crate) fn plan(
     check_points(cx, operation, widest / step * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
-        let count = work.step(v_lines(&roughing, layer, step, &mut lines));
+        let count = work.step(v_lines(roughing, layer, step, &mut lines));
         if layer.number == layers.len() {
             notes.push(format!(
                 "formula (9): {count} V lines per layer, {step:.3} mm apart; exact step of a ball for a residual of {:.3} mm: {:.3} mm",

@@ -10,15 +10,8 @@ use crate::progress::Progress;
 use rayon::prelude::*;
 
 /// For places along the channel, at most `spacing` apart (mm), whether the tool of an operation fits `over` above the hub
-/// (mm), or on the allowance of the hub where that is higher; with the distance of the places, mm. No places for an
-/// operation that is not roughing.
-pub(crate) fn fits_over_hub(
-    program: &Program,
-    operation: &Operation,
-    obstacles: &Obstacles,
-    [over, spacing]: [f64; 2],
-) -> (Vec<bool>, f64) {
-    let Some(roughing) = Roughing::new(program, operation, obstacles) else { return (Vec::new(), spacing) };
+/// (mm), or on the allowance of the hub where that is higher; with the distance of the places, mm.
+pub(super) fn fits_over_hub(roughing: &Roughing<'_>, [over, spacing]: [f64; 2]) -> (Vec<bool>, f64) {
     let level = Level::OverHub(over.max(roughing.hub_allowance()));
     let chart = &roughing.chart;
     let length = length_of(|u| chart.point(u, 0.0, 0.5), 0.0, 1.0);
@@ -31,7 +24,7 @@ pub(crate) fn fits_over_hub(
 }
 
 /// Names and stations of all lines of a `rough` operation in sector 0; none for another operation.
-pub(crate) fn positions(
+pub(super) fn positions(
     program: &Program,
     operation: &Operation,
     obstacles: &Obstacles,

@@ -3,6 +3,7 @@
 //! Before: an operation. After: passes from inlet to outlet, one per layer, from the shroud down to the hub allowance
 //! or to the lowest layer that the tool can complete.
 
+use super::Roughings;
 use super::layers::{Layer, LayersEnd, Level, Roughing};
 use super::step;
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -22,11 +23,11 @@ const LONGEST_STEP: f64 = 1.0;
 /// The tool does not fit into the first layer; the sink holds the diagnostic.
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
-    id: OperationId,
-    operation: &Operation,
+    roughings: &Roughings<'_>,
+    (id, operation): (OperationId, &Operation),
     top: f64,
 ) -> Result<(CcOperation, f64), Aborted> {
-    let roughing = super::roughing(cx, operation)?;
+    let roughing = super::roughing(cx, roughings, id)?;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     let reached = check_room(cx, operation, &layers, &end, top)?;
     let mut notes = vec![describe(&layers, &end, top)];
@@ -36,7 +37,7 @@ pub(crate) fn plan(
     for layer in &layers {
         let points: Vec<CcPoint> =
             layer.stations.iter().map(|s| roughing.cc_point(s.u, Level::Share(layer.level), s.middle())).collect();
-        let points = restep(&roughing, Level::Share(layer.level), &points, cx.program.tolerances.chord_rough.get());
+        let points = restep(roughing, Level::Share(layer.level), &points, cx.program.tolerances.chord_rough.get());
         line_lengths += points.len();
         lines.push((format!("layer {}", layer.number), work.step(points)));
     }

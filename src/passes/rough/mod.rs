@@ -3,35 +3,56 @@
 mod best_tilt;
 pub(crate) mod channel_levels;
 pub(crate) mod expand;
-pub(crate) mod floor;
+mod floor;
 pub(crate) mod groove;
 mod layers;
 mod levels;
+pub(crate) mod short_reach;
 mod step;
 mod wall_tilt;
 
 use crate::diag::{Aborted, Diag, codes::planning};
-use crate::ir::{CcPass, CcPoint, ClPoint, Operation};
+use crate::entity::PrimaryMap;
+use crate::ir::{CcPass, CcPoint, ClPoint, Operation, OperationId};
 use crate::passes::context::PassContext;
 use layers::Roughing;
+
+/// Data of the roughing operations of a program, made once for all passes; `None` for finishing.
+pub(crate) type Roughings<'a> = PrimaryMap<OperationId, Option<Roughing<'a>>>;
+
+/// Makes the data of all roughing operations.
+///
+/// # Errors
+/// The run was cancelled.
+pub(crate) fn roughings<'a>(cx: &PassContext<'a>) -> Result<Roughings<'a>, Aborted> {
+    let mut roughings = Roughings::new();
+    for (_, operation) in cx.program.operations.iter() {
+        cx.go_on()?;
+        roughings.push(Roughing::new(cx.program, operation, cx.obstacles));
+    }
+    Ok(roughings)
+}
 
 /// Data of a roughing operation.
 ///
 /// # Errors
 /// Layers so thin that planning would not end; the sink holds the diagnostic.
-pub(crate) fn roughing<'a>(cx: &mut PassContext<'a>, operation: &Operation) -> Result<Roughing<'a>, Aborted> {
-    let roughing = Roughing::new(cx.program, operation, cx.obstacles);
-    if let Some(roughing) = &roughing {
-        // A layer takes some ten thousand distance queries, which costs as much time as that many points.
-        check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
-    }
-    roughing.ok_or_else(|| {
+pub(crate) fn roughing<'r, 'a>(
+    cx: &mut PassContext<'_>,
+    roughings: &'r Roughings<'a>,
+    id: OperationId,
+) -> Result<&'r Roughing<'a>, Aborted> {
+    let operation = &cx.program.operations[id];
+    let Some(roughing) = &roughings[id] else {
         cx.sink.push(Diag::error(
             planning::NO_ROOM,
             format!("`{}` has no layers: it is not a roughing operation", operation.name),
         ));
-        Aborted
-    })
+        return Err(Aborted);
+    };
+    // A layer takes some ten thousand distance queries, which costs as much time as that many points.
+    check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
+    Ok(roughing)
 }
 
 /// Distance queries that measuring a layer takes.

@@ -4,17 +4,17 @@
 //! no line collides. The lines that the cutter alone would have show what the rest of the tool lacks: it is long enough
 //! when it is clear on all of these lines.
 
-use super::orient_tool::{fits_over_hub, positions, roughing};
-use super::remedy::remedy;
+use super::floor::{fits_over_hub, positions};
+use super::layers::Roughing;
+use super::{Roughings, roughing};
 use crate::collide::tool::tool_coordinates;
 use crate::collide::{Section, ToolSolid};
 use crate::contract::ContractKind;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{ClPoint, Operation, OperationKind, Program};
-use crate::part::Clamping;
-use crate::passes::context::{Obstacles, PassContext, maximal_ranges};
-use nalgebra::Point3;
+use crate::ir::{ClPoint, Operation, OperationId, OperationKind};
+use crate::passes::context::{PassContext, maximal_ranges, remedy};
 use rayon::prelude::*;
+use std::borrow::Borrow;
 use std::cell::RefCell;
 
 /// Refuses `rough` operations of which none comes as near to the hub as the contract on the rest demands, where a cutter
@@ -22,28 +22,35 @@ use std::cell::RefCell;
 ///
 /// # Errors
 /// One for each of these operations, in the sink.
-pub(crate) fn check(cx: &mut PassContext<'_>) -> Result<(), Aborted> {
+pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Result<(), Aborted> {
     let program = cx.program;
-    let roughs: Vec<&Operation> = program.operations.iter().map(|(_, o)| o).filter(|o| !o.kind.finishes()).collect();
+    let roughs: Vec<(OperationId, &Operation)> =
+        program.operations.iter().filter(|(_, operation)| !operation.kind.finishes()).collect();
     let rest = program.contracts.iter().find(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
     let Some(rest) = rest.map(|c| c.bound.value()) else { return Ok(()) };
-    if roughs.is_empty() || !roughs.iter().all(|o| matches!(o.kind, OperationKind::Rough { .. })) {
+    if roughs.is_empty() || !roughs.iter().all(|(_, o)| matches!(o.kind, OperationKind::Rough { .. })) {
         return Ok(());
     }
-    let Some(closed) = closed_to_all(program, cx.obstacles, &roughs, rest) else { return Ok(()) };
-    let free = roughs.iter().fold(program.clone(), |program, operation| {
-        let solid = cutter_alone(&program.tools[operation.tool].solid);
-        program.with_solid(operation.tool, &solid)
+    let radii = || roughs.iter().map(|(_, o)| program.tools[o.tool].solid.radius());
+    let sizes = [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)];
+    // The last tool comes nearest, in most jobs.
+    let last_first = || roughs.iter().rev();
+    let planned = last_first().filter_map(|(id, _)| roughings[*id].as_ref());
+    let Some(closed) = closed_to_all(planned, rest, sizes) else { return Ok(()) };
+    let free = roughs.iter().fold(program.clone(), |program, (_, operation)| {
+        let cutter = program.tools[operation.tool].solid.cutter_alone(0.0);
+        program.with_solid(operation.tool, &cutter)
     });
+    let cutters = last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, cx.obstacles));
     // The cutters alone do not reach the same places either: other messages say so.
-    if closed_to_all(&free, cx.obstacles, &roughs, rest).is_some_and(|of_cutters| of_cutters >= closed) {
+    if closed_to_all(cutters, rest, sizes).is_some_and(|of_cutters| of_cutters >= closed) {
         return Ok(());
     }
     // Levels without number are refused first.
-    for operation in &roughs {
-        roughing(cx, operation)?;
+    for (id, _) in &roughs {
+        roughing(cx, roughings, *id)?;
     }
-    let refusals: Vec<Diag> = roughs.iter().filter_map(|operation| refusal(cx, operation)).collect();
+    let refusals: Vec<Diag> = roughs.iter().filter_map(|(_, operation)| refusal(cx, operation)).collect();
     if refusals.is_empty() {
         return Ok(());
     }
@@ -52,14 +59,15 @@ pub(crate) fn check(cx: &mut PassContext<'_>) -> Result<(), Aborted> {
 }
 
 /// Length of the longest stretch of the channel, mm, where no tool comes to `rest` over the hub; `None` where it is
-/// shorter than the widest tool.
-fn closed_to_all(program: &Program, obstacles: &Obstacles, roughs: &[&Operation], rest: f64) -> Option<f64> {
-    let radii = || roughs.iter().map(|o| program.tools[o.tool].solid.radius());
-    let (thinnest, widest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+/// shorter than the widest tool. `thinnest` and `widest` are the radii of the tools.
+fn closed_to_all<'a>(
+    roughings: impl Iterator<Item = impl Borrow<Roughing<'a>>>,
+    rest: f64,
+    [thinnest, widest]: [f64; 2],
+) -> Option<f64> {
     let (mut closed, mut longest): (Option<Vec<bool>>, f64) = (None, 0.0);
-    // The last tool comes nearest, in most jobs.
-    for operation in roughs.iter().rev() {
-        let (fits, step) = fits_over_hub(program, operation, obstacles, [rest, thinnest]);
+    for roughing in roughings {
+        let (fits, step) = fits_over_hub(roughing.borrow(), [rest, thinnest]);
         let before = closed.unwrap_or_else(|| vec![true; fits.len()]);
         let now: Vec<bool> = before.iter().zip(&fits).map(|(closed, fits)| *closed && !fits).collect();
         let most = maximal_ranges(now.len(), |i| now[i]).iter().map(|r| r.len() - 1).max();
@@ -72,19 +80,16 @@ fn closed_to_all(program: &Program, obstacles: &Obstacles, roughs: &[&Operation]
     Some(longest)
 }
 
-/// The tool without shank and holder.
-fn cutter_alone(solid: &ToolSolid) -> ToolSolid {
-    ToolSolid { shank: Vec::new(), holder: Vec::new(), ..solid.clone() }
-}
-
 /// The error of an operation whose shank or holder is too near to the part on a line that the cutter alone would have,
-/// with the worst place and a tool that is clear on all lines; `None` where there is no such line.
+/// with the worst place and a tool that is clear on all lines; `None` where there is no such line, and for operations
+/// other than `rough`.
 pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Diag> {
     let (program, obstacles) = (cx.program, cx.obstacles);
     let tool = &program.tools[operation.tool];
     let clearance = program.clearance.get();
-    let lines_of =
-        |solid: &ToolSolid| positions(&program.with_solid(operation.tool, &cutter_alone(solid)), operation, obstacles);
+    let lines_of = |solid: &ToolSolid| {
+        positions(&program.with_solid(operation.tool, &solid.cutter_alone(0.0)), operation, obstacles)
+    };
     let lack = |solid: &ToolSolid, p: &ClPoint| {
         let slack = |rho: f64, s: f64| solid.body_distance(rho, s) - clearance;
         let nearest = obstacles.nearest((&p.tip, &p.axis), slack, 0.0);
@@ -108,7 +113,8 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
         if known.0.total_cmp(&solid.flute_length).is_ne() {
             *known = (solid.flute_length, lines_of(solid));
         }
-        let clear = |p: &ClPoint| lack(solid, p).is_none() && is_over_clamping(&program.stock.clamping, solid, p);
+        let clear =
+            |p: &ClPoint| lack(solid, p).is_none() && program.stock.clamping.clears_body(solid, &p.tip, &p.axis);
         known.1.par_iter().all(|(_, points)| points.iter().all(clear))
     });
     let (label, at) = cx.in_first_sector(operation, &label, point.tip);
@@ -131,22 +137,4 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
         ))
         .help(help),
     )
-}
-
-/// True when shank and holder stay over the clamping or beside it.
-fn is_over_clamping(clamping: &Clamping, solid: &ToolSolid, p: &ClPoint) -> bool {
-    let level = libm::hypot(p.axis.x, p.axis.y);
-    let rings = |x: &Section| [(x.from, x.radius_from), (x.to, x.radius_to)];
-    let sections = || solid.shank.iter().chain(&solid.holder);
-    let centre = |s: f64| -> Point3<f64> { p.tip + p.axis * s };
-    let over = |(s, r): (f64, f64)| centre(s).z - r * level >= clamping.below.get();
-    let beside = |x: &Section, radius: f64| {
-        // The nearest point of the axis of the section to the axis of the part.
-        let [from, to] = [x.from, x.to].map(centre);
-        let (a, along) = (from.coords.xy(), (to - from).xy());
-        let square = along.norm_squared();
-        let t = if square > 0.0 { (-a.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
-        (a + along * t).norm() - x.radius_from.max(x.radius_to) >= radius
-    };
-    sections().all(|x| rings(x).into_iter().all(over) || clamping.radius.is_some_and(|r| beside(x, r.get())))
 }
