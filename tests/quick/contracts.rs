@@ -8,8 +8,10 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, Program};
 use impellerc::part::{FaceId, Guides, Part, SurfaceClass, solid};
 use impellerc::passes::pipeline;
+use impellerc::progress::Progress;
 use impellerc::source::Span;
-use impellerc::verify::{Certificate, certify};
+use impellerc::verify::stock::Settings;
+use impellerc::verify::{Certificate, certify_with};
 use std::sync::LazyLock;
 
 /// Coarse finishing of all vanes and channels of a part that has three of the paper's vanes: each case below certifies
@@ -28,6 +30,14 @@ static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| {
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
     (program, motion)
 });
+
+/// Edge of the cells of the stock, mm. Figures of the stock are compared with one another, so coarse cells show as much.
+const CELL: f64 = 1.0;
+
+fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Certificate {
+    let mut settings = Settings { cell: Some(CELL), after: None };
+    certify_with(program, motion, &mut settings, &Progress::default(), sink).unwrap()
+}
 
 /// Each operation alone.
 static ALONE: LazyLock<[Certificate; 2]> = LazyLock::new(|| [0, 1].map(alone));
@@ -90,9 +100,7 @@ static FAILED: LazyLock<(Certificate, Sink)> = LazyLock::new(|| {
     let volume = on(ContractKind::RestVolume, 500.0, &[], &[]);
     let between = [ContractKind::ContourError, ContractKind::OrientationError].map(|kind| on(kind, 0.0, &[1], &[]));
     let [contour, orientation] = between;
-    // A contract on the engagement, for the cells of [`ASKED`].
-    let cells = on(ContractKind::Engagement(Cuts::All), 360.0, &[], &[]);
-    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[]), contour, orientation, cells], &[])
+    judged(&[gouge, volume, on(ContractKind::Rest, 0.5, &[], &[]), contour, orientation], &[])
 });
 
 /// Figure of a contract of [`ASKED`].
@@ -114,7 +122,7 @@ fn alone(operation: usize) -> Certificate {
     let id = program.operations.push(declared);
     motion.operations = vec![motion.operations[operation].clone()];
     motion.operations[0].operation = id;
-    certify(&program, &motion, &mut Sink::default()).unwrap()
+    certify(&program, &motion, &mut Sink::default())
 }
 
 fn judged(contracts: &[Contract], allowed: &[Allowed]) -> (Certificate, Sink) {
@@ -123,7 +131,7 @@ fn judged(contracts: &[Contract], allowed: &[Allowed]) -> (Certificate, Sink) {
     program.contracts = contracts.to_vec();
     program.allowed = allowed.to_vec();
     let mut sink = Sink::default();
-    (certify(&program, motion, &mut sink).unwrap(), sink)
+    (certify(&program, motion, &mut sink), sink)
 }
 
 fn id(operation: usize) -> OperationId {
@@ -353,7 +361,7 @@ fn what_is_allowed_is_taken_out_and_listed() {
 fn what_cannot_be_measured_is_an_error() {
     // The third contract asks what roughing leaves; there is none.
     let (certificate, sink) = &*FAILED;
-    assert_eq!(certificate.contracts.len(), 5);
+    assert_eq!(certificate.contracts.len(), 4);
     let told: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NOT_MEASURED).collect();
     assert_eq!(told.len(), 1);
     assert!(told[0].severity == Severity::Error && told[0].message.contains("`require rest`"), "{}", told[0].message);
@@ -363,8 +371,7 @@ fn what_cannot_be_measured_is_an_error() {
 #[test]
 fn each_contract_is_judged_by_its_own_bound() {
     let (program, motion) = &*PLANNED;
-    let (free, _) = judged(&[on(ContractKind::Gouge, 1.0, &[], &[])], &[]);
-    let deepest = free.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
+    let deepest = ASKED.0.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
     // Less over what is found than the proof leaves by itself.
     let close = deepest + 1e-4;
     let alone = judged_of(program, motion, &[on(ContractKind::Gouge, close, &[], &[])]);
@@ -377,7 +384,7 @@ fn each_contract_is_judged_by_its_own_bound() {
 fn judged_of(program: &Program, motion: &Motion, contracts: &[Contract]) -> Certificate {
     let mut program = program.clone();
     program.contracts = contracts.to_vec();
-    certify(&program, motion, &mut Sink::default()).unwrap()
+    certify(&program, motion, &mut Sink::default())
 }
 
 /// A default contract is judged where no other speaks, and what is allowed in its place is told.
@@ -393,7 +400,7 @@ fn a_default_holds_where_no_other_contract_speaks() {
     // On the faces another contract speaks: there it decides.
     let stated = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet]);
     let (certificate, _) = judged(&[stated, default.clone()], &[]);
-    let on_hub = judged(&[on(ContractKind::Gouge, 1.0, &[], &[Hub])], &[]).0.contracts[0].found;
+    let on_hub = asked(ContractKind::Gouge, &[], &[Hub]);
     assert!(certificate.contracts[0].holds);
     assert!((certificate.contracts[1].found - on_hub).abs() < 1e-3, "{:?} {on_hub}", found(&certificate));
     let everywhere = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet, Hub]);
@@ -402,7 +409,7 @@ fn a_default_holds_where_no_other_contract_speaks() {
     let (certificate, _) = judged(&[], &[allow(ContractKind::Gouge, &[], &[])]);
     assert!(certificate.allowed[0].waives && certificate.allowed[0].excuses);
     assert_eq!(certificate.head()[0], "NOT VERIFIED: gouge, which the job allows: known");
-    assert!(judged(&[], &[]).0.head()[0].starts_with("verified"));
+    assert!(ASKED.0.head()[0].starts_with("verified"));
 }
 
 /// The move of a contract's worst place is that of the check that found it.
