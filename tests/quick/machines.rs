@@ -1,16 +1,16 @@
 //! Machines of every kind: the plan for one machine is the same on another, and kinds that are not planned are refused.
 
+use crate::support::jobs;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::ir::{Motion, Program};
+use impellerc::ir::Program;
 use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
-use impellerc::passes::pipeline;
+use impellerc::post;
 use impellerc::progress::Progress;
+use impellerc::verify::SPACING;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{self, Limits};
-use impellerc::verify::{SPACING, verify};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::path::Path;
-use std::sync::LazyLock;
 
 const SHIPPED: &str = include_str!("../../jobs/_lib/machines/5mc850-c.toml");
 
@@ -52,15 +52,6 @@ fn front(name: &str, text: &str) -> (Option<Program>, Outcome) {
     (program.ok().flatten(), outcome)
 }
 
-/// The plan for the shipped machine, whose cutter locations the others are asked to reach.
-static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| {
-    let (program, mut outcome) = front("shipped", SHIPPED);
-    let program = program.unwrap();
-    let plan = pipeline::run(&program, &mut outcome.sink).unwrap();
-    let (motion, _) = verify(&program, plan.motion, &mut outcome.sink).unwrap();
-    (program, motion.get().clone())
-});
-
 /// Tool tip and axis in the part frame from the positions of the axes and plain rotations, without the chain.
 fn by_hand(machine: &Machine, joints: &Joints, heads: usize) -> (Point3<f64>, Vector3<f64>) {
     let turned = |k: usize, sense: f64, p: Point3<f64>| {
@@ -85,7 +76,7 @@ fn by_hand(machine: &Machine, joints: &Joints, heads: usize) -> (Point3<f64>, Ve
 
 #[test]
 fn every_kind_reaches_the_cutter_locations_of_the_plan() {
-    let (planned_for, motion) = &*PLANNED;
+    let (planned_for, motion) = jobs::small("siemens-840d").planned();
     for (name, changes) in KINDS {
         let (program, outcome) = front(name, &with_text(changes));
         let program = program.unwrap_or_else(|| panic!("{name}: {:?}", outcome.sink.diags()));
@@ -118,7 +109,7 @@ fn every_kind_reaches_the_cutter_locations_of_the_plan() {
 /// Surfaces as the sweeps of another machine leave them: finely divided, the tool passes the same places.
 #[test]
 fn the_verifier_samples_sweeps_of_every_kind() {
-    let (planned_for, motion) = &*PLANNED;
+    let (planned_for, motion) = jobs::small("siemens-840d").planned();
     // Finishing of the faces, each block in parts so short that the rule between stations does not matter.
     const PARTS: u32 = 8;
     let operation = motion.operations.iter().find(|o| planned_for.operations[o.operation].name == "flank").unwrap();
@@ -170,14 +161,15 @@ fn the_verifier_samples_sweeps_of_every_kind() {
 /// Tables with B where the shipped machine has A: the same cuts, the table a quarter of a turn ahead.
 #[test]
 fn a_bc_table_cuts_what_an_ac_table_cuts() {
-    let compiled = |name: &str, text: &str| {
-        let folder = tempfile::tempdir().unwrap();
-        let options = Options { output: Some(folder.path().join("part.nc")), ..job_on(folder.path(), name, text) };
-        let outcome = driver::compile(&options, &mut Stages::default());
-        assert!(!outcome.sink.has_errors(), "{:?}", outcome.sink.diags());
-        std::fs::read_to_string(folder.path().join("part.nc")).unwrap()
-    };
-    let (ac, bc) = (compiled("ac", SHIPPED), compiled("bc", &with_text(KINDS[0].1)));
+    let planned = jobs::small("siemens-840d");
+    let ac = post::find("siemens-840d").unwrap().emit(&planned.program, &planned.motion, &[]).text();
+    let folder = tempfile::tempdir().unwrap();
+    let job = job_on(folder.path(), "bc", &with_text(KINDS[0].1));
+    let mut options = Options { output: Some(folder.path().join("part.nc")), ..job };
+    options.run.stock_cell = Some(1.0);
+    let outcome = driver::compile(&options, &mut Stages::default());
+    assert!(!outcome.sink.has_errors(), "{:?}", outcome.sink.diags());
+    let bc = std::fs::read_to_string(folder.path().join("part.nc")).unwrap();
     let cuts = |text: &str| -> Vec<Vec<f64>> {
         let block = |line: &str| -> Option<Vec<f64>> {
             let of = |word: &str| line.split(' ').find_map(|w| w.strip_prefix(word))?.parse::<f64>().ok();
