@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-const JOB: &str = "jobs/reduced/reduced.imp";
+const JOB: &str = "jobs/small/small.imp";
+
+/// The largest cells that a job may have, where a test does not look at the stock.
+const CELLS: [&str; 2] = ["--stock-cell", "1"];
 
 const DIALECTS: [&str; 2] = ["siemens-840d", "linuxcnc"];
 
@@ -18,14 +21,14 @@ fn impellerc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_impellerc")).args(arguments).output().unwrap()
 }
 
-/// The reduced job in both dialects, compiled once.
+/// The small job in both dialects, compiled once.
 static WRITTEN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     for dialect in DIALECTS {
         let out = folder.path().join(dialect);
         let certificate = folder.path().join(format!("{dialect}.json"));
         let more = ["-o", out.to_str().unwrap(), "--certificate", certificate.to_str().unwrap()];
-        let run = impellerc(&[&[JOB, "--post", dialect], &machine(dialect)[..], &more[..]].concat());
+        let run = impellerc(&[&[JOB, "--post", dialect], &machine(dialect)[..], &more[..], &CELLS[..]].concat());
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
     folder
@@ -53,6 +56,9 @@ fn verify(path: &Path, dialect: &str, more: &[&str]) -> (bool, String, String) {
     // The compiler's own texts are recognised; the others are read as they are meant.
     if !path.starts_with(WRITTEN.path()) {
         arguments.extend(["--post", dialect]);
+    }
+    if !more.contains(&CELLS[0]) {
+        arguments.extend(CELLS);
     }
     arguments.extend(more);
     let run = impellerc(&arguments);
@@ -100,9 +106,9 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     let start = line_of(&original, "(flank)");
     let is = |i: usize, word: &str| lines[i].starts_with(word);
     let index =
-        (start..lines.len()).find(|i| is(i - 1, "G1 X") && is(*i, "G61.1 G1 X") && is(i + 2, "G94 G1 X")).unwrap();
+        (start..lines.len()).find(|i| is(i - 1, "G1 X") && is(*i, "G61.1 G1 X") && is(i + 1, "G94 G1 X")).unwrap();
     let mut changed: Vec<String> = lines.iter().map(|l| (*l).to_owned()).collect();
-    changed[index] = "G0 X0 Y0 Z-30".to_owned();
+    changed[index] = "G0 X0 Y0 Z-12".to_owned();
     let nc = edited(&(changed.join("\n") + "\n"));
     let (ok, out, err) = verify(&nc.path, dialect, &["--error-format", "json"]);
     assert!(!ok);
@@ -145,7 +151,7 @@ fn text_that_does_not_follow_the_job_is_refused_with_its_line() {
         let original = text(dialect);
         let first_move = text_line(&original, |l| l.contains(" X") && l.contains(" Z"));
         // Another spindle speed, a tool that the job does not have, a feed that no operation has.
-        refused(dialect, &original.replacen("S4500", "S4600", 1), "IMP0822", first_move);
+        refused(dialect, &original.replacen("S12000", "S12100", 1), "IMP0822", first_move);
         let tool = if dialect == "linuxcnc" { ("T1 M6", "T9 M6") } else { ("T=\"t1\"", "T=\"t9\"") };
         let other = original.replacen(tool.0, tool.1, 1).replacen("G43 H1", "G43 H9", 1);
         let unknown = refused(dialect, &other, "IMP0822", first_move);
@@ -186,7 +192,7 @@ fn unsafe_beginnings_and_loose_smoothing_are_errors() {
     let turned = parked.replacen("A-8", "A-7", 1).replacen("A8", "A7", 1);
     assert_ne!(parked, turned);
     find("linuxcnc", parked, &turned, "IMP0824");
-    find("siemens-840d", "CYCLE832(0.2000", "CYCLE832(0.9000", "IMP0825");
+    find("siemens-840d", "CYCLE832(0.0500", "CYCLE832(0.9000", "IMP0825");
 }
 
 #[test]
@@ -454,35 +460,32 @@ fn a_certificate_is_compared_with_job_and_measurement() {
     let dialect = "linuxcnc";
     let machine = machine(dialect);
     let nc = WRITTEN.path().join(dialect);
-    let (ok, out, err) = belongs(&nc, &certificate(dialect), &["--job", JOB, machine[0], machine[1]]);
+    let (ok, out, err) =
+        belongs(&nc, &certificate(dialect), &["--job", JOB, machine[0], machine[1], CELLS[0], CELLS[1]]);
     assert!(ok && out.contains("belong together") && out.contains("are those of the certificate"), "{out}{err}");
     // A wider contract in the job, and a certificate with another figure.
     let folder = tempfile::tempdir().unwrap();
-    let job = folder.path().join("reduced.imp");
+    let job = folder.path().join("small.imp");
     let text = std::fs::read_to_string(JOB).unwrap();
     std::fs::write(&job, text.replacen("clearance >= 0.5 mm", "clearance >= 0.4 mm", 1)).unwrap();
-    std::fs::copy("jobs/reduced/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
     let mut forged = json(&certificate(dialect));
     let found = forged["measured"]["contracts"][0]["found"].as_f64().unwrap();
     forged["measured"]["contracts"][0]["found"] = Value::from(found + 0.01);
     let file = edited(&forged.to_string());
-    let (ok, out, err) =
-        belongs(&nc, &file.path, &["--job", job.to_str().unwrap(), machine[0], machine[1], "--error-format", "json"]);
+    let more = [CELLS[0], CELLS[1], machine[0], machine[1], "--error-format", "json", "--job"];
+    let (ok, out, err) = belongs(&nc, &file.path, &[&more[..], &[job.to_str().unwrap()]].concat());
     assert!(!ok && out.contains("moves read as linuxcnc"), "{out}{err}");
     // Contracts that are not asked for.
-    let mut more = json(&certificate(dialect));
-    let mut first = more["measured"]["contracts"][0].clone();
-    first["kind"] = Value::from("gouge");
-    more["measured"]["contracts"].as_array_mut().unwrap().push(first);
-    let (ok, _, said) = belongs(
-        &nc,
-        &edited(&more.to_string()).path,
-        &["--job", JOB, machine[0], machine[1], "--error-format", "json"],
-    );
+    let mut wider = json(&certificate(dialect));
+    let mut first = wider["measured"]["contracts"][0].clone();
+    first["kind"] = Value::from("excess");
+    wider["measured"]["contracts"].as_array_mut().unwrap().push(first);
+    let (ok, _, said) = belongs(&nc, &edited(&wider.to_string()).path, &[&more[..], &[JOB]].concat());
     assert!(!ok && said.contains("the job has no such contract"), "{said}");
     let all = diagnostics(&err);
     let changed = all.iter().find(|d| d["message"].as_str().unwrap().contains("another job")).unwrap();
-    assert_eq!(changed["notes"][0], "`reduced.imp` was changed", "{changed}");
+    assert_eq!(changed["notes"][0], "`small.imp` was changed", "{changed}");
     assert!(all.iter().any(|d| d["code"] == "IMP0829"), "{err}");
 }
 
@@ -510,7 +513,7 @@ fn wrong_files_are_told_apart() {
         ),
         (vec!["verify", nc, "--job", JOB, "--post", "heidenhain"], "IMP0807", "siemens-840d, linuxcnc"),
         (vec!["verify", nc, "--job", JOB, "--machine", "5mc850-d"], "IMP0902", "5mc850-c, 5mc850-c-linuxcnc"),
-        (vec!["verify", nc, "--job", "jobs/small/small.imp"], "IMP0822", "make tools, speeds and order"),
+        (vec!["verify", nc, "--job", "jobs/reduced/reduced.imp"], "IMP0822", "make tools, speeds and order"),
     ] {
         let run = impellerc(&arguments);
         let text = String::from_utf8_lossy(&run.stderr).into_owned();
@@ -527,7 +530,9 @@ fn a_cut_at_link_feed_is_found() {
     let text = text("linuxcnc");
     let slot = line_of(&text, "(groove)");
     let mut lines: Vec<String> = text.lines().map(|l| format!("{l}\n")).collect();
-    let at = (slot..lines.len()).find(|i| lines[*i].contains("F150")).unwrap() + 2;
+    // The first of two blocks with the feed of the block before.
+    let states = |i: usize| lines[i].contains('F');
+    let at = (slot + 1..lines.len()).find(|i| lines[i - 1].contains("F150") && !states(*i) && !states(i + 1)).unwrap();
     let feed = lines[at].trim_end().to_owned();
     lines[at] = format!("{feed} F700\n");
     lines[at + 1] = lines[at + 1].trim_end().to_owned() + " F150\n";
@@ -568,12 +573,12 @@ fn stock_is_written_as_closed_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let stock = folder.path().join("stock");
     let path = WRITTEN.path().join("linuxcnc");
-    let more = ["--stock", stock.to_str().unwrap(), "--stock-cell", "0.9"];
+    let more = ["--stock", stock.to_str().unwrap(), "--stock-cell", "0.4"];
     let (ok, out, err) = verify(&path, "linuxcnc", &more);
     assert!(ok, "{err}");
     let table = out.split("stock: cells of ").nth(1).expect("a table");
     let cell: f64 = table.split(' ').next().unwrap().parse().unwrap();
-    assert!(cell > 0.6 && cell <= 0.9, "{table}");
+    assert!(cell > 0.25 && cell <= 0.4, "{table}");
     let mut files: Vec<PathBuf> = std::fs::read_dir(&stock).unwrap().map(|f| f.unwrap().path()).collect();
     files.sort();
     let rows: Vec<Vec<&str>> =

@@ -30,6 +30,9 @@ const TOOLS: &str = "_lib/tools/carbide.toml";
 const JOB: &str = "small.imp";
 const CURVES: &str = "vane_curves.csv";
 
+/// The largest cells that a job may have: the stock has no part in what is told here.
+const CELLS: [&str; 2] = ["--stock-cell", "1"];
+
 fn impellerc(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_impellerc")).current_dir(folder).args(arguments).output().unwrap()
 }
@@ -48,18 +51,23 @@ fn placed(given: &Given) -> TempDir {
 fn compiled(job: BTreeMap<&'static str, String>, more: &[&str]) -> Given {
     let mut given = Given { nc: String::new(), certificate: String::new(), job, measured: false };
     let folder = placed(&given);
-    let run = impellerc(folder.path(), &[&[JOB, "-o", "part.nc", "--certificate", "part.json"], more].concat());
+    let run =
+        impellerc(folder.path(), &[&[JOB, "-o", "part.nc", "--certificate", "part.json"][..], &CELLS, more].concat());
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     given.nc = std::fs::read_to_string(folder.path().join("part.nc")).unwrap();
     given.certificate = std::fs::read_to_string(folder.path().join("part.json")).unwrap();
     given
 }
 
-/// The small job with its library beside it.
+/// The small job without its flanks, with its library beside it.
 static ORIGINAL: LazyLock<Given> = LazyLock::new(|| {
     let read = |path: &str| std::fs::read_to_string(Path::new("jobs").join(path)).unwrap();
     let job = [(JOB, "small/small.imp"), (CURVES, "small/vane_curves.csv"), (MACHINE, MACHINE), (TOOLS, TOOLS)];
-    compiled(job.map(|(name, path)| (name, read(path))).into(), &[])
+    let mut job: BTreeMap<_, _> = job.map(|(name, path)| (name, read(path))).into();
+    let text = job.get_mut(JOB).unwrap();
+    let [flank, channel] = ["operation flank", "operation channel"].map(|words| text.find(words).unwrap());
+    text.replace_range(flank..channel, "");
+    compiled(job, &[])
 });
 
 /// The same for LinuxCNC.
@@ -692,8 +700,9 @@ fn sealed_again() -> Vec<Kind> {
 /// What becomes of what is given, with all that is said.
 fn judged(given: &Given) -> (Verdict, String) {
     let folder = placed(given);
-    let arguments = ["verify", "part.nc", "--certificate", "part.json", "--error-format", "json", "--job", JOB];
-    let run = impellerc(folder.path(), &arguments[..if given.measured { 8 } else { 6 }]);
+    let arguments = ["verify", "part.nc", "--certificate", "part.json", "--error-format", "json"];
+    let measured = [&["--job", JOB], &CELLS[..]].concat();
+    let run = impellerc(folder.path(), &[&arguments[..], if given.measured { &measured } else { &[] }].concat());
     let said = format!("{}{}", String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
     assert!(!said.contains("panicked"), "{said}");
     let belongs = said.contains("belong together");
