@@ -257,7 +257,7 @@ fn faulty_nc_text_in_both_formats() {
 /// A run without errors and one with a failed contract: the contract's line in the job is commented.
 #[test]
 fn a_run_that_holds_and_one_that_fails() {
-    let (ok, junit) = report(&[JOB], "junit");
+    let (ok, junit) = report(&[JOB, "--stock-cell", "1"], "junit");
     assert!(ok, "{junit}");
     let held = cases(&junit);
     assert!(held.iter().all(|c| c.failure.is_none()));
@@ -270,7 +270,7 @@ fn a_run_that_holds_and_one_that_fails() {
         std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 2 um", "require gouge <= 1.5 um", 1);
     std::fs::write(&job, &text).unwrap();
     std::fs::copy(Path::new(JOB).with_file_name("vane_curves.csv"), folder.path().join("vane_curves.csv")).unwrap();
-    let (ok, sarif) = report(&[job.to_str().unwrap()], "sarif");
+    let (ok, sarif) = report(&[job.to_str().unwrap(), "--stock-cell", "1"], "sarif");
     assert!(!ok);
     let (_, all) = results(&sarif);
     let failed: Vec<&Value> = all.iter().filter(|r| r["level"] == "error").collect();
@@ -282,7 +282,7 @@ fn a_run_that_holds_and_one_that_fails() {
     assert!(failed[0]["properties"]["place"]["point"].as_array().unwrap().len() == 3);
 
     // The failed run lists the contract that holds too, under the name that it has when all hold.
-    let (_, junit) = report(&[job.to_str().unwrap()], "junit");
+    let (_, junit) = report(&[job.to_str().unwrap(), "--stock-cell", "1"], "junit");
     let judged = cases(&junit);
     let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["gouge <= 1.50 um", "clearance >= 0.500 mm"]);

@@ -199,7 +199,10 @@ fn a_stock_without_the_part_is_refused() {
     let blank = program.stock.field(1.0).unwrap().mesh();
     let told = |mesh: &Mesh| {
         let mut sink = Sink::default();
-        let _ = verify::certify(&started(program, mesh), motion, &mut sink).expect("a certificate");
+        let mut settings = Settings { cell: Some(1.0), after: None };
+        let progress = Progress::default();
+        verify::certify_with(&started(program, mesh), motion, &mut settings, &progress, &mut sink)
+            .expect("a certificate");
         sink.diags().iter().find(|d| d.code == codes::verification::LEFT_LACKS).map(|d| d.severity)
     };
     assert!(told(&blank).is_none_or(|severity| severity == Severity::Remark));

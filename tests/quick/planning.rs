@@ -6,7 +6,9 @@ use impellerc::diag::{Severity, Sink, codes::kinematics, codes::verification};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::MoveKind;
 use impellerc::passes::pipeline;
-use impellerc::verify::certify;
+use impellerc::progress::Progress;
+use impellerc::verify::stock::Settings;
+use impellerc::verify::{certify, certify_with};
 
 #[test]
 fn one_sector_of_the_paper_part_is_planned() {
@@ -46,7 +48,10 @@ fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
     let tool = program.tools.push(tool);
     program.operations.push(support::operation("channel", support::channel(0.2), tool, vec![0], 8.0));
     let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
-    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let mut settings = Settings { cell: Some(1.0), after: None };
+    let progress = Progress::default();
+    let certificate =
+        certify_with(&program, &plan.motion, &mut settings, &progress, &mut Sink::default()).expect("a certificate");
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
     let deepest = certificate.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
     [deepest, hub.excess.value]

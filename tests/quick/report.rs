@@ -14,6 +14,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
+/// Edge of the cells of the stock, mm: coarser than the contract on the engagement asks for. The report shows the figures
+/// of whatever cells there are.
+const CELL: &str = "0.6";
+
 /// Compiles a job that is the reduced one with other contracts; gives what was said and the folder with the outputs.
 fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
     let original = std::fs::read_to_string("jobs/reduced/reduced.imp").unwrap();
@@ -23,7 +27,7 @@ fn compile(folder: &Path, contracts: &str) -> (Output, PathBuf) {
     std::fs::copy("jobs/reduced/vane_curves.csv", folder.join("vane_curves.csv")).unwrap();
     let report = folder.join("part.html");
     let output = Command::new(env!("CARGO_BIN_EXE_impellerc"))
-        .args(["--library", "jobs/_lib"])
+        .args(["--library", "jobs/_lib", "--stock-cell", CELL])
         .arg(folder.join("job.imp"))
         .arg("-o")
         .arg(folder.join("part.nc"))
@@ -193,7 +197,7 @@ fn nc_text_from_a_file_has_a_report_too() {
     let folder = &COMPILED.folder;
     let report = folder.path().join("read.html");
     let output = Command::new(env!("CARGO_BIN_EXE_impellerc"))
-        .args(["verify", "--library", "jobs/_lib", "--job"])
+        .args(["verify", "--library", "jobs/_lib", "--stock-cell", CELL, "--job"])
         .arg(folder.path().join("job.imp"))
         .arg("--report")
         .arg(&report)
