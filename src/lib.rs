@@ -49,6 +49,7 @@ pub mod ir;
 pub mod job;
 pub mod kin;
 pub mod lower;
+pub mod material;
 pub mod method;
 pub mod operation;
 pub mod orient;

@@ -10,7 +10,7 @@ use crate::kin::Machine;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::source::Span;
-use crate::units::{Mm, MmPerMin, Rpm};
+use crate::units::{Mm, Mm3PerMin, MmPerMin, Rpm};
 use nalgebra::Point3;
 
 entity_id!(
@@ -100,8 +100,10 @@ pub struct Tool {
     pub solid: ToolSolid,
     /// Largest feed per tooth: the stated one, or a share of the diameter.
     pub max_chip: Mm,
-    /// Largest depth of cut at full width that the job or the library states.
-    pub max_depth: Option<Mm>,
+    /// Largest depth of cut at full width: the stated one, or a share of the diameter.
+    pub max_depth: Mm,
+    /// Largest removal rate that the job or the library states.
+    pub max_rate: Option<Mm3PerMin>,
     /// Its declaration.
     pub span: Span,
 }

@@ -2,12 +2,12 @@
 
 use super::limits;
 use super::model::{CarriedSpec, CutterKind, LinearSpec, LoadLimits, MachineKind, MachineSpec, RotarySpec, ToolSpec};
-use super::quantity::{Dimension, Quantity};
+use super::quantity::{Dimension, KILOWATT, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::method::Planning;
 use crate::source::{SourceId, SourceMap, Span};
-use crate::units::{Mm, MmPerMin, Rad, Rpm, trim};
+use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm, trim};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -119,6 +119,7 @@ struct RetractTable {
 #[serde(deny_unknown_fields)]
 struct SpindleTable {
     speed: [SpannedText; 2],
+    power: Option<SpannedText>,
 }
 
 #[derive(Deserialize)]
@@ -171,6 +172,8 @@ struct ToolTable {
     max_chip: Option<SpannedText>,
     #[serde(rename = "max-depth")]
     max_depth: Option<SpannedText>,
+    #[serde(rename = "max-rate")]
+    max_rate: Option<SpannedText>,
 }
 
 /// Holders and tools of all tool files of a job.
@@ -355,6 +358,12 @@ impl LibraryReader<'_> {
         }
     }
 
+    /// Power of the spindle, kW.
+    fn power(&mut self, text: &SpannedText) -> f64 {
+        let [least, most] = limits::POWER.map(|kilowatt| kilowatt * KILOWATT);
+        self.quantity(text, Dimension::POWER, least, most) / KILOWATT
+    }
+
     /// How the control plans speeds.
     fn planning(&mut self, text: &Option<SpannedText>) -> Planning {
         match text {
@@ -495,6 +504,7 @@ pub(super) fn machine(
         rotary,
         part_origin: reader.point(&table.part.origin),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
+        power: (table.spindle.power.as_ref()).map(|text| reader.power(text)),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
         cycle,
         planning,
@@ -549,6 +559,8 @@ fn library_tool(
     let [max_chip, max_depth] =
         [(&tool.max_chip, limits::CHIP), (&tool.max_depth, limits::LENGTH)].map(|(t, range)| given(t, range));
     let (reach, diameter) = (size(&tool.reach, limits::LENGTH), size(&tool.diameter, limits::DIAMETER));
+    let [least, most] = limits::RATE;
+    let max_rate = tool.max_rate.as_ref().map(|t| Mm3PerMin(reader.quantity(t, Dimension::REMOVAL_RATE, least, most)));
     let [least, steepest] = limits::TAPER;
     let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, least, steepest)));
     let own = (corner, angle, (barrel, tip), (neck, neck_end));
@@ -596,7 +608,7 @@ fn library_tool(
         shank: shank.unwrap_or(diameter),
         reach,
         holder,
-        limits: LoadLimits { chip: max_chip, depth: max_depth },
+        limits: LoadLimits { chip: max_chip, depth: max_depth, rate: max_rate },
         span,
     };
     if let Some(fault) = shape_fault(&spec) {

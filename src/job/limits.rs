@@ -22,6 +22,12 @@ pub(super) const LENGTH: [f64; 2] = [0.01, 1000.0];
 /// Feeds per tooth, mm.
 pub(super) const CHIP: [f64; 2] = [1e-5, 100.0];
 
+/// Removal rates of a tool, mm3/min.
+pub(super) const RATE: [f64; 2] = [1e-3, 1e8];
+
+/// Powers of a spindle, kW.
+pub(super) const POWER: [f64; 2] = [0.01, 1000.0];
+
 /// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. A side steeper
 /// than 45 deg to the axis would be a point mill, which the contact search does not support.
 pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];

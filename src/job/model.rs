@@ -2,12 +2,13 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
+use crate::material::Material;
 use crate::method::Planning;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::source::Span;
 use crate::stock::Mesh;
-use crate::units::{Mm, MmPerMin, Rad, Rpm};
+use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
 use std::sync::Arc;
 
 /// The whole job.
@@ -138,6 +139,8 @@ pub struct MachineSpec {
     pub retract: Mm,
     /// Spindle range.
     pub spindle: [Rpm; 2],
+    /// Power of the spindle at the cutter, kW; `None` where the file does not state it.
+    pub power: Option<f64>,
     /// Speed of rapid moves.
     pub rapid: MmPerMin,
     /// Time between two positions that the control gives to its drives, s.
@@ -301,6 +304,8 @@ pub struct StockSpec {
     pub clamping: ClampingSpec,
     /// What is left of the blank before the first operation; `None` is all of it.
     pub left: Option<StockFile>,
+    /// Material; `None` where the job does not state it.
+    pub material: Option<Material>,
     /// Whole item.
     pub span: Span,
 }
@@ -418,16 +423,34 @@ pub struct LoadLimits {
     pub chip: Option<Mm>,
     /// `max-depth`: largest depth of cut at full width.
     pub depth: Option<Mm>,
+    /// `max-rate`: largest removal rate.
+    pub rate: Option<Mm3PerMin>,
 }
 
 impl ToolSpec {
-    /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out.
-    pub fn largest_chip(&self) -> f64 {
-        /// Stick-outs in diameters up to which a share of the diameter holds; longer tools have the last share.
-        const SHARES: [(f64, f64); 3] = [(4.0, 0.03), (8.0, 0.0225), (f64::INFINITY, 0.015)];
+    /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out, less in a
+    /// material that is harder to cut than aluminium.
+    pub fn largest_chip(&self, material: Option<Material>) -> Mm {
+        self.limits.chip.unwrap_or_else(|| self.share([0.03, 0.0225, 0.015], material))
+    }
+
+    /// Largest depth of cut at full width, mm, as for [`Self::largest_chip`].
+    pub fn largest_depth(&self, material: Option<Material>) -> Mm {
+        self.limits.depth.unwrap_or_else(|| self.share([1.0, 0.75, 0.5], material))
+    }
+
+    /// A share of the diameter: for a stick-out of up to 4 diameters, of up to 8 diameters, and of more.
+    fn share(&self, shares: [f64; 3], material: Option<Material>) -> Mm {
         let stick_out = self.reach.get() / self.diameter.get();
-        let share = SHARES.iter().find(|s| stick_out <= s.0).map_or(0.0, |s| s.1);
-        self.limits.chip.map_or(share * self.diameter.get(), Mm::get)
+        let [short, middle, long] = shares;
+        let share = if stick_out <= 4.0 {
+            short
+        } else if stick_out <= 8.0 {
+            middle
+        } else {
+            long
+        };
+        Mm(share * self.diameter.get() * material.map_or(1.0, Material::share))
     }
 }
 

@@ -4,11 +4,12 @@ use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
 use super::limits;
 use super::model::{CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
-use super::properties::{LabelledValue, Properties, Range};
+use super::properties::{LabelledValue, Properties, Range, named};
 use super::quantity::Dimension;
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
+use crate::material::Material;
 use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
 use crate::operation::{VaneAllowance, by_lines};
 use crate::part::{BladeId, FaceId, SurfaceKind};
@@ -44,11 +45,21 @@ const MOST_OPTIMISED: u32 = 20;
 /// Feeds, mm/min; machines limit them further.
 const FEED: Range = Range::Between(limits::LEAST_FEED, limits::LARGEST_FEED);
 
+/// What operations take from part and stock.
+pub(super) struct Workpiece {
+    /// Number of vanes, where the part is readable.
+    pub(super) vanes: Option<u32>,
+    /// True where a file states what is left of the blank.
+    pub(super) cut_before: bool,
+    /// Material of the stock.
+    pub(super) material: Option<Material>,
+}
+
 pub(super) fn resolve(
     file: &File,
     tools: &[Declared],
     machine: Option<&MachineSpec>,
-    (vanes, cut_before): (Option<u32>, bool),
+    workpiece: &Workpiece,
     cx: &mut Context<'_>,
 ) -> Vec<OperationSpec> {
     let mut out = Vec::new();
@@ -65,8 +76,8 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let on_whole_blank = used.names.len() == 1 && !cut_before;
-        let mut reader = OperationReader { name, on_whole_blank, tools, machine, vanes, groove: layers };
+        let on_whole_blank = used.names.len() == 1 && !workpiece.cut_before;
+        let mut reader = OperationReader { name, on_whole_blank, tools, machine, workpiece, groove: layers };
         let several = match kind.text.as_str() {
             "rough" => Some(reader.rough(item, cx)),
             _ if OperationReader::has_list(item) => Some(reader.channel(item, cx)),
@@ -147,7 +158,7 @@ pub(super) struct OperationReader<'a> {
     pub(super) on_whole_blank: bool,
     pub(super) tools: &'a [Declared],
     machine: Option<&'a MachineSpec>,
-    vanes: Option<u32>,
+    workpiece: &'a Workpiece,
     groove: Option<Layers>,
 }
 
@@ -341,7 +352,7 @@ impl OperationReader<'_> {
         speed: Rpm,
         p: &mut Properties<'_, '_>,
     ) -> Option<MmPerMin> {
-        let (teeth, most) = (speed.get() * f64::from(tool.flutes), tool.largest_chip());
+        let (teeth, most) = (speed.get() * f64::from(tool.flutes), tool.largest_chip(self.workpiece.material).get());
         let chip = feed.get() / teeth;
         // Room for rounding where the job states the limit itself.
         if chip <= most * (1.0 + 1e-9) {
@@ -350,10 +361,11 @@ impl OperationReader<'_> {
         let limit = match tool.limits.chip {
             Some(_) => "its `max-chip`".to_owned(),
             None => format!(
-                "{} % of its diameter of {} at a stick-out of {} diameters",
+                "{} % of its diameter of {} at a stick-out of {} diameters{}",
                 trim(100.0 * most / tool.diameter.get(), 2),
                 tool.diameter,
-                trim(tool.reach.get() / tool.diameter.get(), 1)
+                trim(tool.reach.get() / tool.diameter.get(), 1),
+                self.workpiece.material.map_or_else(String::new, |m| format!(" in {}", m.name()))
             ),
         };
         p.sink.push(
@@ -420,7 +432,7 @@ impl OperationReader<'_> {
     }
 
     pub(super) fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
-        let count = self.vanes.unwrap_or(10_000);
+        let count = self.workpiece.vanes.unwrap_or(10_000);
         if !p.has("sectors") {
             return Some((0..count).collect());
         }
@@ -573,30 +585,6 @@ pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
         let range = Range::NotNegative(100.0);
         p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
     })
-}
-
-/// A property with a fixed list of names; the first name is the default.
-pub(super) fn named<T: Copy>(
-    p: &mut Properties<'_, '_>,
-    property: &str,
-    all: &[T],
-    name: fn(T) -> &'static str,
-) -> Option<T> {
-    let default = *all.first()?;
-    if !p.has(property) {
-        return Some(default);
-    }
-    let example = format!("{property} {}", name(default));
-    let words = p.words(property, &example)?;
-    let [word] = words.as_slice() else {
-        p.wrong_form(words.first()?.span, property, "one name", &example);
-        return None;
-    };
-    let found = all.iter().copied().find(|x| name(*x) == word.text);
-    if found.is_none() {
-        p.sink.push(unknown(&word.text, word.span, property, all.iter().map(|x| name(*x))));
-    }
-    found
 }
 
 /// How tool axes of point milling are chosen: the tool turns about the middle of its ball, or keeps one tilt angle for

@@ -32,6 +32,9 @@ pub fn print(job: &Job) -> String {
         let (triangles, volume) = (left.mesh.triangles.len(), left.mesh.volume());
         let _ = writeln!(out, "  from {:?}: {triangles} triangles, {volume:.0} mm3", left.file);
     }
+    if let Some(material) = s.material {
+        let _ = writeln!(out, "  material {}", material.name());
+    }
     tools(&mut out, job);
     operations(&mut out, job);
     let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);
@@ -75,7 +78,8 @@ fn machine(out: &mut String, job: &Job) {
     let [x, y, z] = m.part_origin;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");
     let _ = writeln!(out, "  retract z {}", m.retract);
-    let _ = writeln!(out, "  spindle {} to {}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
+    let power = m.power.map_or_else(String::new, |power| format!(", {} kW", trim(power, 3)));
+    let _ = writeln!(out, "  spindle {} to {}{power}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
     let _ = writeln!(out, "  cycle {} s", trim(m.cycle, 6));
     if m.planning == Planning::LinuxCnc {
         let _ = writeln!(out, "  planning {LINUXCNC}");
@@ -116,9 +120,9 @@ fn tools(out: &mut String, job: &Job) {
             CutterKind::Flat | CutterKind::Ball => {}
         }
         let _ = writeln!(out, "  flutes {}\n  flute {}\n  shank {}\n  reach {}", t.flutes, t.flute, t.shank, t.reach);
-        for (name, limit) in [("max-chip", t.limits.chip), ("max-depth", t.limits.depth)] {
-            limit.map(|limit| writeln!(out, "  {name} {limit}"));
-        }
+        let material = job.stock.material;
+        let _ = writeln!(out, "  max-chip {}\n  max-depth {}", t.largest_chip(material), t.largest_depth(material));
+        t.limits.rate.map(|rate| writeln!(out, "  max-rate {rate}"));
         let Some((name, sections)) = &t.holder else { continue };
         let _ = writeln!(out, "  holder {name}");
         for [length, lower, upper] in sections {

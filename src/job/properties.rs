@@ -1,7 +1,7 @@
 //! Reads the entries of a block as properties. Each property is known, is given once, and has the right form and
 //! dimension.
 
-use super::eval::{LetScope, mismatch, nearest, suggest, unknown_unit};
+use super::eval::{LetScope, mismatch, nearest, suggest, unknown, unknown_unit};
 use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
@@ -373,4 +373,38 @@ fn base_unit(dimension: Dimension) -> &'static str {
         Dimension::ANGLE => "rad",
         other => other.usual_unit(),
     }
+}
+
+/// A property with a fixed list of names; the first name is the default.
+pub(super) fn named<T: Copy>(
+    p: &mut Properties<'_, '_>,
+    property: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+) -> Option<T> {
+    let default = *all.first()?;
+    Some(name_of(p, property, all, name)?.unwrap_or(default))
+}
+
+/// A property with one of some names. Outer `None`: faulty; inner `None`: not given.
+pub(super) fn name_of<T: Copy>(
+    p: &mut Properties<'_, '_>,
+    property: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+) -> Option<Option<T>> {
+    if !p.has(property) {
+        return Some(None);
+    }
+    let example = format!("{property} {}", name(*all.first()?));
+    let words = p.words(property, &example)?;
+    let [word] = words.as_slice() else {
+        p.wrong_form(words.first()?.span, property, "one name", &example);
+        return None;
+    };
+    let found = all.iter().copied().find(|x| name(*x) == word.text);
+    if found.is_none() {
+        p.sink.push(unknown(&word.text, word.span, property, all.iter().map(|x| name(*x))));
+    }
+    Some(Some(found?))
 }

@@ -2,39 +2,41 @@
 
 use std::fmt;
 
-/// Exponents of length, angle, time, turn and tooth.
+/// Exponents of length, angle, time, turn, tooth and mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dimension(pub [i8; 5]);
+pub struct Dimension(pub [i8; 6]);
 
 impl Dimension {
     /// A plain number.
-    pub const NONE: Self = Self([0; 5]);
+    pub const NONE: Self = Self([0; 6]);
     /// mm.
-    pub const LENGTH: Self = Self([1, 0, 0, 0, 0]);
+    pub const LENGTH: Self = Self([1, 0, 0, 0, 0, 0]);
     /// rad.
-    pub const ANGLE: Self = Self([0, 1, 0, 0, 0]);
+    pub const ANGLE: Self = Self([0, 1, 0, 0, 0, 0]);
     /// min.
-    pub const TIME: Self = Self([0, 0, 1, 0, 0]);
+    pub const TIME: Self = Self([0, 0, 1, 0, 0, 0]);
     /// mm/min.
-    pub const FEED: Self = Self([1, 0, -1, 0, 0]);
+    pub const FEED: Self = Self([1, 0, -1, 0, 0, 0]);
     /// rpm.
-    pub const SPINDLE: Self = Self([0, 0, -1, 1, 0]);
+    pub const SPINDLE: Self = Self([0, 0, -1, 1, 0, 0]);
     /// mm/tooth.
-    pub const FEED_PER_TOOTH: Self = Self([1, 0, 0, 0, -1]);
+    pub const FEED_PER_TOOTH: Self = Self([1, 0, 0, 0, -1, 0]);
     /// mm/min2.
-    pub const ACCELERATION: Self = Self([1, 0, -2, 0, 0]);
+    pub const ACCELERATION: Self = Self([1, 0, -2, 0, 0, 0]);
     /// mm3.
-    pub const VOLUME: Self = Self([3, 0, 0, 0, 0]);
+    pub const VOLUME: Self = Self([3, 0, 0, 0, 0, 0]);
     /// mm3/min.
-    pub const REMOVAL_RATE: Self = Self([3, 0, -1, 0, 0]);
+    pub const REMOVAL_RATE: Self = Self([3, 0, -1, 0, 0, 0]);
+    /// kg mm2/min3.
+    pub const POWER: Self = Self([2, 0, -3, 0, 0, 1]);
     /// rad/min.
-    pub const TURNING: Self = Self([0, 1, -1, 0, 0]);
+    pub const TURNING: Self = Self([0, 1, -1, 0, 0, 0]);
     /// rad/min2.
-    pub const TURNING_ACCELERATION: Self = Self([0, 1, -2, 0, 0]);
+    pub const TURNING_ACCELERATION: Self = Self([0, 1, -2, 0, 0, 0]);
     /// mm/min3.
-    pub const JERK: Self = Self([1, 0, -3, 0, 0]);
+    pub const JERK: Self = Self([1, 0, -3, 0, 0, 0]);
     /// rad/min3.
-    pub const TURNING_JERK: Self = Self([0, 1, -3, 0, 0]);
+    pub const TURNING_JERK: Self = Self([0, 1, -3, 0, 0, 0]);
 
     /// Words for the dimension.
     pub fn name(self) -> String {
@@ -49,6 +51,7 @@ impl Dimension {
             (Self::ACCELERATION, "an acceleration"),
             (Self::VOLUME, "a volume"),
             (Self::REMOVAL_RATE, "a removal rate"),
+            (Self::POWER, "a power"),
             (Self::TURNING, "a turning speed"),
             (Self::TURNING_ACCELERATION, "a turning acceleration"),
             (Self::JERK, "a jerk"),
@@ -57,7 +60,7 @@ impl Dimension {
         if let Some((_, name)) = known.iter().find(|(d, _)| *d == self) {
             return (*name).to_owned();
         }
-        let names = ["mm", "rad", "min", "turn", "tooth"];
+        let names = ["mm", "rad", "min", "turn", "tooth", "kg"];
         let powers = names.iter().zip(self.0).filter(|(_, p)| *p != 0);
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
     }
@@ -74,6 +77,7 @@ impl Dimension {
             Self::ACCELERATION => "m/s2",
             Self::VOLUME => "mm3",
             Self::REMOVAL_RATE => "mm3/min",
+            Self::POWER => "kW",
             Self::TURNING => "deg/s",
             Self::TURNING_ACCELERATION => "rad/s2",
             Self::JERK => "m/s3",
@@ -103,7 +107,7 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// A number in the base units of its dimension: mm, rad, min, turn, tooth.
+/// A number in the base units of its dimension: mm, rad, min, turn, tooth, kg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     /// Number in base units.
@@ -147,6 +151,9 @@ impl Scale {
     }
 }
 
+/// A kilowatt, kg mm2/min3.
+pub(super) const KILOWATT: f64 = 1e9 * 60.0 * 60.0 * 60.0;
+
 /// Units of the job language; the grammar has the same list.
 const JOB_UNITS: &[(&str, Scale, Dimension)] = &[
     ("mm", Scale::Times(1.0), Dimension::LENGTH),
@@ -173,6 +180,7 @@ const LIBRARY_UNITS: &[(&str, Scale, Dimension)] = &[
     ("mm/s", Scale::Times(60.0), Dimension::FEED),
     ("mm/s2", Scale::Times(3600.0), Dimension::ACCELERATION),
     ("m/s2", Scale::Times(3_600_000.0), Dimension::ACCELERATION),
+    ("kW", Scale::Times(KILOWATT), Dimension::POWER),
     ("deg/s", Scale::Times(60.0 * std::f64::consts::PI / 180.0), Dimension::TURNING),
     ("rad/s2", Scale::Times(3600.0), Dimension::TURNING_ACCELERATION),
     ("deg/s2", Scale::Times(3600.0 * std::f64::consts::PI / 180.0), Dimension::TURNING_ACCELERATION),

@@ -7,11 +7,13 @@ use super::library::{self, ToolLibrary};
 use super::model::{
     ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
 };
-use super::properties::{Properties, Range};
+use super::operations::Workpiece;
+use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use super::{contracts, operations, part, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
+use crate::material::Material;
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{Block, File, Item, ItemKind, Name, Text, Value};
 use crate::units::Mm;
@@ -37,9 +39,12 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let part = part_item(file, &mut cx);
     let stock = stock(file, &mut cx);
     let tools = tools::resolve(file, &library, &mut cx);
-    let vanes = part.as_ref().map(|p| p.vanes.0);
-    let cut_before = stock.as_ref().is_some_and(|s| s.left.is_some());
-    let operations = operations::resolve(file, &tools, machine.as_ref(), (vanes, cut_before), &mut cx);
+    let workpiece = Workpiece {
+        vanes: part.as_ref().map(|p| p.vanes.0),
+        cut_before: stock.as_ref().is_some_and(|s| s.left.is_some()),
+        material: stock.as_ref().and_then(|s| s.material),
+    };
+    let operations = operations::resolve(file, &tools, machine.as_ref(), &workpiece, &mut cx);
     let (chord, chord_rough) = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
@@ -189,7 +194,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
         return None;
     }
-    let known = ["over", "bore", "back", "from", "clamping"];
+    let known = ["over", "bore", "back", "from", "clamping", "material"];
     let mut p = Properties::new("the stock".to_owned(), span, &body, &known, &mut cx.scope, cx.sink);
     if !p.has("over") {
         p.missing("over", "over shroud 0 mm");
@@ -200,6 +205,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
     let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
     let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
     let from = stock_file::path(&mut p);
+    let material = name_of(&mut p, "material", &Material::ALL, Material::name);
     let clamping = p.take("clamping");
     let (over, bore, back) = (Mm(over?), Mm(bore?.0), Mm(back?.0));
     let clamping = match clamping {
@@ -210,7 +216,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         None => None,
         Some(path) => Some(stock_file::read(path, cx)?),
     };
-    Some(StockSpec { over_shroud: over, bore, back, clamping, left, span })
+    Some(StockSpec { over_shroud: over, bore, back, clamping, left, material: material?, span })
 }
 
 /// `clamping { below -42 mm  diameter 60 mm }`: both may be left out.

@@ -2,8 +2,8 @@
 
 use super::context::{Context, head};
 use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
-use super::operations::{LEAST_DEPTH, OperationReader, allowances, leads, named};
-use super::properties::{Properties, Range};
+use super::operations::{LEAST_DEPTH, OperationReader, allowances, leads};
+use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
 use crate::method::{Levels, Milling};
 use crate::syntax::ast::{Expr, Item, ItemKind};

@@ -11,7 +11,7 @@ use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;
 use crate::syntax::ast::{Block, File, ItemKind, Name, ToolSource, Value};
-use crate::units::{Mm, Rad};
+use crate::units::{Mm, Mm3PerMin, Rad};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A declared tool; `spec` is `None` when its declaration is faulty.
@@ -109,7 +109,8 @@ const fn range([least, largest]: [f64; 2]) -> Range {
 
 /// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
-    let mut known = vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth"];
+    let mut known =
+        vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth", "max-rate"];
     known.extend_from_slice(match kind {
         "bull" => &["flute", "corner"],
         "tapered-ball" => &["flute", "angle"],
@@ -191,11 +192,14 @@ fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
     let chip =
         p.has("max-chip").then(|| p.number("max-chip", Dimension::LENGTH, range(limits::CHIP), "max-chip 0.1 mm"));
     let depth = p.has("max-depth").then(|| p.number("max-depth", Dimension::LENGTH, LENGTH, "max-depth 12 mm"));
+    let rate = p
+        .has("max-rate")
+        .then(|| p.number("max-rate", Dimension::REMOVAL_RATE, range(limits::RATE), "max-rate 120 cm3/min"));
     let stated = |x: Option<Option<(f64, Span)>>| match x {
-        Some(found) => found.map(|f| Some(Mm(f.0))),
+        Some(found) => found.map(|f| Some(f.0)),
         None => Some(None),
     };
-    Some(LoadLimits { chip: stated(chip)?, depth: stated(depth)? })
+    Some(LoadLimits { chip: stated(chip)?.map(Mm), depth: stated(depth)?.map(Mm), rate: stated(rate)?.map(Mm3PerMin) })
 }
 
 /// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.

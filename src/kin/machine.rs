@@ -58,6 +58,8 @@ pub struct Machine {
     pub retract: f64,
     /// Least and largest spindle speed, rpm.
     pub spindle: [f64; 2],
+    /// Power of the spindle at the cutter, kW, where the machine file states it.
+    pub power: Option<f64>,
     /// Speed of rapid moves of the tip that the planner assumes for times, mm/s.
     pub rapid: f64,
     /// Time between two positions that the control gives to its drives, s; between them each joint moves evenly.
@@ -115,6 +117,7 @@ impl Machine {
             part_origin: Vector3::zeros(),
             retract: 1e6,
             spindle: [1.0, 1e6],
+            power: None,
             rapid: 1e6,
             cycle: 1.0,
             planning: Planning::Joints,

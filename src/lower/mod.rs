@@ -21,6 +21,7 @@ use crate::job::model::{
 };
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
+use crate::material::Material;
 use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
@@ -39,6 +40,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         radius: clamping.diameter.map(|d| Mm(d.get() / 2.0)),
         by_default: clamping.span.is_none(),
     };
+    stock.material = job.stock.material;
     stock.left = job.stock.left.as_ref().map(|file| Arc::clone(&file.mesh));
     checks::stock(job, &part, sink);
     if let Some(file) = job.stock.left.as_ref().filter(|_| !sink.has_errors()) {
@@ -49,7 +51,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     }
     let mut tools: PrimaryMap<ToolId, Tool> = PrimaryMap::new();
     for spec in &job.tools {
-        tools.push(tool(spec));
+        tools.push(tool(spec, job.stock.material));
     }
     let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
     for spec in &job.operations {
@@ -184,7 +186,7 @@ fn data(job: &Job) -> Vec<DataCurve> {
         .collect()
 }
 
-fn tool(spec: &ToolSpec) -> Tool {
+fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
     let radius = spec.diameter.get() / 2.0;
     let cutter = match spec.kind {
         CutterKind::Flat => Cutter::Flat { radius },
@@ -219,8 +221,9 @@ fn tool(spec: &ToolSpec) -> Tool {
         name: spec.name.clone(),
         number: spec.number,
         flutes: spec.flutes,
-        max_chip: Mm(spec.largest_chip()),
-        max_depth: spec.limits.depth,
+        max_chip: spec.largest_chip(material),
+        max_depth: spec.largest_depth(material),
+        max_rate: spec.limits.rate,
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,
     }
@@ -308,6 +311,7 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
         retract: spec.retract.get(),
         spindle: spec.spindle.map(crate::units::Rpm::get),
+        power: spec.power,
         rapid: spec.rapid.get() / 60.0,
         cycle: spec.cycle,
         planning: spec.planning,

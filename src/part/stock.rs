@@ -2,6 +2,7 @@
 
 use super::Part;
 use crate::collide::{Section, ToolSolid};
+use crate::material::Material;
 use crate::stock::mesh::halves;
 use crate::stock::{Field, FieldError, Mesh};
 use crate::units::Mm;
@@ -26,6 +27,8 @@ pub struct Stock {
     pub left: Option<Arc<Mesh>>,
     /// Clamping of the blank.
     pub clamping: Clamping,
+    /// Material, where the job states it.
+    pub material: Option<Material>,
 }
 
 /// Greatest depth of pieces of a triangle, for the search for its farthest point: 2^-12 of a triangle across a blank is
@@ -98,7 +101,7 @@ impl Stock {
         profile.push([outlet, part.hub.meridian(1.0).point.y]);
         profile.push([outlet, back.get()]);
         let clamping = Clamping { below: back, radius: None, by_default: true };
-        Self { profile, over_shroud: over, bore_radius, back, left: None, clamping }
+        Self { profile, over_shroud: over, bore_radius, back, left: None, clamping, material: None }
     }
 
     /// The material before the first operation, on rays in cells of this edge, mm.

@@ -4,7 +4,7 @@ use super::axis::{avoid_collision, clear_floor, orient_tool, smooth_axis};
 use super::channel::middle::Middles;
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
-use super::feed::{exact_stops, time_feeds};
+use super::feed::{exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, roughings, short_reach};
 use super::{channel, copy_sectors, flank, point, sample_to_tolerance};
@@ -73,6 +73,9 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
     let needed = cost::of_moves(program, &motion, cx.stations.planned);
     check_memory(&mut cx, None, needed)?;
+    // Times follow from feeds that tool and spindle can take.
+    removal_feeds::run(program, &mut motion, cx.progress, cx.sink)?;
+    cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
     time_feeds::run(program, &mut motion);
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
     // How far the control leaves the path depends on the speeds of all moves.

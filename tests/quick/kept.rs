@@ -8,17 +8,18 @@ use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
 use impellerc::kin::Chain;
+use impellerc::material::Material;
 use impellerc::operation::VaneAllowance;
 use impellerc::part::{BladeId, Clamping, Surface, SurfaceKind, chart::Shape, kept::kept};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
-use impellerc::units::Mm;
+use impellerc::units::{Mm, Mm3PerMin};
 use impellerc::verify::kept::{KeptReport, KeptSurfaces};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{self, Settings};
 use impellerc::verify::{allowance, certify_with, clamping};
 use nalgebra::{Point3, Vector3};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// What figures may be wrong by, mm.
 const TENTH: f64 = 1e-4;
@@ -326,19 +327,39 @@ fn load_is_judged_by_tool_and_feed() {
     let thick = |f: &&(&str, bool, String)| f.2.contains("feed per tooth of");
     assert!(found.iter().find(thick).is_some_and(|f| f.0 == "IMP0739" && f.1), "{found:?}");
     // A tool that permits such chips breaks in the slot all the same. One that permits less depth is told that as well.
-    let stiff = |max_depth: Option<Mm>| {
+    let stiff = |max_depth: f64, max_rate: Option<Mm3PerMin>| {
         let mut tools = PrimaryMap::new();
         for (_, tool) in program.tools.iter() {
-            tools.push(Tool { max_chip: Mm(0.3), max_depth, ..tool.clone() });
+            tools.push(Tool { max_chip: Mm(0.3), max_depth: Mm(max_depth), max_rate, ..tool.clone() });
         }
         Program { tools, ..program.clone() }
     };
-    let found = told(&stiff(None), &motion);
+    let found = told(&stiff(f64::INFINITY, None), &motion);
     assert!(found.iter().any(|f| f.1 && f.2.contains("full material")), "{found:?}");
     assert!(!found.iter().any(|f| thick(&f) || f.2.contains("its limit is")), "{found:?}");
-    let found = told(&stiff(Some(Mm(4.0))), &motion);
+    let found = told(&stiff(4.0, None), &motion);
     let deep = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("its limit is 4.000 mm");
     assert!(found.iter().any(deep), "{found:?}");
+    // The deepest section of the slot: the width of the ball, 6 mm, by the height of the blank over the tip, where the
+    // line crosses the meridian nearest to the axis, less the corners beside the hemisphere.
+    let blank = program.stock.profile.iter().filter(|p| p[0] >= 40.0).map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
+    let section = 6.0 * (blank + 20.0 - 3.0) + PI * 9.0 / 2.0;
+    let rate = section * 8000.0;
+    let fast = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("mm3/min");
+    for (share, fails) in [(0.9, true), (1.1, false)] {
+        let found = told(&stiff(f64::INFINITY, Some(Mm3PerMin(share * rate))), &motion);
+        assert_eq!(found.iter().any(fast), fails, "{share} {rate} {found:?}");
+    }
+    // Aluminium: 500 N/mm2 for a chip of 1 mm. Here the mean chip is 2/pi of 8000 / (8000 * 4) mm.
+    let power = 500.0 * (8000.0 / (8000.0 * 4.0) * 2.0 / PI).powf(-0.25) * rate / 6e7;
+    let strong = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("kW at the cutter");
+    for (share, fails) in [(0.9, true), (1.1, false)] {
+        let mut program = stiff(f64::INFINITY, None);
+        program.machine.power = Some(share * power);
+        assert!(!told(&program, &motion).iter().any(strong), "the material is unknown");
+        program.stock.material = Some(Material::Aluminium);
+        assert_eq!(told(&program, &motion).iter().any(strong), fails, "{share} {power}");
+    }
     // At link feed it is no cut: a link that removes anything here removes more than any cut.
     let (program, motion) = line(MoveKind::Link);
     let found = told(&program, &motion);

@@ -10,6 +10,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("progress", &[]),
     ("contract", &["part"]),
     ("entity", &[]),
+    ("material", &[]),
     ("method", &[]),
     ("operation", &["part"]),
     ("source", &[]),
@@ -34,8 +35,19 @@ const MAY: &[(&str, &[&str])] = &[
 ];
 
 /// Every module may name these.
-const FOUNDATION: &[&str] =
-    &["units", "contract", "method", "operation", "entity", "source", "diag", "entity_id", "codes", "progress"];
+const FOUNDATION: &[&str] = &[
+    "units",
+    "contract",
+    "material",
+    "method",
+    "operation",
+    "entity",
+    "source",
+    "diag",
+    "entity_id",
+    "codes",
+    "progress",
+];
 
 /// The engines know neither diagnostics nor texts.
 const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "part", "envelope", "orient"];

@@ -48,6 +48,7 @@ mod platform;
 mod posts;
 mod progress;
 mod refused_roughing;
+mod removal;
 mod report;
 mod rest_machining;
 mod rough;

@@ -118,6 +118,7 @@ pub fn machine() -> Machine {
         part_origin: Vector3::new(0.0, 0.0, 80.0),
         retract: 350.0,
         spindle: [100.0, 18000.0],
+        power: None,
         rapid: 500.0,
         cycle: 0.002,
         planning: Planning::Joints,
@@ -164,7 +165,8 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         number,
         flutes: 4,
         max_chip: Mm(0.06 * radius),
-        max_depth: None,
+        max_depth: Mm(f64::INFINITY),
+        max_rate: None,
         solid: ToolSolid {
             cutter,
             flute_length: flute,

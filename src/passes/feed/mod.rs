@@ -1,4 +1,5 @@
 //! Feeds, times and exact stops of the motion.
 
 pub(crate) mod exact_stops;
+pub(crate) mod removal_feeds;
 pub(crate) mod time_feeds;

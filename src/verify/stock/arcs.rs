@@ -15,6 +15,9 @@ pub const CLASS: f64 = 15.0;
 /// Number of classes, from 0 to 180 degrees.
 pub const CLASSES: usize = 12;
 
+/// Arc of a slot, degrees.
+const HALF_TURN: f64 = 180.0;
+
 /// Cosine of the turn of the direction of feed from which earlier steps show another engagement, 30 degrees.
 const SAME_DIRECTION: f64 = 0.866;
 
@@ -86,6 +89,9 @@ pub(super) struct StepArc {
     pub(super) found: f64,
     /// Upper bound, degrees.
     pub(super) bound: f64,
+    /// Depth of cut at full width that loads the cutter as much, mm: the sum of the arcs of all slices, each times its
+    /// thickness, over 180 deg.
+    pub(super) load: f64,
     /// Material on both sides at full width.
     full: bool,
     /// Part of a slot.
@@ -95,10 +101,10 @@ pub(super) struct StepArc {
 /// Arcs of all steps. Chips of all steps at feed in the same direction over the tip motion `window` that ends with a
 /// step show its arc: the rays seldom meet all chips of a step that is shorter than a cell.
 pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut], circle: &Circle) -> Vec<StepArc> {
-    let mut own: Vec<Option<&Sides>> = vec![None; places.len()];
+    let mut own: Vec<Option<&BlockCut>> = vec![None; places.len()];
     for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
-        if let Some(sides) = own.get_mut(c.block as usize) {
-            *sides = Some(&c.sides);
+        if let Some(cut) = own.get_mut(c.block as usize) {
+            *cut = Some(c);
         }
     }
     let beside = circle.beside();
@@ -107,22 +113,23 @@ pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut
         if !at_feed(i) || !removal.cuts[i] {
             return StepArc::default();
         }
-        let mut sides = Sides::NONE;
+        let (mut sides, mut heights) = (Sides::NONE, [f64::INFINITY, f64::NEG_INFINITY]);
         let mut way = 0.0;
         for k in (0..=i).rev() {
             let turned = places[k].step.dot(&places[i].step) < SAME_DIRECTION * places[k].way * places[i].way;
             if !at_feed(k) || turned {
                 break;
             }
-            if let Some(own) = own[k] {
-                sides.join(own);
+            if let Some(cut) = own[k] {
+                sides.join(&cut.sides);
+                heights = [heights[0].min(cut.height[0]), heights[1].max(cut.height[1])];
             }
             way += places[k].way;
             if way >= circle.window {
                 break;
             }
         }
-        StepArc::new(&sides, circle, &beside)
+        StepArc::new(&sides, heights, circle, &beside)
     };
     let mut arcs: Vec<StepArc> = (0..places.len()).into_par_iter().map(arc).collect();
     mark_slots(places, removal, &mut arcs, 2.0 * circle.radius);
@@ -130,7 +137,8 @@ pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut
 }
 
 impl StepArc {
-    fn new(sides: &Sides, circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
+    /// `heights`: between which material is removed, mm.
+    fn new(sides: &Sides, heights: [f64; 2], circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
         let unseen = circle.unseen();
         let rim = circle.radius - unseen;
         let mut arc = Self::default();
@@ -138,7 +146,10 @@ impl StepArc {
         for (k, beside) in beside.iter().enumerate() {
             let [from, to] = sides.over(k..=k);
             if from <= to {
-                arc.found = arc.found.max(circle.arc([from, to]));
+                let found = circle.arc([from, to]);
+                let [low, high] = [circle.slices.edge(k).max(heights[0]), circle.slices.edge(k + 1).min(heights[1])];
+                arc.load += found / HALF_TURN * (high - low).max(0.0);
+                arc.found = arc.found.max(found);
                 arc.full |= rim > 0.0 && from <= -rim && to >= rim;
             }
             let wide = sides.over(beside.clone());
@@ -217,7 +228,7 @@ mod tests {
             let mut sides = Sides::NONE;
             sides.add(&slices, [[floor, 1.0], [floor, 2.0]]);
             sides.add(&slices, [[wall, -2.0], [wall, -1.0]]);
-            StepArc::new(&sides, &circle, &circle.beside())
+            StepArc::new(&sides, [floor.min(wall), floor.max(wall)], &circle, &circle.beside())
         };
         let apart = arc(0.1, 5.0);
         assert!((apart.found - 60.0).abs() < 1e-3 && apart.bound > 60.0 && apart.bound < 65.0, "{apart:?}");

@@ -3,10 +3,10 @@
 //!
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
-use super::{FULL_ARC, OperationStock};
+use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
-use crate::units::length;
+use crate::units::{length, trim};
 use crate::verify::place::describe;
 use crate::verify::proof::piece::At;
 use nalgebra::Point3;
@@ -27,6 +27,7 @@ const ROUNDING: f64 = 1e-3;
 pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     report_cuts(program, motion, o, sink);
     report_depth(program, motion, o, sink);
+    report_removal(program, motion, o, sink);
     report_link(program, motion, o, sink);
 }
 
@@ -62,9 +63,12 @@ fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &m
     let Some((cut, operation)) = o.slot_depth.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let Some(limit) = tool.max_depth.map(|limit| limit.get()).filter(|limit| cut.value > *limit) else { return };
+    let limit = tool.max_depth.get();
+    if cut.value <= limit {
+        return;
+    }
     let text = format!(
-        "{} cuts {} deep over an arc of {:.0} deg, which loads it as a slot {} deep; its limit is {}",
+        "{} cuts {} deep over arcs of up to {:.0} deg, which loads it as a slot {} deep; its limit is {}",
         tool.name,
         length(cut.depth),
         cut.arc,
@@ -77,11 +81,39 @@ fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &m
             .label(tool.span, "`max-depth` of this tool")
             .place(describe(program, motion, Some(cut.at)), Point3::from(cut.tip))
             .block(cut.at.operation, cut.at.index)
-            .note("the load is the depth along the tool axis times the share of the arc in 180 deg")
+            .note("the load is the sum over the depth of the share of the arc in 180 deg")
             .help(
-                "use a smaller `depth` or `stepover`, an operation before it that leaves less stock, or a stiffer tool",
+                "use a smaller `depth` or `stepover`, an operation before it that leaves less stock, a stiffer tool, or, \
+                 where the maker of the tool allows it, `max-depth` of the tool",
             ),
     );
+}
+
+/// Findings on more chips than the tool or the spindle takes.
+fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some(operation) = motion.operations.get(o.operation as usize) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let mut find = |peak: &Peak, text: String, limit: String| {
+        sink.push(
+            Diag::error(verification::TOOL_LOAD, text)
+                .label(declared.span, "in this operation")
+                .place(describe(program, motion, Some(peak.at)), Point3::from(peak.tip))
+                .block(peak.at.operation, peak.at.index)
+                .note(limit)
+                .help("use a lower feed in this block, or a smaller `depth` or `stepover`"),
+        );
+    };
+    let rate = o.rate.zip(tool.max_rate).filter(|(found, limit)| found.value * 60.0 > limit.get());
+    if let Some((found, limit)) = rate {
+        let text = format!("{} removes {} mm3/min", tool.name, trim(found.value * 60.0, 0));
+        find(&found, text, format!("`max-rate` of the tool is {limit}"));
+    }
+    let power = o.power.zip(program.machine.power).filter(|(found, limit)| found.value > *limit);
+    if let Some((found, limit)) = power {
+        let text = format!("{} needs {} kW at the cutter", tool.name, trim(found.value, 2));
+        find(&found, text, format!("the spindle of the machine has {} kW", trim(limit, 2)));
+    }
 }
 
 /// Feed per tooth of the fastest cut of an operation, mm, with its move; infinite where the spindle stands.

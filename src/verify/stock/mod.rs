@@ -13,7 +13,7 @@ pub use report::report;
 use super::proof::piece::At;
 use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::kin::between;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, StepKind, Touched};
@@ -76,11 +76,11 @@ pub struct Peak {
 /// Depth of cut at full width that loads the cutter as much as a cut of another arc.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SlotDepth {
-    /// Extent along the tool axis times the share of the arc in 180 degrees, mm.
+    /// Sum over the heights of the share of the arc in 180 degrees, mm.
     pub value: f64,
     /// Extent along the tool axis, mm.
     pub depth: f64,
-    /// Arc that the rays show, degrees.
+    /// Arc that the rays show at the height with the largest one, degrees.
     pub arc: f64,
     /// Move.
     pub at: At,
@@ -139,8 +139,10 @@ pub struct OperationStock {
     pub arc_outside_slots: Option<ArcBound>,
     /// Largest removal rate, mm3/s, averaged over a tip motion of some cells.
     pub rate: Option<Peak>,
-    /// Largest depth of cut at full width that loads the cutter as much, mm: the extent along the tool axis times the share
-    /// of the arc in half a turn.
+    /// Largest power at the cutter, kW, over the same tip motion, where the job states the material.
+    pub power: Option<Peak>,
+    /// Largest depth of cut at full width that loads the cutter as much, mm: the sum over the heights of the share of the
+    /// arc in half a turn.
     pub slot_depth: Option<SlotDepth>,
     /// Largest extent along the tool axis, mm, where the cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
@@ -395,8 +397,8 @@ impl Milled {
     fn slot_depth(&self, arcs: &[StepArc]) -> Option<SlotDepth> {
         let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
         let loads = cuts.filter_map(|c| {
-            let (depth, arc) = (c.height[1] - c.height[0], arcs.get(c.block as usize)?.found);
-            Some((depth * arc / 180.0, depth, arc, c.block))
+            let arc = arcs.get(c.block as usize)?;
+            Some((arc.load, c.height[1] - c.height[0], arc.found, c.block))
         });
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let Peak { at, tip, .. } = self.peak_at(value, step)?;
@@ -485,9 +487,19 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         slot_depth: milled.slot_depth(&arcs),
         full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
+        power: power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
         collisions: milled.collisions(),
         moves: engagement(operation.moves.len(), places, &removal, &arcs),
     }
+}
+
+/// Largest power at the cutter, kW, and its step; `None` without the material.
+fn power(program: &Program, operation: &Operation, removal: &Removal) -> Option<(f64, u32)> {
+    let material = program.stock.material?;
+    let teeth = operation.speed.get() * f64::from(program.tools[operation.tool].flutes);
+    let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
+    let powers = powers.map(|((rate, speed), step)| (material.power(rate / speed, speed * 60.0, teeth), step));
+    powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Largest removal rate of a link, mm3/s, and a step of this link; only links that remove more than `least`, mm3,
@@ -583,6 +595,8 @@ struct Removal {
     cuts: Vec<bool>,
     /// Rate of each step, mm3/s, over the window that ends with the step.
     rates: Vec<f64>,
+    /// Speed of the tip over this window, mm/s; zero where the window is not full.
+    speeds: Vec<f64>,
     /// Largest rate, mm3/s, and its step.
     rate: Option<(f64, usize)>,
 }
@@ -595,7 +609,12 @@ impl Removal {
                 *v += c.volume;
             }
         }
-        let mut found = Self { cuts: vec![false; places.len()], rates: vec![0.0; places.len()], rate: None };
+        let mut found = Self {
+            cuts: vec![false; places.len()],
+            rates: vec![0.0; places.len()],
+            speeds: vec![0.0; places.len()],
+            rate: None,
+        };
         let mut start = 0;
         let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
         for end in 0..places.len() {
@@ -617,6 +636,9 @@ impl Removal {
                 found.cuts[first..=last].fill(true);
                 let rate = sum / time;
                 found.rates[end] = if time > 0.0 { rate } else { 0.0 };
+                if way >= window && time > 0.0 {
+                    found.speeds[end] = way / time;
+                }
                 if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
                     let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
                     found.rate = Some((rate, largest));
