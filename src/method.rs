@@ -1,5 +1,7 @@
 //! Methods that a job chooses by name: the words that job and stage values share.
 
+use crate::units::Rad;
+
 /// How the control of a machine plans the speed over the blocks of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Planning {
@@ -104,6 +106,39 @@ impl Milling {
         match self {
             Self::Climb => "climb",
             Self::Conventional => "conventional",
+        }
+    }
+}
+
+/// How `rough` cuts between material on both sides of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slots {
+    /// Along the channel, at full width.
+    Full,
+    /// By loops across the channel, where it is wide enough for loops.
+    Trochoidal {
+        /// Largest arc of engagement.
+        engagement: Rad,
+    },
+}
+
+impl Slots {
+    /// Names in the job language, the default first.
+    pub const NAMES: [&'static str; 2] = ["full", "trochoidal"];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => Self::NAMES[0],
+            Self::Trochoidal { .. } => Self::NAMES[1],
+        }
+    }
+
+    /// Largest arc of engagement of loops; `None` without loops.
+    pub fn engagement(self) -> Option<Rad> {
+        match self {
+            Self::Full => None,
+            Self::Trochoidal { engagement } => Some(engagement),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What an operation does: one type from the job to the paths, and its words in the job language.
 
-use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Spacing};
+use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Slots, Spacing};
 use crate::part::{BladeId, FaceId, SurfaceKind};
 use crate::units::Mm;
 
@@ -107,7 +107,8 @@ pub enum OperationKind {
         /// Height between neighbouring lines (h of formula 9).
         residual: Mm,
     },
-    /// The channel, level by level: a slot in the middle, then lines along both walls from the slot outward.
+    /// The channel, level by level: a slot in the middle or loops that open it, then lines along both walls from there
+    /// outward.
     Rough {
         /// Largest step between levels.
         depth: Mm,
@@ -121,6 +122,8 @@ pub enum OperationKind {
         levels: Levels,
         /// Sense of the lines beside the slot.
         milling: Milling,
+        /// How the first cut at a place is made.
+        slots: Slots,
     },
     /// Vane faces, milled with the side of the cutter (Wei 3.2).
     Flank {

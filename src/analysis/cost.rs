@@ -75,6 +75,22 @@ pub(crate) fn rough_spacing(program: &Program) -> f64 {
     (8.0 * circle * OF_TOLERANCE * program.tolerances.chord_rough.get()).sqrt()
 }
 
+/// Stations of a loop of a trochoidal slot.
+const LOOP_STATIONS: f64 = 30.0;
+
+/// Distance of the loops of a `rough` operation, mm: about half of the radial depth of cut that a straight line has at the
+/// same arc of engagement. `None` without loops.
+pub(crate) fn loop_distance(program: &Program, operation: &Operation) -> Option<f64> {
+    let OperationKind::Rough { slots, .. } = operation.kind else { return None };
+    let radius = program.tools[operation.tool].solid.radius();
+    slots.engagement().map(|arc| 0.5 * radius * (1.0 - libm::cos(arc.get())))
+}
+
+/// Stations of the loops of a `rough` operation over a length of the channel, mm; none without loops.
+pub(crate) fn loop_stations(program: &Program, operation: &Operation, length: f64) -> f64 {
+    loop_distance(program, operation).map_or(0.0, |distance| LOOP_STATIONS * length / distance)
+}
+
 /// Length of a V line of `expand` as a share of a line from inlet to outlet, on average: its legs meet where the
 /// channel is narrow.
 const OF_V: f64 = 0.6;
@@ -198,7 +214,15 @@ impl Sizes {
             OperationKind::Rough { depth, stepover, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / stepover.get()).ceil() + 1.0;
-                of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), THROUGH_AIR)
+                let lines = of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), THROUGH_AIR);
+                // Each loop begins where the loop before it ends.
+                let stations = layers(depth) * loop_stations(program, operation, length);
+                let loops = of(stations / LOOP_STATIONS, LOOP_STATIONS, 0.0);
+                let stations = Stations {
+                    planned: lines.stations.planned + loops.stations.planned,
+                    copied: lines.stations.copied + loops.stations.copied,
+                };
+                Cost { lines: lines.lines + loops.lines, stations, links: lines.links }
             }
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)

@@ -153,10 +153,12 @@ fn kind(kind: &OperationKind) -> String {
         OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
             format!("expand depth {depth} vane {allowance_vane} hub {allowance_hub} residual {residual}")
         }
-        OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels, milling } => {
+        OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels, milling, slots } => {
             let (levels, milling) = (levels.name(), milling.name());
+            let loops = slots.engagement().map_or_else(String::new, |arc| format!(" to {arc}"));
             format!(
-                "rough depth {depth} stepover {stepover} vane {allowance_vane} hub {allowance_hub} {levels} {milling}"
+                "rough depth {depth} stepover {stepover} vane {allowance_vane} hub {allowance_hub} {levels} {milling}, {} slots{loops}",
+                slots.name()
             )
         }
         OperationKind::Flank { faces, flank } => {

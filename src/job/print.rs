@@ -154,8 +154,10 @@ fn operations(out: &mut String, job: &Job) {
             OperationKind::Expand { residual, .. } => {
                 let _ = writeln!(out, "  residual {residual}");
             }
-            OperationKind::Rough { stepover, levels: form, milling, .. } => {
+            OperationKind::Rough { stepover, levels: form, milling, slots, .. } => {
                 let _ = writeln!(out, "  stepover {stepover}\n  levels {}\n  milling {}", form.name(), milling.name());
+                let _ = writeln!(out, "  slots {}", slots.name());
+                slots.engagement().map(|arc| writeln!(out, "  engagement {arc}"));
             }
             OperationKind::Flank { faces, flank } => {
                 let faces: Vec<_> = faces.iter().map(|face| face.name()).collect();

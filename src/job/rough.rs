@@ -5,11 +5,12 @@ use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use super::operations::{LEAST_DEPTH, OperationReader, allowances, leads};
 use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
-use crate::method::{Levels, Milling};
+use crate::diag::{Diag, codes::job as codes};
+use crate::method::{Levels, Milling, Slots};
 use crate::syntax::ast::{Expr, Item, ItemKind};
-use crate::units::Mm;
+use crate::units::{Mm, Rad};
 
-const KNOWN: [&str; 13] = [
+const KNOWN: [&str; 15] = [
     "tools",
     "speed",
     "feed",
@@ -23,11 +24,17 @@ const KNOWN: [&str; 13] = [
     "allowance",
     "levels",
     "milling",
+    "slots",
+    "engagement",
 ];
 
 /// Default of `rest over` for the tools after the first: this share of the diameter, at most [`REST`].
 const REST_SHARE: f64 = 0.1;
 const REST: f64 = 0.2;
+
+/// Arcs of engagement that loops may have, degrees. Below the first one the loops lie too near to each other; above the
+/// second one a loop is no longer much less than a slot.
+const ENGAGEMENT: [f64; 2] = [20.0, 120.0];
 
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
@@ -75,6 +82,7 @@ impl OperationReader<'_> {
             named(&mut p, "levels", &Levels::ALL, Levels::name),
             named(&mut p, "milling", &Milling::ALL, Milling::name),
         );
+        let slots = slots(&mut p);
         let mut operations = Vec::new();
         let (speeds, feeds, depths, stepovers) = (speeds?, feeds?, depths?, stepovers?);
         for (k, tool) in tools?.into_iter().enumerate() {
@@ -83,6 +91,10 @@ impl OperationReader<'_> {
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
             let depth = DEPTH.of(&mut p, depths.get(k).copied().flatten(), spec);
             let stepover = STEPOVER.of(&mut p, stepovers.get(k).copied().flatten(), spec);
+            let slots = match slots? {
+                (false, _) => Slots::Full,
+                (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(beside(stepover?, spec?)) },
+            };
             let (allowance_vane, allowance_hub) = allowances?;
             let rest = match (k, given_rest) {
                 (0, _) => rest?.filter(|_| finds_rest),
@@ -98,6 +110,7 @@ impl OperationReader<'_> {
                     allowance_hub,
                     levels: levels?,
                     milling: milling?,
+                    slots,
                 },
                 tool,
                 speed: speed?,
@@ -112,6 +125,31 @@ impl OperationReader<'_> {
         }
         Some(operations)
     }
+}
+
+/// Whether loops make the slots, and their arc of engagement where the job gives one.
+fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
+    let trochoidal = named(p, "slots", &Slots::NAMES, |name| name)? != Slots::NAMES[0];
+    if !p.has("engagement") {
+        return Some((trochoidal, None));
+    }
+    let range = Range::Between(ENGAGEMENT[0].to_radians(), ENGAGEMENT[1].to_radians());
+    let (arc, span) = p.required("engagement", Dimension::ANGLE, range, "engagement 60 deg")?;
+    if !trochoidal {
+        p.sink.push(
+            Diag::error(codes::WRONG_FORM, "only `slots trochoidal` has the property `engagement`")
+                .label(span, "a slot at full width has 180 deg")
+                .help("add `slots trochoidal`, or remove `engagement`"),
+        );
+        return None;
+    }
+    Some((true, Some(Rad(arc))))
+}
+
+/// Arc of engagement of a line beside a straight cut, within the arcs that loops may have.
+fn beside(stepover: Mm, tool: &ToolSpec) -> Rad {
+    let [least, most] = ENGAGEMENT.map(f64::to_radians);
+    Rad(libm::acos(1.0 - 2.0 * stepover.get() / tool.diameter.get()).clamp(least, most))
 }
 
 /// One expression for each of `count` tools: a single value holds for all. `None` in the list where an optional property

@@ -52,7 +52,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     // that the one before reached.
     let cc = plan(&mut cx, &roughings, &middles)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
-    let mut cl = orient_tool::run(&mut cx, &roughings, &cc)?;
+    let mut cl = orient_tool::run(&mut cx, &cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
     avoid_collision::run(&mut cx, short_reach::refusal, &cc, &mut cl)?;

@@ -13,30 +13,28 @@ pub(crate) use crate::passes::channel::middle::{Middle, Middles};
 use crate::passes::context::{AxisTilt, PassContext};
 use crate::passes::flank::{flank_points, path_points};
 use crate::passes::point::vane_points;
-use crate::passes::rough::{Roughings, channel_points, roughing};
+use crate::passes::rough::channel_points;
 use rayon::prelude::*;
 
 /// Makes cutter locations.
 ///
 /// # Errors
-/// None of its own; errors of the roughing set-up are passed on.
-pub(crate) fn run(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+/// The run was cancelled.
+pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut plan = ClPlan::default();
     for operation in &cc.operations {
         cx.go_on()?;
-        plan.operations.push(orient_operation(cx, roughings, operation)?);
+        plan.operations.push(orient_operation(cx, operation)?);
     }
     Ok(plan)
 }
 
 fn orient_operation(
     cx: &mut PassContext<'_>,
-    roughings: &Roughings<'_>,
     cc: &CcOperation,
 ) -> Result<ClOperation, Aborted> {
     let program = cx.program;
     let operation = &program.operations[cc.operation];
-    let rough = if operation.kind.finishes() { None } else { Some(roughing(cx, roughings, cc.operation)?) };
     let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());
     let passes = cc
         .passes
@@ -47,7 +45,7 @@ fn orient_operation(
             air: Vec::new(),
             link: None,
             points: match pass.drive {
-                Drive::Channel => rough.map_or_else(Vec::new, |r| channel_points(r, pass)),
+                Drive::Channel => channel_points(pass),
                 Drive::Face { side, .. } => match &pass.path {
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),

@@ -16,6 +16,7 @@ use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
 use super::stock_order;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
+use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
 use crate::ir::{ClOperation, ClPass, ClPlan, Operation, OperationKind, Program};
@@ -98,7 +99,10 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
         let most = if matches!(o.kind, OperationKind::Rough { .. }) { most_rough } else { MOST_CELL };
-        let cell = o.rest.map_or(most, |t| (2.0 * rounding(cutter) * t.get()).sqrt().min(most));
+        // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
+        let thinnest = [o.rest.map(|t| t.get()), cost::loop_distance(program, o).map(|d| 0.25 * d)];
+        let seen = |t: f64| (2.0 * rounding(cutter) * t).sqrt();
+        let cell = thinnest.into_iter().flatten().map(seen).fold(most, f64::min);
         follows_stock(o).then_some((cell, o))
     });
     let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;

@@ -71,6 +71,7 @@ pub(super) fn reduce(
     (field, work): (&mut Field, &Work),
 ) {
     let solid = &program.tools[operation.tool].solid;
+    let thickness = operation.rest.map_or(0.0, |t| t.get());
     let reduction = Reduction {
         program,
         operation,
@@ -83,9 +84,14 @@ pub(super) fn reduce(
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
     let count = planned.passes.len();
-    for pass in std::mem::take(&mut planned.passes) {
-        work.step(());
-        for reduced in reduction.reduced(&pass, kept.last().and_then(|p| p.points.last()).copied(), field) {
+    // Loops of a slot have one name.
+    for group in std::mem::take(&mut planned.passes).chunk_by(|a, b| a.label == b.label && a.sector == b.sector) {
+        let before = kept.last().and_then(|p| p.points.last()).copied();
+        let reduced = match group {
+            [pass] => work.step(reduction.reduced(pass, before, field)),
+            loops => reduction.slots(loops, before, (&mut *field, work)),
+        };
+        for reduced in reduced {
             linked += usize::from(reduced.pass.link.is_some());
             lengths = [0, 1].map(|k: usize| lengths[k] + reduced.lengths[k]);
             kept.push(reduced.pass);
@@ -101,6 +107,57 @@ pub(super) fn reduce(
 }
 
 impl Reduction<'_> {
+    /// Largest depth of a pass in the stock, mm.
+    fn deepest(&self, pass: &ClPass, field: &mut Field) -> f64 {
+        let depths = self.air.depths(&stations(&self.program.machine, pass), field).unwrap_or_default();
+        depths.into_iter().fold(0.0, f64::max)
+    }
+
+    /// The loops of a slot that have to cut, each run of them as one pass. A loop takes less than the thickness, so that
+    /// the stock before the first loop decides. A run begins with the first loop that touches stock: a loop that has
+    /// to cut would otherwise take what those before it leave as well.
+    fn slots(&self, loops: &[ClPass], mut before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Vec<Reduced> {
+        let depths: Vec<f64> = loops.iter().map(|pass| work.step(self.deepest(pass, field))).collect();
+        let mut slots = Vec::new();
+        for run in maximal_ranges(loops.len(), |i| depths[i] > self.air.slivers) {
+            let Some(last) = run.clone().rev().find(|i| depths[*i] > self.least()) else { continue };
+            // A loop begins at its rear: its lead is the end of the loop before it.
+            let slot = self.slot(&loops[run.start.saturating_sub(1)..=last], before, field);
+            before = slot.pass.points.last().copied();
+            slots.push(slot);
+        }
+        slots
+    }
+
+    /// Loops as one pass, from the lead of the first contact with the stock to the lead behind the last one. Removes
+    /// their cuts from the stock, one after the other, so that the return of a loop runs through air.
+    fn slot(&self, loops: &[ClPass], before: Option<ClPoint>, field: &mut Field) -> Reduced {
+        let (mut line, mut depths): (Vec<PathPoint>, Vec<f64>) = (Vec::new(), Vec::new());
+        let (mut first, mut last, mut link) = (None, 0, None);
+        for pass in loops {
+            let of_loop = stations(&self.program.machine, pass);
+            let found = self.air.depths(&of_loop, field).unwrap_or_default();
+            // Each loop begins where the one before it ends.
+            line.pop();
+            let at = line.len();
+            line.extend_from_slice(&of_loop);
+            depths.extend(found);
+            let contact = (at..depths.len()).find(|i| depths[*i] > self.air.slivers);
+            last = (at..depths.len()).rfind(|i| depths[*i] > self.air.slivers).unwrap_or(last);
+            if let (None, Some(contact)) = (first, contact) {
+                let start = self.lead(&line, &depths, contact, false);
+                link = before.and_then(|end| self.air.link(&end, &line[start].point, field));
+                first = Some(start);
+            }
+            self.cut(&of_loop, field);
+        }
+        let first = first.unwrap_or(0);
+        let end = self.lead(&line, &depths, last + 1, true);
+        let mut reduced = assembled(&loops[0], &line[first..=end], &depths[first..end]);
+        reduced.pass.link = link;
+        reduced
+    }
+
     /// The parts of a pass that cut, with their leads, and with their links from the end of the pass before. Removes
     /// their cuts from the stock.
     fn reduced(&self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
@@ -203,7 +260,7 @@ impl Reduction<'_> {
     /// Where a part of a pass begins or ends: in air, where air is near; else over its first or last station, so that the
     /// tool ramps through a thin rest; else in the air farther on.
     fn end_of(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool, field: &mut Field) -> PassEnd {
-        let steps: Vec<usize> = if at_end { (station..depths.len()).collect() } else { (0..station).rev().collect() };
+        let steps = steps_from(station, depths.len(), at_end);
         let beyond = |step: usize| if at_end { step + 1 } else { step };
         let to_air = steps.iter().position(|i| depths[*i] <= self.air.slivers);
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
@@ -215,20 +272,24 @@ impl Reduction<'_> {
             let ends = if at_end { [here, place] } else { [place, here] };
             return PassEnd { station, ramp: self.air.straight_way(ends) };
         }
-        // The pass ends in air, with its lead.
+        PassEnd { station: self.lead(line, depths, station, at_end), ramp: Vec::new() }
+    }
+
+    /// The station in air at which the lead before or behind a station of a cut begins or ends.
+    fn lead(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool) -> usize {
         let required = if at_end { self.operation.lead_out } else { self.operation.lead_in }.get();
         let (mut last, mut lead) = (station, 0.0);
-        for step in steps {
+        for step in steps_from(station, depths.len(), at_end) {
             if depths[step] <= self.air.slivers {
                 lead += length(line, step);
             }
-            last = beyond(step);
+            last = if at_end { step + 1 } else { step };
             // Along a cut that the tool has made before, a lead at cutting feed is needless.
             if lead >= if depths[step] > 0.0 { required.min(BESIDE_CUT) } else { required } {
                 break;
             }
         }
-        PassEnd { station: last, ramp: Vec::new() }
+        last
     }
 
     /// A place in air, over or beside a station some way before the first or behind the last of a cut, from which or to
@@ -266,6 +327,11 @@ impl Reduction<'_> {
         }
         None
     }
+}
+
+/// The steps from a station on to the end of a pass of `count` steps, or back to its start.
+fn steps_from(station: usize, count: usize, to_end: bool) -> Vec<usize> {
+    if to_end { (station..count).collect() } else { (0..station).rev().collect() }
 }
 
 /// End of a part of a pass.

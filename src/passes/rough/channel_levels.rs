@@ -13,11 +13,14 @@ use super::Roughings;
 use super::groove::passes;
 use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
+use super::trochoid::{Opening, Trochoid};
+use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
-use crate::method::Milling;
+use crate::method::{Milling, Slots};
 use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
 use crate::progress::Work;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Plans a rough operation.
@@ -38,42 +41,62 @@ pub(crate) fn plan(
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
     let free = |run: &LevelRun| run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max);
     let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
-    check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64)?;
+    let loops = cost::loop_stations(cx.program, operation, roughing.spacing * stations as f64);
+    check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64 + loops)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
     let lines = lines(roughing, &levels, operation, &work);
-    Ok(CcOperation { operation: id, passes: passes(lines), notes: notes(&levels, operation) })
+    let notes = notes(&levels, &lines, operation);
+    Ok(CcOperation { operation: id, passes: passes(lines.named), notes })
 }
 
-/// Names and stations of the lines of all levels.
-pub(super) fn lines(
-    roughing: &Roughing<'_>,
-    levels: &[RoughLevel],
-    operation: &Operation,
-    work: &Work,
-) -> Vec<(String, Vec<CcPoint>)> {
-    let OperationKind::Rough { stepover, milling, .. } = operation.kind else { return Vec::new() };
-    let mut lines = Vec::new();
-    for level in levels {
+/// The lines of an operation.
+#[derive(Default)]
+pub(super) struct Lines {
+    /// Names and stations in the order of cutting. All loops of a slot have one name.
+    pub(super) named: Vec<(String, Vec<CcPoint>)>,
+    loops: usize,
+    /// Length of the channel, in all levels, that loops open, and that in which the first line cuts a slot, mm.
+    opened: [f64; 2],
+}
+
+/// The lines of all levels.
+pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &Operation, work: &Work) -> Lines {
+    let OperationKind::Rough { stepover, milling, slots, .. } = operation.kind else { return Lines::default() };
+    let of_level = |level: &RoughLevel| {
+        let mut lines = Lines::default();
         for (k, run) in level.runs.iter().enumerate() {
             let name = if level.runs.len() > 1 {
                 format!("level {} part {}", level.number, k + 1)
             } else {
                 format!("level {}", level.number)
             };
-            let run_lines = RunLines::new(roughing, run, stepover.get(), milling);
+            let mut run_lines = RunLines::new(roughing, run, stepover.get(), milling);
+            let loops = run_lines.open(slots, milling);
+            lines.loops += loops.len();
+            lines.named.extend(loops.into_iter().map(|points| (format!("{name} slot"), points)));
+            let opened = run_lines.opened_length();
+            lines.opened = [0, 1].map(|k: usize| lines.opened[k] + opened[k]);
             let run_lines = run_lines.all().into_iter().enumerate();
-            lines.extend(run_lines.map(|(i, points)| (format!("{name} line {}", i + 1), points)));
+            lines.named.extend(run_lines.map(|(i, points)| (format!("{name} line {}", i + 1), points)));
         }
-        work.step(());
-    }
-    lines
+        work.step(lines)
+    };
+    let of_levels: Vec<Lines> = levels.par_iter().map(of_level).collect();
+    of_levels.into_iter().fold(Lines::default(), |mut all, lines| {
+        all.named.extend(lines.named);
+        all.loops += lines.loops;
+        all.opened = [0, 1].map(|k: usize| all.opened[k] + lines.opened[k]);
+        all
+    })
 }
 
-fn notes(levels: &[RoughLevel], operation: &Operation) -> Vec<String> {
-    let OperationKind::Rough { depth, stepover, levels: form, milling, .. } = operation.kind else { return Vec::new() };
+fn notes(levels: &[RoughLevel], lines: &Lines, operation: &Operation) -> Vec<String> {
+    let OperationKind::Rough { depth, stepover, levels: form, milling, slots, .. } = operation.kind else {
+        return Vec::new();
+    };
     let [all, cut] = [0, 1].map(|k| levels.iter().map(|l| l.length[k]).sum::<f64>());
-    let slots: usize = levels.iter().map(|l| l.runs.len()).sum();
-    vec![
+    let parts: usize = levels.iter().map(|l| l.runs.len()).sum();
+    let mut notes = vec![
         format!(
             "{} levels {}, {depth} deep; lines at most {stepover} apart, {}",
             levels.len(),
@@ -81,9 +104,18 @@ fn notes(levels: &[RoughLevel], operation: &Operation) -> Vec<String> {
             milling.name()
         ),
         format!(
-            "in one channel the levels are {all:.0} mm long; the tool fits on {cut:.0} mm of them, in {slots} parts"
+            "in one channel the levels are {all:.0} mm long; the tool fits on {cut:.0} mm of them, in {parts} parts"
         ),
-    ]
+    ];
+    if let Some(arc) = slots.engagement() {
+        let [opened, slot] = lines.opened;
+        notes.push(format!(
+            "{} loops with at most {:.0} deg of engagement open {opened:.0} mm; on {slot:.0} mm the first line cuts a slot, where the channel is too narrow for loops or has no way in from outside",
+            lines.loops,
+            arc.deg()
+        ));
+    }
+    notes
 }
 
 fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
@@ -119,13 +151,40 @@ struct RunLines<'a> {
     wall_forward: usize,
     /// Free space across the channel at each station, mm.
     free: Vec<f64>,
+    /// Half width that loops open at each station, as a way of the tip, mm; zero where the first line cuts a slot.
+    opened: Vec<f64>,
 }
 
 impl<'a> RunLines<'a> {
     fn new(roughing: &'a Roughing<'a>, run: &'a LevelRun, stepover: f64, milling: Milling) -> Self {
         let free: Vec<f64> = run.stations.iter().map(|s| free(roughing, run, s)).collect();
         let climbs = milling == Milling::Climb;
-        Self { roughing, run, stepover, wall_forward: usize::from(second_to_the_right(roughing, run) == climbs), free }
+        let opened = vec![0.0; free.len()];
+        let wall_forward = usize::from(second_to_the_right(roughing, run) == climbs);
+        Self { roughing, run, stepover, wall_forward, free, opened }
+    }
+
+    /// Opens the slot by loops, where there is space for them and they are wanted; returns the loops.
+    fn open(&mut self, slots: Slots, milling: Milling) -> Vec<Vec<CcPoint>> {
+        let Some(arc) = slots.engagement() else { return Vec::new() };
+        let limits = Trochoid { engagement: arc.get(), milling, wall_forward: self.wall_forward };
+        let opening = Opening::new(self.roughing, self.run, limits);
+        self.opened = opening.half;
+        opening.loops
+    }
+
+    /// Length of the channel that loops open, and that in which the first line cuts a slot, mm.
+    fn opened_length(&self) -> [f64; 2] {
+        let stations = &self.run.stations;
+        let mut length = [0.0; 2];
+        for (i, pair) in stations.windows(2).enumerate() {
+            if pair.iter().all(|s| (0.0..=1.0).contains(&s.u)) {
+                let at = |s: &LayerStation| self.roughing.cc_point(s.u, self.run.level, s.middle()).position;
+                let opened = self.opened[i] > 0.0 && self.opened[i + 1] > 0.0;
+                length[usize::from(!opened)] += (at(&pair[1]) - at(&pair[0])).norm();
+            }
+        }
+        length
     }
 
     /// All legs in the order of cutting: from the middle to the walls, then those that begin on a neighbour.
@@ -147,10 +206,15 @@ impl<'a> RunLines<'a> {
     }
 
     /// Ranges of stations of the line `k` stepovers from the walls: there the next line outward leaves more than a
-    /// stepover between its legs. The line along the walls goes everywhere.
+    /// stepover between its legs, or the line lies beside the loops. The line along the walls goes everywhere.
     fn pieces(&self, k: usize) -> Vec<Range<usize>> {
-        let least = if k == 0 { f64::NEG_INFINITY } else { (2.0 * k as f64 - 1.0) * self.stepover };
-        let wide = maximal_ranges(self.free.len(), |i| self.free[i] > least);
+        let legs = 2.0 * k as f64 * self.stepover;
+        let cuts = |i: usize| {
+            let opened = self.opened[i];
+            k == 0
+                || if opened > 0.0 { self.free[i] - 2.0 * opened > legs } else { self.free[i] > legs - self.stepover }
+        };
+        let wide = maximal_ranges(self.free.len(), cuts);
         wide.into_iter().filter(|piece| piece.len() > 1).collect()
     }
 

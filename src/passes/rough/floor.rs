@@ -34,6 +34,6 @@ pub(super) fn positions(
     let progress = Progress::default();
     let levels = roughing.levels(form, &operation.name, &progress);
     let work = progress.begin("lines", levels.len());
-    let lines = passes(lines(&roughing, &levels, operation, &work));
-    lines.into_par_iter().map(|pass| (pass.label.clone(), channel_points(&roughing, &pass))).collect()
+    let lines = passes(lines(&roughing, &levels, operation, &work).named);
+    lines.into_par_iter().map(|pass| (pass.label.clone(), channel_points(&pass))).collect()
 }

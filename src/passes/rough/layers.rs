@@ -39,6 +39,8 @@ pub(crate) struct Roughing<'a> {
     /// Spacing of the stations, mm.
     pub(super) spacing: f64,
     pub(super) depth: f64,
+    /// How far the machine may leave the path, mm.
+    pub(super) tolerance: f64,
     pub(super) lead_in: f64,
     pub(super) lead_out: f64,
 }
@@ -146,6 +148,7 @@ impl<'a> Roughing<'a> {
             lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             spacing: if follows_levels { cost::rough_spacing(program) } else { STATION_SPACING },
             depth: depth.get(),
+            tolerance: program.tolerances.chord_rough.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),
         };
@@ -181,8 +184,16 @@ impl<'a> Roughing<'a> {
     /// Station of a line in the chart, sector 0.
     pub(crate) fn cc_point(&self, u: f64, level: Level, w: f64) -> CcPoint {
         let v = level.v(&self.chart, u, w);
-        let v = self.lifted(u, v, w).unwrap_or(v);
+        let v = self.lifted(u, v, w, None).unwrap_or(v);
         CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
+    }
+
+    /// Station of a line with a given tool axis; `None` where the tool does not keep all allowances.
+    pub(super) fn cc_point_along(&self, u: f64, level: Level, w: f64, axis: &Vector3<f64>) -> Option<CcPoint> {
+        let v = self.lifted(u, level.v(&self.chart, u, w), w, Some(axis))?;
+        let position = self.chart.point(u, v, w);
+        let clear = self.obstacles.walls_clear(self.solid, &position, axis, &self.keep);
+        clear.then_some(CcPoint { u, v, w, position, normal: *axis })
     }
 
     /// Number of layers from a level down to the hub.
@@ -232,10 +243,11 @@ impl<'a> Roughing<'a> {
     }
 
     /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted
-    /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above.
-    fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
+    /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above. Without an axis the
+    /// tool has that of the place.
+    fn lifted(&self, u: f64, level: f64, w: f64, axis: Option<&Vector3<f64>>) -> Option<f64> {
         let clear = |v: f64| {
-            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+            let (tip, axis) = (self.chart.point(u, v, w), axis.copied().unwrap_or_else(|| self.axis(u, v, w)));
             self.obstacles.hub_clear(self.solid, &tip, &axis, &self.keep)
         };
         if clear(level) {
@@ -257,7 +269,7 @@ impl<'a> Roughing<'a> {
     }
 
     fn clear(&self, u: f64, level: Level, w: f64) -> bool {
-        self.lifted(u, level.v(&self.chart, u, w), w).is_some_and(|v| {
+        self.lifted(u, level.v(&self.chart, u, w), w, None).is_some_and(|v| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
         })

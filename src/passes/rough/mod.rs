@@ -7,8 +7,10 @@ mod floor;
 pub(crate) mod groove;
 mod layers;
 mod levels;
+mod run_map;
 pub(crate) mod short_reach;
 mod step;
+mod trochoid;
 mod wall_tilt;
 
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -80,8 +82,8 @@ fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> R
     Err(Aborted)
 }
 
-/// Roughing: the tool tip is at the drive point; the axis blends the rulings of both walls.
-pub(crate) fn channel_points(roughing: &Roughing<'_>, pass: &CcPass) -> Vec<ClPoint> {
-    let point = |p: &CcPoint| ClPoint { tip: p.position, axis: roughing.axis(p.u, p.v, p.w), contact: None };
+/// Roughing: the tool tip is at the drive point; its normal is the tool axis.
+pub(crate) fn channel_points(pass: &CcPass) -> Vec<ClPoint> {
+    let point = |p: &CcPoint| ClPoint { tip: p.position, axis: p.normal, contact: None };
     pass.points.iter().map(point).collect()
 }
