@@ -71,7 +71,6 @@ pub(super) fn reduce(
     (field, work): (&mut Field, &Work),
 ) {
     let solid = &program.tools[operation.tool].solid;
-    let thickness = operation.rest.map_or(0.0, |t| t.get());
     let reduction = Reduction {
         program,
         operation,

@@ -175,6 +175,11 @@ impl<'a> Roughing<'a> {
         self.solid.radius()
     }
 
+    /// True when the end of the cutter is flat.
+    pub(super) fn is_flat(&self) -> bool {
+        self.solid.cutter.tip_radius() == 0.0
+    }
+
     /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
         let u = if self.straight_leads { u.clamp(0.0, 1.0) } else { u };
@@ -184,16 +189,18 @@ impl<'a> Roughing<'a> {
     /// Station of a line in the chart, sector 0.
     pub(crate) fn cc_point(&self, u: f64, level: Level, w: f64) -> CcPoint {
         let v = level.v(&self.chart, u, w);
-        let v = self.lifted(u, v, w, None).unwrap_or(v);
+        let v = self.lifted(u, v, w).unwrap_or(v);
         CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
     }
 
-    /// Station of a line with a given tool axis; `None` where the tool does not keep all allowances.
-    pub(super) fn cc_point_along(&self, u: f64, level: Level, w: f64, axis: &Vector3<f64>) -> Option<CcPoint> {
-        let v = self.lifted(u, level.v(&self.chart, u, w), w, Some(axis))?;
-        let position = self.chart.point(u, v, w);
-        let clear = self.obstacles.walls_clear(self.solid, &position, axis, &self.keep);
-        clear.then_some(CcPoint { u, v, w, position, normal: *axis })
+    /// True when the tool keeps all allowances on the walls.
+    pub(super) fn clears_walls(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
+        self.obstacles.walls_clear(self.solid, tip, axis, &self.keep)
+    }
+
+    /// True when the tool keeps the allowance on the hub.
+    pub(super) fn clears_hub(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
+        self.obstacles.hub_clear(self.solid, tip, axis, &self.keep)
     }
 
     /// Number of layers from a level down to the hub.
@@ -243,11 +250,10 @@ impl<'a> Roughing<'a> {
     }
 
     /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted
-    /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above. Without an axis the
-    /// tool has that of the place.
-    fn lifted(&self, u: f64, level: f64, w: f64, axis: Option<&Vector3<f64>>) -> Option<f64> {
+    /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above.
+    fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
-            let (tip, axis) = (self.chart.point(u, v, w), axis.copied().unwrap_or_else(|| self.axis(u, v, w)));
+            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
             self.obstacles.hub_clear(self.solid, &tip, &axis, &self.keep)
         };
         if clear(level) {
@@ -269,7 +275,7 @@ impl<'a> Roughing<'a> {
     }
 
     fn clear(&self, u: f64, level: Level, w: f64) -> bool {
-        self.lifted(u, level.v(&self.chart, u, w), w, None).is_some_and(|v| {
+        self.lifted(u, level.v(&self.chart, u, w), w).is_some_and(|v| {
             let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
         })

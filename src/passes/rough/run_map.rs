@@ -1,10 +1,11 @@
 //! A run of a level as a strip along its middle: places by distances along and across the channel.
 
-use super::layers::Roughing;
+use super::layers::{LayerStation, Roughing};
 use super::levels::LevelRun;
 use crate::ir::CcPoint;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Change of w over which tip and axis are measured on both sides of the middle.
 const BESIDE: f64 = 0.05;
@@ -17,6 +18,10 @@ const BISECTIONS: u32 = 8;
 
 /// A place of the chart: distance along the middle of the run, mm, and w.
 pub(super) type Place = [f64; 2];
+
+/// Lean of the tool axis in the direction of the loops, sine of the angle: 2 deg. The end of a flat cutter that leaned the
+/// other way would cut the floor of the loops before once more, over its whole width.
+const LEAN: f64 = 0.035;
 
 /// Station of a run.
 struct Row {
@@ -31,13 +36,24 @@ struct Row {
     slant: f64,
     /// By how much farther apart lines are a step down above the tip, as a multiple; at least 1.
     widening: f64,
-    /// Tips at w less than the middle by [`BESIDE`], in the middle, and as much beyond.
+    /// Tips of lines at w less than the middle by [`BESIDE`], in the middle, and as much beyond.
     tips: [Point3<f64>; 3],
-    /// Tool axis in the middle.
+    /// Tool axis of a line in the middle.
+    line_axis: Vector3<f64>,
+    /// Tool axis of loops.
     axis: Vector3<f64>,
+    /// How far the tip of loops lies above the tip of lines in the middle, along the axis of loops, mm.
+    lift: f64,
 }
 
-/// The strip of a run in which the tool keeps all allowances with the axes of the middle.
+impl Row {
+    /// Tip of loops in the middle.
+    fn centre(&self) -> Point3<f64> {
+        self.tips[1] + self.axis * self.lift
+    }
+}
+
+/// The strip of a run in which the tool keeps all allowances with the axes of loops.
 pub(super) struct RunMap<'a> {
     roughing: &'a Roughing<'a>,
     run: &'a LevelRun,
@@ -45,21 +61,32 @@ pub(super) struct RunMap<'a> {
 }
 
 impl<'a> RunMap<'a> {
-    /// The strip for curves that reach `along` (mm) along the channel to both sides of their centre, and `across` over the
-    /// shift that lines of constant u have. The axis is that at the centre of a curve. `None` where two stations are the
-    /// same place.
-    pub(super) fn new(roughing: &'a Roughing<'a>, run: &'a LevelRun, along: f64, across: f64) -> Option<Self> {
-        let axis = |u: f64, w: f64| roughing.axis(u, run.level.v(&roughing.chart, u, w), w);
+    /// The strip for loops that reach `along` (mm) along the channel to both sides of their centre, and `across` over the
+    /// shift that lines of constant u have. They go on towards higher stations where `forward` is 1, else towards lower
+    /// ones. `None` where two stations are the same place.
+    pub(super) fn new(
+        roughing: &'a Roughing<'a>,
+        run: &'a LevelRun,
+        forward: f64,
+        [along, across]: [f64; 2],
+    ) -> Option<Self> {
         let middles: Vec<f64> = run.stations.iter().map(|s| s.middle()).collect();
-        let rows = Self::rows(roughing, run, &middles, &vec![0.0; middles.len()])?;
+        let mut rows = Self::rows(roughing, run, &middles, &vec![0.0; middles.len()])?;
         let slant = rows.iter().map(|row| (row.slant / row.across).abs()).fold(0.0, f64::max);
         let reach = along + slant * across;
-        let axes: Vec<Vector3<f64>> = run.stations.iter().map(|s| axis(s.u, s.middle())).collect();
+        let fits = incline(roughing, &mut rows, forward, reach);
         let near = (reach / roughing.spacing).ceil() as usize;
         let border = |i: usize, side: usize| {
             let s = &run.stations[i];
-            let axes = [axes[i.saturating_sub(near)], axes[i], axes[(i + near).min(axes.len() - 1)]];
-            let clear = |w: f64| axes.iter().all(|a| roughing.cc_point_along(s.u, run.level, w, a).is_some());
+            if !fits[i] {
+                return s.middle();
+            }
+            let axes = [i.saturating_sub(near), i, (i + near).min(rows.len() - 1)].map(|k| rows[k].axis);
+            let clear = |w: f64| {
+                let v = run.level.v(&roughing.chart, s.u, w);
+                let tip = in_plane(&roughing.chart.point(s.u, v, w), &rows[i].centre(), &rows[i].axis);
+                axes.iter().all(|axis| roughing.clears_walls(&tip, axis))
+            };
             let most = across / rows[i].across;
             let outermost = s.middle() + (s.room[side] - s.middle()).clamp(-most, most);
             if clear(outermost) {
@@ -81,10 +108,12 @@ impl<'a> RunMap<'a> {
         });
         let middles: Vec<f64> = low.iter().zip(&high).map(|(low, high)| 0.5 * (low + high)).collect();
         let halves: Vec<f64> = low.iter().zip(&high).map(|(low, high)| (0.5 * (high - low)).max(0.0)).collect();
-        Some(Self { roughing, run, rows: Self::rows(roughing, run, &middles, &halves)? })
+        let mut rows = Self::rows(roughing, run, &middles, &halves)?;
+        incline(roughing, &mut rows, forward, reach);
+        Some(Self { roughing, run, rows })
     }
 
-    /// The stations with a given middle and half width of the strip, in w.
+    /// The stations with a given middle and half width of the strip, in w; the axes are those of lines.
     fn rows(roughing: &Roughing<'_>, run: &LevelRun, middles: &[f64], halves: &[f64]) -> Option<Vec<Row>> {
         let tool = |u: f64, w: f64| {
             let v = run.level.v(&roughing.chart, u, w);
@@ -116,10 +145,22 @@ impl<'a> RunMap<'a> {
                 slant: slant.clamp(-MOST_SLANT * across, MOST_SLANT * across),
                 widening: (square(by_w(roughing.depth)) / across).max(1.0),
                 tips: [low.0, middle.0, high.0],
+                line_axis: middle.1,
                 axis: middle.1,
+                lift: 0.0,
             }
         };
         Some((0..tools.len()).map(row).collect())
+    }
+
+    /// Mean of the lean of the axes of lines towards higher stations, as the sine of its angle.
+    pub(super) fn lean(roughing: &Roughing<'_>, run: &LevelRun) -> f64 {
+        let at = |s: &LayerStation| roughing.cc_point(s.u, run.level, s.middle());
+        let leans = run.stations.windows(2).filter_map(|pair| {
+            let [from, to] = [at(&pair[0]), at(&pair[1])];
+            Some((to.position - from.position).try_normalize(0.0)?.dot(&from.normal))
+        });
+        leans.sum::<f64>() / run.stations.len() as f64
     }
 
     /// Distances of all stations along the middle, mm.
@@ -182,14 +223,18 @@ impl<'a> RunMap<'a> {
         [centre + x - beside * self.mixed(centre, |row| row.slant), self.mixed(centre, |row| row.middle) + beside]
     }
 
-    /// Tool axis in the middle.
-    pub(super) fn axis(&self, along: f64) -> Vector3<f64> {
-        let (a, b, share) = self.between(along);
-        (a.axis + (b.axis - a.axis) * share.clamp(0.0, 1.0)).normalize()
+    /// Tip and axis of loops at a place, for a centre at a distance along the channel: all places of a loop lie in the plane
+    /// square to its axis, so that the end of a flat cutter cuts no floor of this loop again. Between the stations only
+    /// about.
+    pub(super) fn tool(&self, centre: f64, place: Place) -> (Point3<f64>, Vector3<f64>) {
+        let (a, b, share) = self.between(centre);
+        let axis = (a.axis + (b.axis - a.axis) * share.clamp(0.0, 1.0)).normalize();
+        let middle = a.centre() + (b.centre() - a.centre()) * share;
+        (in_plane(&self.tip(place), &middle, &axis), axis)
     }
 
-    /// The tip at a place; between the stations only about, and without the lift over the hub.
-    pub(super) fn tip(&self, [along, w]: Place) -> Point3<f64> {
+    /// The tip of a line at a place; between the stations only about, and without the lift over the hub.
+    fn tip(&self, [along, w]: Place) -> Point3<f64> {
         let (a, b, share) = self.between(along);
         let at = |row: &Row| {
             let t = (w - row.middle) / BESIDE;
@@ -199,24 +244,91 @@ impl<'a> RunMap<'a> {
         Point3::from(at(a) + (at(b) - at(a)) * share)
     }
 
-    /// The station of a line at a place, with a tool axis; `None` where the tool does not keep all allowances.
-    pub(super) fn cc_point(&self, [along, w]: Place, axis: &Vector3<f64>) -> Option<CcPoint> {
+    /// The station of a loop at a place with a tip and an axis; `None` where the tool does not keep all allowances.
+    pub(super) fn cc_point(&self, [along, w]: Place, (tip, axis): &(Point3<f64>, Vector3<f64>)) -> Option<CcPoint> {
         let (a, b, share) = self.between(along);
-        self.roughing.cc_point_along(a.u + (b.u - a.u) * share, self.run.level, w, axis)
+        let u = a.u + (b.u - a.u) * share;
+        let v = self.run.level.v(&self.roughing.chart, u, w);
+        let clear = self.roughing.clears_walls(tip, axis) && self.roughing.clears_hub(tip, axis);
+        clear.then_some(CcPoint { u, v, w, position: *tip, normal: *axis })
     }
+}
+
+/// Gives rows the axes of loops, which lean in their direction, and the lift over the tips of lines; false for rows on which
+/// the tool does not keep the allowance on the hub. Loops open as deep as the end of a flat cutter goes that runs on
+/// the lines.
+fn incline(roughing: &Roughing<'_>, rows: &mut [Row], forward: f64, reach: f64) -> Vec<bool> {
+    /// Axes follow from the way of the tip, and its lift from the axes.
+    const TURNS: usize = 2;
+    let radius = if roughing.is_flat() { roughing.radius() } else { 0.0 };
+    let distances: Vec<f64> = rows.iter().map(|row| row.along).collect();
+    let mut fits = vec![true; rows.len()];
+    for _ in 0..TURNS {
+        let way = |i: usize| {
+            let (before, next) = (i.saturating_sub(1), (i + 1).min(rows.len() - 1));
+            ((rows[next].centre() - rows[before].centre()) * forward).normalize()
+        };
+        let ways: Vec<Vector3<f64>> = (0..rows.len()).map(way).collect();
+        let leaning = |i: usize| {
+            let missing = (LEAN - rows[i].line_axis.dot(&ways[i])).max(0.0);
+            rows[i].line_axis + ways[i] * missing
+        };
+        let axes: Vec<Vector3<f64>> = (0..rows.len()).map(leaning).collect();
+        let lifted = |i: usize| {
+            let axis = axes[near(&distances, i, 0.5 * reach)].iter().sum::<Vector3<f64>>().normalize();
+            let lower = radius * (-rows[i].line_axis.dot(&ways[i]) - LEAN).max(0.0);
+            let beside = (ways[i] - axis * ways[i].dot(&axis)) * reach;
+            let clear = |lift: f64| {
+                let middle = rows[i].tips[1] + axis * lift;
+                [-1.0, 0.0, 1.0].iter().all(|k| roughing.clears_hub(&(middle + beside * *k), &axis))
+            };
+            (axis, least(-lower, roughing.depth + roughing.hub_allowance(), clear))
+        };
+        let found: Vec<(Vector3<f64>, Option<f64>)> = (0..rows.len()).into_par_iter().map(lifted).collect();
+        let lifts: Vec<f64> = found.iter().map(|(_, lift)| lift.unwrap_or(0.0)).collect();
+        let lifts = inside(&distances, &lifts, reach);
+        for (i, (row, (axis, lift))) in rows.iter_mut().zip(found).enumerate() {
+            fits[i] = lift.is_some();
+            (row.axis, row.lift) = (axis, lifts[i]);
+        }
+    }
+    fits
+}
+
+/// The least value from which on a condition holds, to a small part of the interval; `None` where it holds at no end.
+fn least(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    if holds(low) {
+        return Some(low);
+    }
+    if !holds(high) {
+        return None;
+    }
+    let (mut low, mut high) = (low, high);
+    for _ in 0..=BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { high = middle } else { low = middle }
+    }
+    Some(high)
+}
+
+/// A point shifted along an axis into the plane square to the axis through another point.
+fn in_plane(point: &Point3<f64>, through: &Point3<f64>, axis: &Vector3<f64>) -> Point3<f64> {
+    point - axis * (point - through).dot(axis)
+}
+
+/// Indices of the stations within a distance of a station.
+fn near(along: &[f64], i: usize, by: f64) -> Range<usize> {
+    let from = along.partition_point(|x| *x < along[i] - by);
+    from..along.partition_point(|x| *x <= along[i] + by)
 }
 
 /// A smooth border that is at least the given one within `reach` of each station: the largest value within a quarter more,
 /// and the mean of these over a quarter of the reach.
 fn inside(along: &[f64], border: &[f64], reach: f64) -> Vec<f64> {
-    let near = |i: usize, by: f64| {
-        let from = along.partition_point(|x| *x < along[i] - by);
-        from..along.partition_point(|x| *x <= along[i] + by)
-    };
-    let largest = |i: usize| border[near(i, 1.25 * reach)].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = |i: usize| border[near(along, i, 1.25 * reach)].iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let largest: Vec<f64> = (0..along.len()).map(largest).collect();
     let mean = |i: usize| {
-        let window = &largest[near(i, 0.25 * reach)];
+        let window = &largest[near(along, i, 0.25 * reach)];
         window.iter().sum::<f64>() / window.len() as f64
     };
     (0..along.len()).map(mean).collect()

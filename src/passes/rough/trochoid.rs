@@ -4,6 +4,7 @@
 //! cuts, with the material on the side that `milling` names; its rear half returns through what is cut. Each loop goes on
 //! as far as its arc of engagement allows, measured against the two loops before it at the tip and a step down above it,
 //! since the tool axis turns along the channel. Across it the axis does not turn: rotary axes are slower than a loop.
+//! Where no loop keeps to the arc, or the tool does not keep its allowances, the loops end, and the slot stays.
 //!
 //! Between two loops with the distance c, a front with the radius of curvature r, whose normal has the angle p to the
 //! channel, has the arc acos(1 - c cos(p) (1 + R / r) / R), nearly. A flat front therefore takes more at a time, and a
@@ -16,9 +17,7 @@ use super::levels::LevelRun;
 use super::run_map::{Place, RunMap};
 use crate::ir::CcPoint;
 use crate::method::Milling;
-use crate::passes::context::maximal_ranges;
-use nalgebra::{Point2, Point3, Vector3};
-use rayon::prelude::*;
+use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
@@ -84,68 +83,72 @@ struct Loops<'a> {
     chords: usize,
 }
 
-/// A loop: its places with the tool axes, and the points of the tool axis at both heights.
+/// A loop: its places with tips and tool axes.
 struct Loop {
-    places: Vec<(Place, Vector3<f64>)>,
-    paths: [Vec<(Point3<f64>, Vector3<f64>)>; 2],
+    places: Vec<Place>,
+    path: Vec<Tool>,
 }
 
+/// Tip and axis of the tool.
+type Tool = (Point3<f64>, Vector3<f64>);
+
 impl Opening {
-    /// The loops of a run, from each of its ends that lies outside of the stock.
+    /// The loops of a run, from each of its ends that lies outside of the stock. They begin where the axes of the lines lean
+    /// in their direction.
     pub(super) fn new(roughing: &Roughing<'_>, run: &LevelRun, limits: Trochoid) -> Self {
-        let radius = roughing.radius();
-        let none = Self { half: vec![0.0; run.stations.len()], loops: Vec::new() };
-        let [least, most] = [LEAST * radius, OPENED * radius];
-        let Some(mut map) = RunMap::new(roughing, run, FLATNESS * most, most) else { return none };
-        let stations = map.stations();
-        let free = map.halves();
-        let wide = maximal_ranges(free.len(), |i| free[i] >= least);
-        let mut pieces = Vec::new();
-        for piece in wide {
-            let open = [piece.start == 0 && run.open[0], piece.end == free.len() && run.open[1]];
-            let forward = match open {
-                [false, false] => continue,
-                [true, true] => free[piece.start] >= free[piece.end - 1],
-                [first, _] => first,
-            };
-            let order: Vec<usize> = if forward { piece.clone().collect() } else { piece.clone().rev().collect() };
-            let count = map.narrow(&order, [least, most], GROWTH);
-            if count > 1 {
-                let piece = if forward { piece.start..piece.start + count } else { piece.end - count..piece.end };
-                pieces.push((piece, forward));
-            }
+        let most = OPENED * roughing.radius();
+        let mut opening = Self { half: vec![0.0; run.stations.len()], loops: Vec::new() };
+        let first = if RunMap::lean(roughing, run) < 0.0 { -1.0 } else { 1.0 };
+        for forward in [first, -first] {
+            let Some(map) = RunMap::new(roughing, run, forward, [FLATNESS * most, most]) else { continue };
+            opening.add(map, roughing, run, limits, forward);
         }
-        let halves = map.halves();
-        let opened = |i: usize| pieces.iter().any(|(piece, _)| piece.contains(&i));
-        let half = (0..halves.len()).map(|i| if opened(i) { halves[i] } else { 0.0 }).collect();
+        opening
+    }
+
+    /// Adds the loops from one end of the run.
+    fn add(&mut self, mut map: RunMap<'_>, roughing: &Roughing<'_>, run: &LevelRun, limits: Trochoid, forward: f64) {
+        let radius = roughing.radius();
+        let [least, most] = [LEAST * radius, OPENED * radius];
+        let count = run.stations.len();
+        let order: Vec<usize> = if forward > 0.0 { (0..count).collect() } else { (0..count).rev().collect() };
+        let open = if forward > 0.0 { run.open } else { [run.open[1], run.open[0]] };
+        let free = map.halves();
+        let reached = order.iter().take_while(|i| free[**i] >= least && self.half[**i] == 0.0).count();
+        let reached = map.narrow(&order[..reached], [least, most], GROWTH);
+        if !open[0] || reached < 2 {
+            return;
+        }
+        let piece = if forward > 0.0 { 0..reached } else { count - reached..count };
         let chords = (PI / libm::sqrt(2.0 * CHORD * roughing.tolerance / most)).ceil().clamp(12.0, 64.0) as usize;
         let mut loops = Loops {
+            half: map.halves(),
+            stations: map.stations(),
             map,
             limits,
             radius,
             tolerance: roughing.tolerance,
             heights: [0.0, roughing.depth],
-            half,
-            stations,
             within: [0.0; 2],
-            forward: 1.0,
+            forward,
             chords,
         };
-        let mut all = Vec::new();
-        for (piece, forward) in pieces {
-            loops.forward = if forward { 1.0 } else { -1.0 };
-            // At an end outside of the stock the loops go on; at another one they stay in the piece.
-            let open = [piece.start == 0 && run.open[0], piece.end == run.stations.len() && run.open[1]];
-            all.extend(loops.open(&piece, open.map(|open| if open { 2.0 * most } else { -FLATNESS * most })));
+        // At an end outside of the stock the loops go on; at another one they stay in the piece.
+        let beyond = [true, reached == count && open[1]].map(|open| if open { 2.0 * most } else { -FLATNESS * most });
+        let (all, to) = loops.open(&piece, if forward > 0.0 { beyond } else { [beyond[1], beyond[0]] });
+        self.loops.extend(all);
+        for (i, by) in loops.map.widening().enumerate().filter(|(i, _)| piece.contains(i)) {
+            if (to - loops.stations[i]) * forward > 0.0 {
+                self.half[i] = loops.half[i] / by;
+            }
         }
-        let half = loops.half.iter().zip(loops.map.widening()).map(|(half, by)| half / by).collect();
-        Self { loops: all, half }
     }
 }
 
 impl Loops<'_> {
-    /// The loops over a piece, from its end outside of the stock to its other end, with the ways beyond both ends, mm.
-    fn open(&mut self, piece: &Range<usize>, beyond: [f64; 2]) -> Vec<Vec<CcPoint>> {
+    /// The loops over a piece, from its end outside of the stock to its other end, with the ways beyond both ends, mm;
+    /// and the distance along the channel up to which they open it, mm.
+    fn open(&mut self, piece: &Range<usize>, beyond: [f64; 2]) -> (Vec<Vec<CcPoint>>, f64) {
         self.within = [self.stations[piece.start], self.stations[piece.end - 1]];
         let ends = [self.within[0] - beyond[0], self.within[1] + beyond[1]];
         let [mut at, to] = if self.forward > 0.0 { ends } else { [ends[1], ends[0]] };
@@ -164,26 +167,19 @@ impl Loops<'_> {
                     high = distance;
                 }
             }
-            let found = found.unwrap_or_else(|| self.curve(at, least));
-            all.push((at, found.places.clone()));
+            let Some(found) = found else { break };
+            let stations: Option<Vec<CcPoint>> =
+                found.places.iter().zip(&found.path).map(|(place, tool)| self.map.cc_point(*place, tool)).collect();
+            let Some(stations) = stations else { break };
+            all.push(stations);
             at += self.forward * low;
             before.push(found);
             if before.len() > 2 {
                 before.remove(0);
             }
         }
-        let station = |(place, axis): &(Place, Vector3<f64>)| self.map.cc_point(*place, axis);
-        let mut stations: Vec<Option<Vec<CcPoint>>> =
-            all.par_iter().map(|(_, places)| places.iter().map(station).collect()).collect();
-        // Between the stations of the strip the tool may come too near to a wall: there the loops end.
-        if let Some(k) = stations.iter().position(Option::is_none) {
-            let end = all[k].0;
-            for i in piece.clone().filter(|i| (self.stations[*i] - end) * self.forward >= 0.0) {
-                self.half[i] = 0.0;
-            }
-            stations.truncate(k);
-        }
-        stations.into_iter().flatten().collect()
+        let whole = (to - at) * self.forward <= 0.0;
+        (all, if whole { self.forward * f64::INFINITY } else { at })
     }
 
     /// The loop that begins with its rear at a distance along the channel, and ends as far beyond as given, mm.
@@ -197,12 +193,11 @@ impl Loops<'_> {
             let centre = from + self.forward * distance * share;
             let half = self.half_at(centre);
             let place = [self.forward * FLATNESS * half * cos, self.forward * sense * half * sin];
-            (self.map.place(centre, place), self.map.axis(centre))
+            let place = self.map.place(centre, place);
+            (place, self.map.tool(centre, place))
         };
-        let places: Vec<(Place, Vector3<f64>)> = (0..=self.chords).map(at).collect();
-        let path = |height: f64| places.iter().map(|(p, axis)| (self.map.tip(*p) + axis * height, *axis)).collect();
-        let paths = self.heights.map(path);
-        Loop { places, paths }
+        let (places, path) = (0..=self.chords).map(at).unzip();
+        Loop { places, path }
     }
 
     /// Half width at a distance along the channel, mm.
@@ -216,48 +211,50 @@ impl Loops<'_> {
 
     /// Largest arc of engagement on the front of a loop in what the loops before it leave, radians.
     fn arc(&self, new: &Loop, before: &[Loop]) -> f64 {
+        let cut: Vec<&[Tool]> = before.iter().map(|b| b.path.as_slice()).collect();
         let mut largest = 0.0_f64;
-        for k in 0..self.heights.len() {
-            let path = &new.paths[k];
-            let cut: Vec<&[(Point3<f64>, Vector3<f64>)]> = before.iter().map(|b| b.paths[k].as_slice()).collect();
-            for i in self.chords / 4..=3 * self.chords / 4 {
-                // At its end a chord leaves the loop by the largest angle, to the side that makes the arc longer.
-                let way = path[i].0 - path[i - 1].0;
-                largest =
-                    largest.max(engagement(&path[i], &way, &cut, [self.radius, self.tolerance], self.limits.milling));
+        for i in self.chords / 4..=3 * self.chords / 4 {
+            // At its end a chord leaves the loop by the largest angle, to the side that makes the arc longer.
+            let way = new.path[i].0 - new.path[i - 1].0;
+            for height in self.heights {
+                let arc =
+                    engagement(&new.path[i], &way, height, &cut, [self.radius, self.tolerance], self.limits.milling);
+                largest = largest.max(arc);
+            }
+            if largest > self.limits.engagement {
+                break;
             }
         }
         largest
     }
 }
 
-/// Arc from the side of the material to the first place of the circle of the cutter that paths before do not reach,
-/// radians; `tolerance` is how much nearer to the material they may end.
+/// Arc from the side of the material to the first place of the circle of the cutter, `height` above its tip, that paths
+/// before do not reach, radians; `tolerance` is how much nearer to the material they may end.
 fn engagement(
-    (centre, axis): &(Point3<f64>, Vector3<f64>),
+    (tip, axis): &Tool,
     way: &Vector3<f64>,
-    cut: &[&[(Point3<f64>, Vector3<f64>)]],
+    height: f64,
+    cut: &[&[Tool]],
     [radius, tolerance]: [f64; 2],
     milling: Milling,
 ) -> f64 {
-    /// Angle behind the direction of feed at which the search begins, and its steps, radians.
-    const BEHIND: f64 = PI / 3.0;
+    /// Steps of the angle, radians.
     const STEP: f64 = PI / 24.0;
     const BISECTIONS: u32 = 5;
     let Some(feed) = (way - axis * way.dot(axis)).try_normalize(1e-9) else { return 0.0 };
     let right = feed.cross(axis);
     let side = if milling == Milling::Climb { right } else { -right };
-    let flat = |p: &Point3<f64>| Point2::new((p - centre).dot(&feed), (p - centre).dot(&side));
-    let paths: Vec<Vec<Point2<f64>>> = cut.iter().map(|path| path.iter().map(|p| flat(&p.0)).collect()).collect();
+    let centre = tip + axis * height;
     let reached = |angle: f64| {
         let (sin, cos) = libm::sincos(angle);
-        let place = Point2::new(radius * cos, radius * sin);
+        let place = centre + (feed * cos + side * sin) * radius;
         let near = radius - tolerance;
-        paths.iter().any(|path| path.windows(2).any(|w| distance_squared(&place, w) <= near * near))
+        cut.iter().any(|path| path.windows(2).any(|w| reaches(&w[0], &w[1], &place, near)))
     };
-    // From the rear on: the first place on the circle with material.
-    let count = ((FRAC_PI_2 + BEHIND) / STEP).ceil() as usize;
-    let angle = |k: usize| -BEHIND + (FRAC_PI_2 + BEHIND) * k as f64 / count as f64;
+    // From the other side on: the first place on the front of the circle with material.
+    let count = (PI / STEP).ceil() as usize;
+    let angle = |k: usize| -FRAC_PI_2 + PI * k as f64 / count as f64;
     let Some(first) = (0..=count).find(|k| !reached(angle(*k))) else { return 0.0 };
     let (mut free, mut met) = (angle(first.saturating_sub(1)), angle(first));
     for _ in 0..BISECTIONS {
@@ -267,12 +264,18 @@ fn engagement(
     FRAC_PI_2 - free
 }
 
-/// Square of the distance of a point from a chord.
-fn distance_squared(p: &Point2<f64>, chord: &[Point2<f64>]) -> f64 {
-    let (from, way) = (chord[0], chord[1] - chord[0]);
-    let length = way.norm_squared();
-    let share = if length > 0.0 { ((p - from).dot(&way) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (from + way * share - p).norm_squared()
+/// True when a cylinder above the tip, of a given radius, reaches a place on a chord of its path.
+fn reaches(from: &Tool, to: &Tool, place: &Point3<f64>, radius: f64) -> bool {
+    /// Thickness of what the end of a cutter leaves of a floor that counts as nothing, mm.
+    const FLOOR: f64 = 0.005;
+    let axis = from.1;
+    let square = |v: Vector3<f64>| v - axis * v.dot(&axis);
+    let (way, to_place) = (to.0 - from.0, place - from.0);
+    let flat = square(way);
+    let length = flat.norm_squared();
+    let share = if length > 0.0 { (to_place.dot(&flat) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let from_tip = to_place - way * share;
+    square(from_tip).norm_squared() <= radius * radius && from_tip.dot(&axis) >= -FLOOR
 }
 
 #[cfg(test)]
@@ -298,7 +301,7 @@ mod tests {
             let ahead: f64 = loops + distance;
             let closed_form = (((loops + 1.0).powi(2) - ahead * ahead - 1.0) / (2.0 * ahead)).acos();
             for (milling, way) in [(Milling::Climb, Vector3::y()), (Milling::Conventional, -Vector3::y())] {
-                let arc = engagement(&new[0], &way, &[before.as_slice()], [1.0, 0.0], milling);
+                let arc = engagement(&new[0], &way, 0.0, &[before.as_slice()], [1.0, 0.0], milling);
                 println!(
                     "{loops} {distance}: {:.2} deg, by closed form {:.2}",
                     arc.to_degrees(),
@@ -307,11 +310,11 @@ mod tests {
                 assert!(arc >= closed_form - 1e-3 && arc < closed_form + 0.01, "{arc} {closed_form}");
             }
             // What the machine leaves of the loop before counts as material.
-            let arc = engagement(&new[0], &Vector3::y(), &[before.as_slice()], [1.0, 0.05], Milling::Climb);
+            let arc = engagement(&new[0], &Vector3::y(), 0.0, &[before.as_slice()], [1.0, 0.05], Milling::Climb);
             assert!(arc > closed_form + 0.02, "{arc} {closed_form}");
         }
         let straight =
-            engagement(&circle(0.5, 1e3)[0], &Vector3::y(), &[&circle(0.0, 1e3)], [1.0, 0.0], Milling::Climb);
+            engagement(&circle(0.5, 1e3)[0], &Vector3::y(), 0.0, &[&circle(0.0, 1e3)], [1.0, 0.0], Milling::Climb);
         assert!((straight - 0.5_f64.acos()).abs() < 0.01, "{straight}");
     }
 }
