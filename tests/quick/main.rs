@@ -55,5 +55,6 @@ mod rough;
 mod stl;
 mod stock_program;
 mod surface_truths;
+mod trochoid;
 mod validators;
 mod verify_command;

@@ -48,6 +48,28 @@ fn one_item_is_one_operation_a_tool() {
     assert_eq!([speeds[0].speed.get(), speeds[1].speed.get()], [12000.0, 10000.0]);
 }
 
+/// Without a figure loops have the arc of a line at the stepover, within the arcs that loops may have.
+#[test]
+fn slots_are_full_or_trochoidal() {
+    let arcs = |text: &str| -> Vec<Option<f64>> {
+        let arc = |o: &OperationSpec| match o.kind {
+            OperationKind::Rough { slots, .. } => slots.engagement().map(|arc| arc.get().to_degrees()),
+            _ => panic!("{:?}", o.kind),
+        };
+        read("feed 300 mm/min", &format!("feed 300 mm/min  {text}")).unwrap().iter().map(arc).collect()
+    };
+    assert_eq!(arcs(""), [None, None]);
+    assert_eq!(arcs("slots full"), [None, None]);
+    let near = |found: &[Option<f64>], wanted: [f64; 2]| {
+        assert!(found.iter().zip(wanted).all(|(f, w)| (f.unwrap() - w).abs() < 1e-9), "{found:?}");
+    };
+    near(&arcs("slots trochoidal  engagement 75 deg"), [75.0; 2]);
+    // acos(1 - 2 * 1.5 / 2) and acos(1 - 2 * 0.8 / 2).
+    near(&arcs("slots trochoidal"), [120.0, 0.2_f64.acos().to_degrees()]);
+    near(&arcs("slots trochoidal  stepover 0.5 mm"), [60.0; 2]);
+    near(&arcs("slots trochoidal  stepover 0.01 mm"), [20.0; 2]);
+}
+
 /// An allowance at the tip and at the root is read back from its own text, and one value means the same as two equal ones.
 #[test]
 fn an_allowance_may_grow_towards_the_root() {
@@ -83,6 +105,12 @@ fn faults_of_the_item_are_named() {
         ("feed 300 mm/min", "feed 300 mm/min  levels floor", codes::job::UNKNOWN_NAME),
         ("feed 300 mm/min", "feed 300 mm/min  depth 90 mm", codes::job::OUT_OF_RANGE),
         ("feed 300 mm/min", "feed 300 mm/min  residual 1 mm", codes::job::UNKNOWN_PROPERTY),
+        ("feed 300 mm/min", "feed 300 mm/min  slots round", codes::job::UNKNOWN_NAME),
+        ("feed 300 mm/min", "feed 300 mm/min  engagement 60 deg", codes::job::WRONG_FORM),
+        ("feed 300 mm/min", "feed 300 mm/min  slots full  engagement 60 deg", codes::job::WRONG_FORM),
+        ("feed 300 mm/min", "feed 300 mm/min  slots trochoidal  engagement 10 deg", codes::job::OUT_OF_RANGE),
+        ("feed 300 mm/min", "feed 300 mm/min  slots trochoidal  engagement 160 deg", codes::job::OUT_OF_RANGE),
+        ("feed 300 mm/min", "feed 300 mm/min  slots trochoidal  engagement 1 mm", codes::job::WRONG_DIMENSION),
         ("  allowance vane 0.2 mm, hub 0.4 mm\n", "", codes::job::MISSING_PROPERTY),
         ("vane 0.2 mm", "vane 0.4 mm .. 0.2 mm", codes::job::OUT_OF_RANGE),
         ("vane 0.2 mm", "vane -0.1 mm .. 0.2 mm", codes::job::OUT_OF_RANGE),

@@ -29,10 +29,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Abort
     Ok(plan)
 }
 
-fn orient_operation(
-    cx: &mut PassContext<'_>,
-    cc: &CcOperation,
-) -> Result<ClOperation, Aborted> {
+fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOperation, Aborted> {
     let program = cx.program;
     let operation = &program.operations[cc.operation];
     let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());

@@ -136,6 +136,8 @@ impl Reduction<'_> {
         for pass in loops {
             let of_loop = stations(&self.program.machine, pass);
             let found = self.air.depths(&of_loop, field).unwrap_or_default();
+            // On its return a loop slides along what the loops before have cut.
+            let found = found.into_iter().map(|depth| if depth > self.air.slivers { depth } else { 0.0 });
             // Each loop begins where the one before it ends.
             line.pop();
             let at = line.len();

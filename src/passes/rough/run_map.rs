@@ -269,13 +269,11 @@ fn incline(roughing: &Roughing<'_>, rows: &mut [Row], forward: f64, reach: f64) 
             ((rows[next].centre() - rows[before].centre()) * forward).normalize()
         };
         let ways: Vec<Vector3<f64>> = (0..rows.len()).map(way).collect();
-        let leaning = |i: usize| {
-            let missing = (LEAN - rows[i].line_axis.dot(&ways[i])).max(0.0);
-            rows[i].line_axis + ways[i] * missing
-        };
-        let axes: Vec<Vector3<f64>> = (0..rows.len()).map(leaning).collect();
+        let missing = |i: usize| (LEAN - rows[i].line_axis.dot(&ways[i])).max(0.0);
+        let missing = inside(&distances, &(0..rows.len()).map(missing).collect::<Vec<f64>>(), 0.5 * reach);
+        let axes: Vec<Vector3<f64>> = (0..rows.len()).map(|i| rows[i].line_axis + ways[i] * missing[i]).collect();
         let lifted = |i: usize| {
-            let axis = axes[near(&distances, i, 0.5 * reach)].iter().sum::<Vector3<f64>>().normalize();
+            let axis = axes[near(&distances, i, 0.25 * reach)].iter().sum::<Vector3<f64>>().normalize();
             let lower = radius * (-rows[i].line_axis.dot(&ways[i]) - LEAN).max(0.0);
             let beside = (ways[i] - axis * ways[i].dot(&axis)) * reach;
             let clear = |lift: f64| {

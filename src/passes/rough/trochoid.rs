@@ -156,23 +156,25 @@ impl Loops<'_> {
         let mut before = vec![self.curve(at - self.forward * least, least)];
         let mut all = Vec::new();
         while (to - at) * self.forward > 0.0 {
-            let (mut low, mut high) = (least, most);
-            let mut found = None;
-            for _ in 0..HALVINGS {
-                let distance = 0.5 * (low + high);
-                let curve = self.curve(at, distance);
-                if self.arc(&curve, &before) <= self.limits.engagement {
-                    (low, found) = (distance, Some(curve));
-                } else {
-                    high = distance;
+            let longest = |goes_on: bool| {
+                let (mut low, mut high, mut found) = (least, most, None);
+                for _ in 0..HALVINGS {
+                    let distance = 0.5 * (low + high);
+                    match self.next(at, distance, &before, goes_on) {
+                        Some(curve) => (low, found) = (distance, Some((curve, distance))),
+                        None => high = distance,
+                    }
                 }
-            }
-            let Some(found) = found else { break };
+                found
+            };
+            // Where the channel bends, loops become shorter.
+            let found = longest(true).or_else(|| longest(false));
+            let Some((found, distance)) = found else { break };
             let stations: Option<Vec<CcPoint>> =
                 found.places.iter().zip(&found.path).map(|(place, tool)| self.map.cc_point(*place, tool)).collect();
             let Some(stations) = stations else { break };
             all.push(stations);
-            at += self.forward * low;
+            at += self.forward * distance;
             before.push(found);
             if before.len() > 2 {
                 before.remove(0);
@@ -182,6 +184,23 @@ impl Loops<'_> {
         (all, if whole { self.forward * f64::INFINITY } else { at })
     }
 
+    /// The next loop, where it keeps to the arc and, if it goes on, one behind it with the same distance as well: what the
+    /// front of a loop meets depends on the distance of the loop before more than on its own.
+    fn next(&self, at: f64, distance: f64, before: &[Loop], goes_on: bool) -> Option<Loop> {
+        let keeps = |curve: &Loop, before: &[&Loop]| self.arc(curve, before) <= self.limits.engagement;
+        let curve = self.curve(at, distance);
+        let last: Vec<&Loop> = before.iter().collect();
+        if !keeps(&curve, &last) {
+            return None;
+        }
+        if !goes_on {
+            return Some(curve);
+        }
+        let after = self.curve(at + self.forward * distance, distance);
+        let both: Vec<&Loop> = before.last().into_iter().chain([&curve]).collect();
+        keeps(&after, &both).then_some(curve)
+    }
+
     /// The loop that begins with its rear at a distance along the channel, and ends as far beyond as given, mm.
     fn curve(&self, from: f64, distance: f64) -> Loop {
         // The material lies ahead of the front. A line that runs forward has it on the side of its wall; the front runs
@@ -189,11 +208,9 @@ impl Loops<'_> {
         let sense = if self.limits.wall_forward == 1 { -1.0 } else { 1.0 };
         let at = |k: usize| {
             let share = k as f64 / self.chords as f64;
-            let (sin, cos) = libm::sincos(PI + TAU * share);
             let centre = from + self.forward * distance * share;
-            let half = self.half_at(centre);
-            let place = [self.forward * FLATNESS * half * cos, self.forward * sense * half * sin];
-            let place = self.map.place(centre, place);
+            let [x, y] = on_ellipse(share, self.half_at(centre));
+            let place = self.map.place(centre, [self.forward * x, self.forward * sense * y]);
             (place, self.map.tool(centre, place))
         };
         let (places, path) = (0..=self.chords).map(at).unzip();
@@ -210,7 +227,7 @@ impl Loops<'_> {
     }
 
     /// Largest arc of engagement on the front of a loop in what the loops before it leave, radians.
-    fn arc(&self, new: &Loop, before: &[Loop]) -> f64 {
+    fn arc(&self, new: &Loop, before: &[&Loop]) -> f64 {
         let cut: Vec<&[Tool]> = before.iter().map(|b| b.path.as_slice()).collect();
         let mut largest = 0.0_f64;
         for i in self.chords / 4..=3 * self.chords / 4 {
@@ -227,6 +244,12 @@ impl Loops<'_> {
         }
         largest
     }
+}
+
+/// Place on a loop after a share of its way, along the channel and across it from its centre, for its half width.
+fn on_ellipse(share: f64, half: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(PI + TAU * share);
+    [FLATNESS * half * cos, half * sin]
 }
 
 /// Arc from the side of the material to the first place of the circle of the cutter, `height` above its tip, that paths
@@ -316,5 +339,58 @@ mod tests {
         let straight =
             engagement(&circle(0.5, 1e3)[0], &Vector3::y(), 0.0, &[&circle(0.0, 1e3)], [1.0, 0.0], Milling::Climb);
         assert!((straight - 0.5_f64.acos()).abs() < 0.01, "{straight}");
+    }
+
+    /// Loops in a straight channel, cut on a grid of points: at no place the points show a longer arc than the arc of the
+    /// fronts, but for their distance.
+    #[test]
+    fn points_of_a_grid_show_no_longer_arc_than_the_loops_have() {
+        const STEP: f64 = 0.02;
+        const CHORDS: usize = 48;
+        const HALF: f64 = 0.75;
+        for distance in [0.1, 0.3] {
+            let curve = |from: f64| -> Vec<Tool> {
+                let at = |k: usize| {
+                    let share = k as f64 / CHORDS as f64;
+                    let [x, y] = on_ellipse(share, HALF);
+                    (Point3::new(from + distance * share + x, y, 0.0), Vector3::z())
+                };
+                (0..=CHORDS).map(at).collect()
+            };
+            let loops: Vec<Vec<Tool>> = (0..8).map(|k| curve(f64::from(k) * distance)).collect();
+            let mut points: Vec<Point3<f64>> = Vec::new();
+            for i in 0..200 {
+                points.extend((-100..=100).map(|j| Point3::new(f64::from(i) * STEP, f64::from(j) * STEP, 0.0)));
+            }
+            let (mut largest, mut by_points) = (0.0_f64, 0.0_f64);
+            for (k, path) in loops.iter().enumerate() {
+                for i in 1..=CHORDS {
+                    let way = path[i].0 - path[i - 1].0;
+                    let feed = way.normalize();
+                    // A climbing tool has the material on its right, seen along its axis from above.
+                    let right = feed.cross(&Vector3::z());
+                    let cut = |p: &Point3<f64>| reaches(&path[i - 1], &path[i], p, 1.0);
+                    // The first loops cut their way in.
+                    if k >= 4 {
+                        let angle = |p: &Point3<f64>| {
+                            let place = p - path[i].0;
+                            libm::atan2(place.dot(&right), place.dot(&feed))
+                        };
+                        let met = points.iter().filter(|p| cut(p)).map(angle);
+                        let found = FRAC_PI_2 - met.fold(FRAC_PI_2, f64::min);
+                        by_points = by_points.max(found);
+                        let before = [loops[k - 2].as_slice(), loops[k - 1].as_slice()];
+                        if (CHORDS / 4..=3 * CHORDS / 4).contains(&i) {
+                            let arc = engagement(&path[i], &way, 0.0, &before, [1.0, 0.0], Milling::Climb);
+                            largest = largest.max(arc);
+                        }
+                    }
+                    points.retain(|p| !cut(p));
+                }
+            }
+            println!("{distance}: {:.1} deg, by points {:.1}", largest.to_degrees(), by_points.to_degrees());
+            // A point counts when the chord reaches it, up to a chord before its end.
+            assert!(by_points <= largest + 0.1 && by_points >= largest - 0.15, "{by_points} {largest}");
+        }
     }
 }
