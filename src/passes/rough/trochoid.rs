@@ -325,11 +325,6 @@ mod tests {
             let closed_form = (((loops + 1.0).powi(2) - ahead * ahead - 1.0) / (2.0 * ahead)).acos();
             for (milling, way) in [(Milling::Climb, Vector3::y()), (Milling::Conventional, -Vector3::y())] {
                 let arc = engagement(&new[0], &way, 0.0, &[before.as_slice()], [1.0, 0.0], milling);
-                println!(
-                    "{loops} {distance}: {:.2} deg, by closed form {:.2}",
-                    arc.to_degrees(),
-                    closed_form.to_degrees()
-                );
                 assert!(arc >= closed_form - 1e-3 && arc < closed_form + 0.01, "{arc} {closed_form}");
             }
             // What the machine leaves of the loop before counts as material.
@@ -388,7 +383,6 @@ mod tests {
                     points.retain(|p| !cut(p));
                 }
             }
-            println!("{distance}: {:.1} deg, by points {:.1}", largest.to_degrees(), by_points.to_degrees());
             // A point counts when the chord reaches it, up to a chord before its end.
             assert!(by_points <= largest + 0.1 && by_points >= largest - 0.15, "{by_points} {largest}");
         }
