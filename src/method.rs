@@ -88,7 +88,7 @@ impl Levels {
     }
 }
 
-/// Sense in which the side of a cutter meets the material.
+/// Sense in which the side of a cutter meets the material. The spindle turns clockwise as seen from its drive (M3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Milling {
     /// The teeth enter at the full chip: the material lies to the right of the motion of a tool that turns clockwise.
@@ -139,6 +139,28 @@ impl Slots {
         match self {
             Self::Full => None,
             Self::Trochoidal { engagement } => Some(engagement),
+        }
+    }
+}
+
+/// Order in which the faces of a blade are finished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceOrder {
+    /// One face after the other.
+    Faces,
+    /// Level by level, on all faces before the next level: the blade stays stiff below the level.
+    Levels,
+}
+
+impl FaceOrder {
+    /// Both, the default first.
+    pub const ALL: [Self; 2] = [Self::Faces, Self::Levels];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Faces => "faces",
+            Self::Levels => "levels",
         }
     }
 }
@@ -255,12 +277,17 @@ pub struct Flank {
     pub side: ErrorSide,
     /// Relaxed bound; only for `minimax`.
     pub conflict: Conflict,
+    /// Sense of milling, on both faces.
+    pub milling: Milling,
+    /// Order of the strips of both faces.
+    pub order: FaceOrder,
 }
 
 impl Flank {
-    /// A method that places every ruling independently, with a number of strips.
+    /// A method that places every ruling independently, with a number of strips, in climb milling.
     pub fn by_ruling(method: FlankMethod, strips: u32) -> Self {
-        Self { method, strips: Some(strips), side: ErrorSide::Both, conflict: Conflict::Balance }
+        let (side, conflict) = (ErrorSide::Both, Conflict::Balance);
+        Self { method, strips: Some(strips), side, conflict, milling: Milling::Climb, order: FaceOrder::Faces }
     }
 
     /// Number of strips in words.

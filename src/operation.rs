@@ -154,6 +154,10 @@ pub enum OperationKind {
         scallop: Mm,
         /// Direction of the lines.
         lines: Lines,
+        /// Sense of milling on both sides of a vane. `None` for lines that do not keep one: `zigzag`, and those along edges.
+        milling: Option<Milling>,
+        /// Height of the levels that all faces share before the next one; `None` for one face after the other.
+        levels: Option<Mm>,
         /// How tool axes are chosen.
         method: AxisMethod,
     },

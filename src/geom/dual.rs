@@ -60,6 +60,16 @@ impl DualCurve {
         })
     }
 
+    /// The same curves in the opposite direction.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self {
+            knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect(),
+            lower: self.lower.iter().rev().copied().collect(),
+            upper: self.upper.iter().rev().copied().collect(),
+        }
+    }
+
     /// Knots, clamped to [0, 1].
     pub fn knots(&self) -> &[f64] {
         &self.knots

@@ -164,14 +164,15 @@ fn kind(kind: &OperationKind) -> String {
         OperationKind::Flank { faces, flank } => {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
             let (method, strips) = (flank.method.name(), flank.strips_text());
-            format!("flank {method} {} strips {strips}", faces.join(" "))
+            let (milling, order) = (flank.milling.name(), flank.order.name());
+            format!("flank {method} {} strips {strips} {milling} order {order}", faces.join(" "))
         }
         OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
             let (spacing, lines, method) = (spacing.name(), lines.name(), method.name());
             let vane = allowance_vane.map_or_else(String::new, |vane| format!(" vane {vane}"));
             format!("channel {spacing} scallop {scallop} {lines} axes {method}{vane}")
         }
-        OperationKind::Point { surfaces, scallop, lines, method } => {
+        OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
             let names: Vec<&str> = surfaces
                 .iter()
                 .map(|s| match s {
@@ -183,7 +184,13 @@ fn kind(kind: &OperationKind) -> String {
                 })
                 .collect();
             let (lines, axes) = (lines.name(), method.name());
-            format!("{} {} scallop {scallop} lines {lines} axes {axes}", kind.keyword(), names.join(" "))
+            let levels = levels.map_or_else(String::new, |height| format!(" levels {height}"));
+            let milling = milling.map_or_else(String::new, |milling| format!(" {}", milling.name()));
+            format!(
+                "{} {} scallop {scallop} lines {lines}{milling}{levels} axes {axes}",
+                kind.keyword(),
+                names.join(" ")
+            )
         }
     }
 }

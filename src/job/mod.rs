@@ -6,6 +6,7 @@ mod contracts;
 pub mod curve_file;
 mod eval;
 pub mod files;
+mod finishing;
 mod library;
 mod limits;
 pub mod model;

@@ -2,17 +2,19 @@
 
 use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
+use super::finishing::{chosen, faces, flank, levels, milling_of, point_axes};
 use super::limits;
-use super::model::{CutterKind, DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
-use super::properties::{LabelledValue, Properties, Range, named};
+use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
+pub(super) use super::properties::named;
+use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::material::Material;
-use crate::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
+use crate::method::{AxisMethod, Lines, Spacing};
 use crate::operation::{VaneAllowance, by_lines};
-use crate::part::{BladeId, FaceId, SurfaceKind};
+use crate::part::{BladeId, SurfaceKind};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm, length, trim};
@@ -37,10 +39,6 @@ const LEAST_SCALLOP: f64 = 1e-4;
 /// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
 /// stock above the upper limit does not count as a rest.
 const REST: Range = Range::Between(0.02, 10.0);
-
-/// Most strips of a face by minimax: the error falls with the cube of their height, and each strip takes about a
-/// second.
-const MOST_OPTIMISED: u32 = 20;
 
 /// Feeds, mm/min; machines limit them further.
 const FEED: Range = Range::Between(limits::LEAST_FEED, limits::LARGEST_FEED);
@@ -179,8 +177,9 @@ impl OperationReader<'_> {
         let own: &[&str] = match kind.text.as_str() {
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
-            "flank" => &["faces", "method", "strips", "side", "conflict"],
-            "point" | "fillet" => &["faces", "scallop", "lines", "method"],
+            "flank" => &["faces", "method", "strips", "side", "conflict", "milling", "order"],
+            "point" => &["faces", "scallop", "lines", "milling", "order", "depth", "method"],
+            "fillet" => &["faces", "scallop", "lines", "milling", "method"],
             "edge" => &["edges", "scallop", "lines", "method"],
             _ => &OF_CHANNEL,
         };
@@ -491,8 +490,11 @@ impl OperationReader<'_> {
                     );
                     return None;
                 }
+                let milling = if kind.text == "edge" { Some(None) } else { milling_of(lines?, p) };
                 let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
-                Some(OperationKind::Point { surfaces: surfaces?, scallop, lines: lines?, method })
+                let (surfaces, lines, milling) = (surfaces?, lines?, milling?);
+                let levels = if kind.text == "point" { levels(lines, surfaces.len(), p)? } else { None };
+                Some(OperationKind::Point { surfaces, scallop, lines, milling, levels, method })
             }
             _ => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
@@ -585,94 +587,4 @@ pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
         let range = Range::NotNegative(100.0);
         p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
     })
-}
-
-/// How tool axes of point milling are chosen: the tool turns about the middle of its ball, or keeps one tilt angle for
-/// each line.
-fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<AxisMethod> {
-    let turns = tool
-        .is_none_or(|t| matches!(t.kind, CutterKind::Ball | CutterKind::Lollipop { .. } | CutterKind::TaperedBall(_)));
-    if turns {
-        return named(p, "method", &AxisMethod::ALL, AxisMethod::name);
-    }
-    if !p.has("method") {
-        return Some(AxisMethod::Blend);
-    }
-    for method in [AxisMethod::Corridor, AxisMethod::Xu].map(AxisMethod::name) {
-        if p.is_word("method", method) {
-            let span = p.words("method", "method blend")?.first()?.span;
-            p.sink.push(
-                Diag::error(
-                    codes::WRONG_FORM,
-                    format!(
-                        "`method {method}` needs a tool with a ball: it tilts the tool about the centre of the ball"
-                    ),
-                )
-                .label(span, "the tool of this operation has no ball")
-                .help("use `method blend`, which keeps one tilt angle for each line, or a tool with a ball"),
-            );
-            return None;
-        }
-    }
-    named(p, "method", &AxisMethod::ALL, AxisMethod::name)
-}
-
-/// The named faces; both where none is named.
-fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
-    chosen(p, "faces", "face", FaceId::NAMES)
-}
-
-/// The chosen ones of two words, none twice; both where the property is not given.
-fn chosen(p: &mut Properties<'_, '_>, property: &str, what: &str, all: [&'static str; 2]) -> Option<Vec<&'static str>> {
-    if !p.has(property) {
-        return Some(all.to_vec());
-    }
-    let mut named = Vec::new();
-    for word in p.words(property, &format!("{property} {}", all.join(", ")))? {
-        let Some(found) = all.into_iter().find(|f| *f == word.text) else {
-            let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {what} is called `{}`", word.text));
-            p.sink.push(suggest(diag, &word.text, word.span, what, &all));
-            return None;
-        };
-        if named.contains(&found) {
-            p.sink.push(
-                Diag::error(codes::GIVEN_TWICE, format!("{what} `{found}` is given twice"))
-                    .label(word.span, "given again")
-                    .help(format!("name each {what} once")),
-            );
-            return None;
-        }
-        named.push(found);
-    }
-    Some(named)
-}
-
-fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
-    let given = faces(p)?;
-    let faces = BladeId::MAIN.faces().into_iter().filter(|face| given.contains(&face.name())).collect();
-    let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
-    let optimised = method == FlankMethod::Minimax;
-    for property in ["side", "conflict"] {
-        if p.has(property) && !optimised {
-            let span = p.words(property, property)?.first()?.span;
-            p.sink.push(
-                Diag::error(codes::WRONG_FORM, format!("only `method minimax` has the property `{property}`"))
-                    .label(span, format!("`method {}` places each ruling separately", method.name()))
-                    .help(format!("remove `{property}`, or use `method minimax`")),
-            );
-            return None;
-        }
-    }
-    let side = named(p, "side", &ErrorSide::ALL, ErrorSide::name)?;
-    let conflict = named(p, "conflict", &Conflict::ALL, Conflict::name)?;
-    let strips = if p.is_word("strips", "auto") && optimised {
-        p.take("strips");
-        None
-    } else if p.has("strips") {
-        Some(p.count("strips", 1, if optimised { MOST_OPTIMISED } else { 100 }, "strips 2")?.0)
-    } else {
-        (!optimised).then_some(1)
-    };
-    let flank = Flank { method, strips, side, conflict };
-    Some(OperationKind::Flank { faces, flank })
 }

@@ -166,6 +166,7 @@ fn operations(out: &mut String, job: &Job) {
                 if flank.method == FlankMethod::Minimax {
                     let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
                 }
+                let _ = writeln!(out, "  milling {}\n  order {}", flank.milling.name(), flank.order.name());
             }
             OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
                 let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
@@ -174,11 +175,17 @@ fn operations(out: &mut String, job: &Job) {
                     let _ = writeln!(out, "  allowance vane {vane}");
                 }
             }
-            OperationKind::Point { surfaces, scallop, lines, method } => {
+            OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
                 let names: Vec<_> = surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1).collect();
                 let property = if o.kind.keyword() == "edge" { "edges" } else { "faces" };
                 let _ = writeln!(out, "  {property} {}\n  scallop {scallop}", names.join(", "));
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
+                if let Some(milling) = milling {
+                    let _ = writeln!(out, "  milling {}", milling.name());
+                }
+                if let Some(height) = levels {
+                    let _ = writeln!(out, "  order levels\n  depth {height}");
+                }
             }
         }
     }

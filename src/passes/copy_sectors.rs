@@ -1,7 +1,8 @@
 //! `copy-sectors`: copies the plan of sector 0 to all sectors of each operation.
 //!
 //! Before: passes of sector 0. After: the same passes in each sector of the job, sector by sector, with the sector in
-//! their labels. All sectors of the part are equal, and the rotary axis next to the part turns about the axis of the
+//! their labels: in the ascending order of the sectors, which is counter-clockwise about Z, so that a blade or a channel is
+//! finished before the next one. All sectors of the part are equal, and the rotary axis next to the part turns about the axis of the
 //! part. Clearance and tolerance are therefore the same in all sectors. Stock of earlier operations, links and travel
 //! differ from sector to sector; later passes handle them.
 

@@ -291,6 +291,8 @@ fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Vec<Beside
         surfaces: surfaces.to_vec(),
         scallop: Mm(0.01),
         lines: Lines::Zigzag,
+        milling: None,
+        levels: None,
         method: AxisMethod::Blend,
     };
     program.operations.push(operation(kind.keyword(), kind, id, vec![0], 8.0));

@@ -5,7 +5,7 @@ use impellerc::diag::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Job, MissingFile};
-use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::method::{AxisMethod, Lines, Milling, Spacing};
 use impellerc::part::{BladeId, SurfaceClass, SurfaceKind};
 use impellerc::source::{SourceFile, SourceId, SourceMap};
 use impellerc::syntax;
@@ -219,14 +219,28 @@ fn point_milling_names_its_surfaces_and_order() {
         ("point { COMMON }", "point", both.clone(), Lines::Zigzag),
         ("point { COMMON  faces suction  lines one-way }", "point", vec![both[1]], Lines::OneWay),
         ("point { COMMON  lines spiral }", "point", both.clone(), Lines::Spiral),
-        ("fillet { COMMON }", "fillet", fillets, Lines::Zigzag),
+        ("fillet { COMMON }", "fillet", fillets.clone(), Lines::Zigzag),
         ("edge { COMMON  edges outlet }", "edge", vec![outlet], Lines::Zigzag),
         ("edge { COMMON }", "edge", vec![inlet, outlet], Lines::Zigzag),
+        ("fillet { COMMON  lines one-way  milling conventional }", "fillet", fillets, Lines::OneWay),
+        ("point { COMMON  order levels  depth 4 mm }", "point", both.clone(), Lines::Zigzag),
+        ("point { COMMON  lines one-way  order faces }", "point", both.clone(), Lines::OneWay),
+        ("edge { COMMON  lines one-way }", "edge", vec![inlet, outlet], Lines::OneWay),
     ] {
         let operation = kind(&format!("operation {}", text.replace("COMMON", common)));
         assert_eq!((operation.name.as_str(), operation.kind.keyword()), (name, name));
-        let OperationKind::Point { surfaces, scallop, lines, method } = operation.kind else { panic!("{text}") };
+        let OperationKind::Point { surfaces, scallop, lines, milling, levels, method } = operation.kind else {
+            panic!("{text}")
+        };
         assert_eq!((surfaces, lines), (expected, order), "{text}");
+        // Climb milling unless the job says otherwise; lines of both directions and those along edges have no sense.
+        let sense = match (name, order) {
+            ("edge", _) | (_, Lines::Zigzag) => None,
+            _ if text.contains("conventional") => Some(Milling::Conventional),
+            _ => Some(Milling::Climb),
+        };
+        assert_eq!(milling, sense, "{text}");
+        assert_eq!(levels.map(|l| l.get()), text.contains("levels").then_some(4.0), "{text}");
         assert_eq!((scallop.get(), method), (0.02, AxisMethod::Corridor));
     }
 }
@@ -238,6 +252,20 @@ fn point_milling_that_cannot_be_is_refused() {
         ("point { COMMON  lines spiral  faces suction }", "IMP0210"),
         ("point { COMMON  faces hub }", "IMP0203"),
         ("edge { COMMON  lines spiral }", "IMP0203"),
+        ("edge { COMMON  lines one-way  milling climb }", "IMP0204"),
+        ("point { COMMON  milling climb }", "IMP0210"),
+        ("fillet { COMMON  lines zigzag  milling conventional }", "IMP0210"),
+        ("point { COMMON  lines one-way  milling up }", "IMP0203"),
+        ("point { COMMON  order levels }", "IMP0205"),
+        ("point { COMMON  order levels  depth 0 mm }", "IMP0209"),
+        ("point { COMMON  depth 5 mm }", "IMP0210"),
+        ("point { COMMON  order strips }", "IMP0203"),
+        ("point { COMMON  order levels  depth 5 mm  faces suction }", "IMP0210"),
+        ("point { COMMON  order levels  depth 5 mm  lines spiral }", "IMP0210"),
+        ("fillet { COMMON  order levels }", "IMP0204"),
+        ("flank { tool t2  speed 8000 rpm  feed 250 mm/min  order levels  faces pressure }", "IMP0210"),
+        ("flank { tool t2  speed 8000 rpm  feed 250 mm/min  order levels  depth 5 mm }", "IMP0204"),
+        ("flank { tool t2  speed 8000 rpm  feed 250 mm/min  milling zigzag }", "IMP0203"),
         ("edge { COMMON  edges inlet, inlet }", "IMP0202"),
         ("fillet { COMMON  edges inlet }", "IMP0204"),
         ("fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }", "IMP0212"),

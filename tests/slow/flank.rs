@@ -6,7 +6,7 @@ use impellerc::contract::{Guarded, Scope};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
-use impellerc::method::{Conflict, ErrorSide, Flank, FlankMethod};
+use impellerc::method::{ErrorSide, Flank, FlankMethod};
 use impellerc::part::{BladeId, FaceId, SurfaceClass};
 use impellerc::passes::{Obstacles, pipeline};
 use impellerc::units::Mm;
@@ -30,7 +30,7 @@ fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) 
 }
 
 fn minimax(strips: Option<u32>) -> Flank {
-    Flank { method: FlankMethod::Minimax, strips, side: ErrorSide::Both, conflict: Conflict::Balance }
+    Flank { strips, ..Flank::by_ruling(FlankMethod::Minimax, 1) }
 }
 
 const BALL: Cutter = Cutter::Ball { radius: 3.0 };

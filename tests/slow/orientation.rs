@@ -13,7 +13,7 @@ use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::kin::Carried;
-use impellerc::method::{AxisMethod, Conflict, ErrorSide, Flank, FlankMethod, Lines, Spacing};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::part::{BladeId, SurfaceKind, sample};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
@@ -202,8 +202,7 @@ fn vane_methods(job: &Program) -> [Planned; 3] {
     let by_ruling = |method: FlankMethod, strips: u32| {
         told(format!("{} {strips}", method.name()), Flank::by_ruling(method, strips))
     };
-    let minimax =
-        Flank { method: FlankMethod::Minimax, strips: Some(1), side: ErrorSide::Both, conflict: Conflict::Balance };
+    let minimax = Flank::by_ruling(FlankMethod::Minimax, 1);
     let (after, left) = told("minimax 1".to_owned(), minimax);
     assert!(left <= ASKED);
     let (one_point, left) = by_ruling(FlankMethod::OnePoint, 1);

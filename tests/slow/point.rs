@@ -6,7 +6,7 @@ use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines};
+use impellerc::method::{AxisMethod, Lines, Milling};
 use impellerc::part::{BladeId, FaceId, SurfaceKind};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
@@ -17,7 +17,14 @@ fn program(cutter: Cutter, surfaces: Vec<SurfaceKind>, scallop: f64, method: Axi
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
-    let kind = OperationKind::Point { surfaces, scallop: Mm(scallop), lines: Lines::Zigzag, method };
+    let kind = OperationKind::Point {
+        surfaces,
+        scallop: Mm(scallop),
+        lines: Lines::Zigzag,
+        milling: None,
+        levels: None,
+        method,
+    };
     program.operations.push(support::operation("point", kind, tool, vec![0], 8.0));
     program.tolerances.chord = Mm(0.0005);
     // For its sake the proof goes on until it is as fine as that.
@@ -159,15 +166,18 @@ fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
 fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
     let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.05, AxisMethod::Blend);
     let (_, mut operation) = program.operations.iter().next().map(|(id, o)| (id, o.clone())).unwrap();
-    program.operations = PrimaryMap::new();
-    if let OperationKind::Point { lines, .. } = &mut operation.kind {
-        *lines = Lines::Spiral;
+    // Round the vane one way and the other.
+    for sense in Milling::ALL {
+        if let OperationKind::Point { lines, milling, .. } = &mut operation.kind {
+            (*lines, *milling) = (Lines::Spiral, Some(sense));
+        }
+        program.operations = PrimaryMap::new();
+        program.operations.push(operation.clone());
+        let Left { gouge, excess, passes, .. } = run(&program, &["pressure face", "suction face"]);
+        assert_eq!(passes, 1);
+        assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
+        assert!(gouge <= 0.001, "{gouge}");
     }
-    program.operations.push(operation);
-    let Left { gouge, excess, passes, .. } = run(&program, &["pressure face", "suction face"]);
-    assert_eq!(passes, 1);
-    assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
-    assert!(gouge <= 0.001, "{gouge}");
 }
 
 #[test]
@@ -188,6 +198,8 @@ fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
         surfaces: FACES.to_vec(),
         scallop: Mm(0.02),
         lines: Lines::Zigzag,
+        milling: None,
+        levels: None,
         method: AxisMethod::Blend,
     };
     let rest = support::operation("point2", kind, ball, vec![0], 8.0);

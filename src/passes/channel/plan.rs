@@ -42,7 +42,7 @@ pub(crate) fn plan(
         None => {
             let floor = whole_floor(cx, operation, radius, finished)?;
             let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
-            let directions = lines::directions(operation, radius, speed, order);
+            let directions = lines::directions(operation, radius, speed, (order, false));
             match spacing {
                 Spacing::EqualDivision => {
                     let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
@@ -101,7 +101,7 @@ fn middle_lines(
     for stretch in &middle.stretches {
         let surface = StretchFloor { middle, stretch: *stretch, finished };
         let speed = [0.0, 1.0].map(|x| surface.speed(x, 0.0, 0.0));
-        let directions = lines::directions(operation, radius, speed, order);
+        let directions = lines::directions(operation, radius, speed, (order, false));
         let LaidLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;
         all.lines.extend(lines);
         all.notes.extend(notes);

@@ -4,12 +4,14 @@
 mod channel_chart;
 pub(crate) mod limits;
 mod maximal_ranges;
+mod milling_direction;
 mod obstacles;
 mod remedy;
 mod tilt;
 
 pub(crate) use channel_chart::ChannelChart;
 pub(crate) use maximal_ranges::maximal_ranges;
+pub(crate) use milling_direction::{from_outlet, leads_at_ends};
 pub use obstacles::Obstacles;
 pub(crate) use obstacles::{Ends, Keep};
 pub(crate) use remedy::remedy;

@@ -1,7 +1,8 @@
 //! Plan of the operation `flank`: strips of the vane faces for the side of the cutter (Wei 3.2).
 //!
-//! Before: an operation. After: per face and strip a pass from inlet to outlet, from the strip at the shroud to the
-//! strip at the root. The lowest strip ends where the ball of the tool, which rolls in the fillet, touches the face.
+//! Before: an operation. After: per face and strip a pass along the face, in the direction that belongs to the sense of
+//! milling, from the strip at the shroud to the strip at the root; face by face, or level by level on both faces. The
+//! lowest strip ends where the ball of the tool, which rolls in the fillet, touches the face.
 //! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
@@ -12,9 +13,9 @@ use crate::collide::Cutter;
 use crate::diag::Aborted;
 use crate::geom::DualCurve;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind, Program};
-use crate::method::{Flank, FlankMethod};
+use crate::method::{FaceOrder, Flank, FlankMethod};
 use crate::part::{FaceId, Part, Surface, SurfaceKind};
-use crate::passes::context::{Obstacles, PassContext, STATIONS, limits::check_fillet};
+use crate::passes::context::{Obstacles, PassContext, STATIONS, from_outlet, leads_at_ends, limits::check_fillet};
 use crate::progress::Progress;
 use crate::units::length;
 use rayon::prelude::*;
@@ -33,7 +34,10 @@ const WORTH: f64 = 0.8;
 struct Planned {
     side: FaceId,
     strip: u32,
+    /// From inlet to outlet.
     points: Vec<CcPoint>,
+    /// Its lower edge, as a share of the height of the face.
+    lower: f64,
     sweep: Option<StripPath>,
 }
 
@@ -46,15 +50,33 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
     check_fillet(cx, operation, why)?;
-    let (planned, notes) = match flank.method {
+    let (mut planned, mut notes) = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
     };
-    let pass = |strip: Planned| CcPass {
-        label: format!("{} strip {}", strip.side.name(), strip.strip + 1),
-        drive: Drive::Face { side: strip.side, strip: strip.strip },
-        points: strip.points,
-        path: strip.sweep.map(|s| s.path),
+    if flank.order == FaceOrder::Levels {
+        // The order of the faces stays where their strips end at the same height.
+        planned.sort_by(|a, b| b.lower.total_cmp(&a.lower));
+        if planned.len() == faces.len() {
+            notes.push(
+                "order levels: each face is one strip, which leaves nothing to order; `strips 2` makes two levels"
+                    .to_owned(),
+            );
+        }
+    }
+    let part = &cx.program.part;
+    let pass = |mut strip: Planned| {
+        let mut path = strip.sweep.map(|s| s.path);
+        if from_outlet(part, strip.side, flank.milling) {
+            strip.points.reverse();
+            path = path.map(|path| path.reversed());
+        }
+        CcPass {
+            label: format!("{} strip {}", strip.side.name(), strip.strip + 1),
+            drive: Drive::Face { side: strip.side, strip: strip.strip },
+            points: strip.points,
+            path,
+        }
     };
     Ok(CcOperation { operation: id, passes: planned.into_iter().map(pass).collect(), notes })
 }
@@ -218,6 +240,7 @@ fn optimised(
                 side: *side,
                 strip,
                 points: stations(&program.part, *side, &sweep),
+                lower: sweep.span[0],
                 sweep: Some(sweep),
             });
         }
@@ -269,8 +292,9 @@ fn by_ruling(
         let Some(lowest) = lowest else { return Err(no_ball(cx, operation, *side, rolling)) };
         // Remainder of the lead, on which the tool moves without turning.
         let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
-        let before = part.root_step(*side, 0.0, rest(operation.lead_in.get()));
-        let after = part.root_step(*side, 1.0, rest(operation.lead_out.get()));
+        let [at_inlet, at_outlet] = leads_at_ends(part, operation, *side, flank.milling);
+        let before = part.root_step(*side, 0.0, rest(at_inlet));
+        let after = part.root_step(*side, 1.0, rest(at_outlet));
         for strip in (0..strips).rev() {
             let height = |v: f64, k: u32| v + (1.0 - v) * f64::from(k) / f64::from(strips);
             let point = |u: f64, v: f64| CcPoint {
@@ -285,7 +309,8 @@ fn by_ruling(
             let mut points = vec![point(from - before, first)];
             points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
             points.push(point(to + after, last));
-            planned.push(Planned { side: *side, strip, points, sweep: None });
+            let lower = f64::from(strip) / f64::from(strips);
+            planned.push(Planned { side: *side, strip, points, lower, sweep: None });
         }
     }
     let law = match flank.method {

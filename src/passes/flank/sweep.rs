@@ -10,7 +10,7 @@ use crate::geom::DualCurve;
 use crate::ir::{OperationId, Program};
 use crate::method::{Conflict, ErrorSide, Flank};
 use crate::part::{FaceId, SurfaceKind};
-use crate::passes::context::Obstacles;
+use crate::passes::context::{Obstacles, leads_at_ends};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -168,7 +168,7 @@ impl StripTask<'_> {
         contacts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let error = measured.violation(&exact);
         let operation = &self.program.operations[self.operation];
-        let length = [operation.lead_in.get(), operation.lead_out.get()];
+        let length = leads_at_ends(&self.program.part, operation, strip.side, self.choices.milling);
         let (directions, blocked) = leads(strip, &path, length, &points.all, &clearances);
         let leads = [0, 1].map(|end| path.at(end as f64).lower + directions[end] * length[end]);
         Some(StripPath { path, contacts, leads, blocked, error, span: strip.span, violation, crowded })

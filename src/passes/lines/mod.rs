@@ -123,6 +123,8 @@ pub(crate) struct Directions {
     /// Of forward and of backward lines. A backward line has its lead-in at x = 1.
     pub(crate) each: [LineDirection; 2],
     order: Order,
+    /// With one direction for all lines: whether they are cut backwards.
+    back: bool,
 }
 
 impl Directions {
@@ -131,11 +133,13 @@ impl Directions {
     fn backwards(&self, ends: impl Iterator<Item = [f64; 2]>) -> Vec<bool> {
         let mut last: Option<(f64, bool)> = None;
         ends.map(|[from, to]| {
-            let back = self.order == Order::Zigzag
-                && last.is_some_and(|(at, back)| {
+            let back = match last {
+                Some((at, back)) if self.order == Order::Zigzag => {
                     let [to_from, to_to] = [(at - from).abs(), (at - to).abs()];
                     if to_from == to_to { !back } else { to_to < to_from }
-                });
+                }
+                _ => self.back,
+            };
             last = Some((if back { from } else { to }, back));
             back
         })
@@ -143,8 +147,14 @@ impl Directions {
     }
 }
 
-/// The directions of forward and of backward lines, for speeds along x at both ends, mm per unit.
-pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order) -> Directions {
+/// The directions of forward and of backward lines, for speeds along x at both ends, mm per unit. `back` is true where the
+/// first line is cut backwards.
+pub(crate) fn directions(
+    operation: &Operation,
+    radius: f64,
+    speed: [f64; 2],
+    (order, back): (Order, bool),
+) -> Directions {
     let beyond = speed.map(|s| radius / s);
     let whole = 1.0 + beyond[0] + beyond[1];
     // Dense until the ball has passed the ends, then the leads.
@@ -159,11 +169,7 @@ pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], or
         LineDirection { grid, leads }
     };
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
-    let back = match order {
-        Order::Zigzag => [leads[1], leads[0]],
-        Order::OneWay | Order::Spiral => leads,
-    };
-    Directions { each: [direction(leads), direction(back)], order }
+    Directions { each: [direction(leads), direction([leads[1], leads[0]])], order, back }
 }
 
 /// Reverses every other line for the order `zigzag`; all of them go over the whole surface.

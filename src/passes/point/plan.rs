@@ -1,7 +1,7 @@
 //! Plan of the operation `point`: lines of constant scallop on faces, fillets and edges of vanes.
 //!
 //! Before: an operation. After: lines along each surface: on faces from the shroud down to the fillet, on fillets from
-//! the face to the hub, on edges from face to face. Both borders are lines. Where a surface is higher, as vanes are at
+//! the face to the hub, on edges from face to face; surface by surface, or level by level on both faces. Both borders are lines. Where a surface is higher, as vanes are at
 //! the inlet, further lines begin and end on it. A ball with the radius of the fillet needs a single line in the
 //! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
 
@@ -12,11 +12,11 @@ use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
 use crate::part::{
-    BladeId, SurfaceKind,
+    BladeId, Part, Surface, SurfaceKind,
     chart::{Shape, charts, edges, edges_of},
 };
 use crate::passes::context::{
-    AxisTilt, PassContext,
+    AxisTilt, PassContext, from_outlet,
     limits::{check_fillet, check_points},
 };
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
@@ -32,7 +32,9 @@ const SAME_RADIUS: f64 = 1e-6;
 /// A cutter bigger than the fillet or than a hollow of a surface; no fillet where a fillet is to be finished. The sink
 /// holds the diagnostic.
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Point { ref surfaces, scallop, lines: order, .. } = operation.kind else { return Err(Aborted) };
+    let OperationKind::Point { ref surfaces, scallop, lines: order, milling, levels, .. } = operation.kind else {
+        return Err(Aborted);
+    };
     let part = &cx.program.part;
     let cutter = cx.program.tools[operation.tool].solid.cutter;
     // An edge ends at the fillets, but the space in front of it is free: a ball of any size fits there.
@@ -78,7 +80,12 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         let surface = surface_of(cx, *kind)?;
         let speed = [0.0, 1.0]
             .map(|x| [0.0, 0.5, 1.0].map(|y| surface.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
-        let directions = lines::directions(operation, cutter.tip_radius(), speed, order);
+        let side = match kind {
+            SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => Some(*side),
+            _ => None,
+        };
+        let back = side.zip(milling).is_some_and(|(side, milling)| from_outlet(part, side, milling));
+        let directions = lines::directions(operation, cutter.tip_radius(), speed, (order, back));
         let lines = constant_scallop(cx, operation, &surface, cutter.tip_radius(), scallop.get(), &directions)?;
         notes.extend(lines.notes);
         let mut lines = lines.lines;
@@ -94,7 +101,22 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
             passes.push(CcPass { path: None, label: format!("{name} line {}", j + 1), drive, points });
         }
     }
+    if let Some(height) = levels {
+        // The lines of a face stay in their order, and the faces in theirs within a level.
+        let level = |pass: &CcPass| (deepest(part, pass) / height.get()).ceil() as u32;
+        passes.sort_by_cached_key(level);
+        let last = passes.last().map_or(0, level);
+        notes.push(format!("{last} levels of {height}, each on all faces before the next one"));
+    }
     Ok(CcOperation { operation: id, passes, notes })
+}
+
+/// Largest depth of a line of a face below the tip of the blade, along the rulings, mm.
+fn deepest(part: &Part, pass: &CcPass) -> f64 {
+    let Drive::Contact(SurfaceKind::Face(side)) = pass.drive else { return 0.0 };
+    let surface = &part.face(side).surface;
+    let on_face = pass.points.iter().filter(|p| (0.0..=1.0).contains(&p.u));
+    on_face.map(|p| (surface.point(p.u, 1.0) - surface.point(p.u, p.v)).norm()).fold(0.0, f64::max)
 }
 
 /// A spiral round both faces, with notes for the report.
@@ -106,7 +128,11 @@ fn spiral(
 ) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
     let edges = edges_of(&cx.program.part, BladeId::MAIN);
     let low = pair.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
-    let around = Around { faces: [pair[0], pair[1]], edges: &edges, low };
+    let OperationKind::Point { milling, .. } = operation.kind else { return Err(Aborted) };
+    let [first, _] = BladeId::MAIN.faces();
+    // Without a sense the spiral runs to the inlet on the first face.
+    let other_way = milling.is_some_and(|milling| !from_outlet(&cx.program.part, first, milling));
+    let around = Around { faces: [pair[0], pair[1]], edges: &edges, low, other_way };
     let target = lines::left_to_ridges(cx, height);
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
     let (laid, _) = lines::refined(target, |planned| {

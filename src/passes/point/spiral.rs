@@ -7,6 +7,8 @@
 //!   ---- suction face, u from 0 to 1 -----/
 //! ```
 //!
+//! Round the vane the other way, the faces change places: the sense of milling says which.
+//!
 //! The level falls evenly over each turn. The step of a turn is the one allowed at the place with the longest path from
 //! shroud to fillet. No ridge is therefore higher than required, and turns lie closer where vanes are lower. The first
 //! turn keeps the level of the shroud, the last turn that of the fillets.
@@ -33,6 +35,8 @@ pub(crate) struct Around<'a> {
     pub(crate) edges: &'a [Chart<'a>; 2],
     /// Lowest level.
     pub(crate) low: f64,
+    /// True when the tool runs to the inlet on the suction face, and to the outlet on the pressure face.
+    pub(crate) other_way: bool,
 }
 
 /// A spiral: its stations, and its turns on each face for the measurement of ridges.
@@ -81,23 +85,23 @@ impl Around<'_> {
                 let y = |t: f64| level(turn as f64 + begin + share * t);
                 match portion {
                     0 | 2 => {
-                        let side = portion / 2;
+                        let side = if self.other_way { 1 - portion / 2 } else { portion / 2 };
                         let mut on_surface: Vec<(f64, CcPoint)> = (0..=STATIONS)
                             .map(|i| {
                                 let t = i as f64 / STATIONS as f64;
-                                // Towards the inlet on the pressure face, away from it on the suction face.
-                                let x = if side == 0 { 1.0 - t } else { t };
+                                // Towards the inlet on the first face, away from it on the second one.
+                                let x = if portion == 0 { 1.0 - t } else { t };
                                 (x, self.faces[side].contact(x, y(t), 0.0))
                             })
                             .map(|(x, p)| (x, CcPoint { w: 2.0 * side as f64, ..p }))
                             .collect();
                         spiral.points.extend(on_surface.iter().map(|p| p.1));
-                        if side == 0 {
+                        if portion == 0 {
                             on_surface.reverse();
                         }
                         spiral.turns[side].push(SurfaceLine::whole(on_surface));
                     }
-                    // The last turn ends on the suction face.
+                    // The last turn ends on the second face.
                     _ if portion == 3 && turn == turns + 1 => {}
                     _ => self.round_edge(portion / 2, &y, &mut spiral.points),
                 }
@@ -123,19 +127,19 @@ impl Around<'_> {
         lengths.map(|l| l / whole)
     }
 
-    /// Stations round an edge: from the pressure face at the inlet, from the suction face at the outlet.
+    /// Stations round an edge, from the face on which the tool comes.
     fn round_edge(&self, end: usize, y: &dyn Fn(f64) -> f64, points: &mut Vec<CcPoint>) {
         let [roll, way] = ROLL;
         let count = 2 * roll + way;
         let x = if end == 0 { 0.0 } else { 1.0 };
+        let [from, to] = if (end == 0) == self.other_way { [1, 0] } else { [0, 1] };
         let normal_of = |side: usize, y: f64| -> Vector3<f64> { self.faces[side].contact(x, y, 0.0).normal };
         for i in 1..count {
             let t = i as f64 / count as f64;
             let level = y(t);
             // From the side of the incoming tool.
             let across = ((i as f64 - roll as f64) / way as f64).clamp(0.0, 1.0);
-            let place = self.edges[end].place(level, if end == 0 { across } else { 1.0 - across });
-            let [from, to] = if end == 0 { [0, 1] } else { [1, 0] };
+            let place = self.edges[end].place(level, if from == 0 { across } else { 1.0 - across });
             let normal = if i < roll {
                 normal_of(from, level).slerp(&place.normal, i as f64 / roll as f64)
             } else if i > roll + way {
@@ -144,7 +148,8 @@ impl Around<'_> {
                 place.normal
             };
             let v = self.faces[from].contact(x, level, 0.0).v;
-            let w = if end == 0 { 2.0 * t } else { 2.0 + 2.0 * t };
+            let round = if self.other_way { 1.0 - t } else { t };
+            let w = 2.0 * (x + round);
             points.push(CcPoint { u: x, v, w, position: place.position, normal });
         }
     }

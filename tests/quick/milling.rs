@@ -1,0 +1,153 @@
+//! Climb or conventional milling of vanes: the side of the material as the motion of the machine shows it.
+
+use crate::support::{self, golden, jobs};
+use impellerc::collide::Cutter;
+use impellerc::collide::tool::tool_coordinates;
+use impellerc::diag::Sink;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{Contract, ContractKind, MoveKind, OperationKind, Program};
+use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Milling};
+use impellerc::part::chart::{self, Chart, Shape};
+use impellerc::part::{BladeId, Surface, SurfaceKind};
+use impellerc::passes::pipeline;
+use impellerc::post;
+use impellerc::units::Mm;
+use nalgebra::{Point3, Vector3};
+
+/// Samples along and across a face.
+const GRID: [usize; 2] = [300, 60];
+
+/// Distance from a sample at which the cutter touches the surface, mm.
+const TOUCHES: f64 = 0.1;
+
+/// A program with one operation of a ball of 4 mm in two sectors.
+fn program(kind: OperationKind) -> Program {
+    let mut program = support::wei_program(&[0]);
+    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
+    let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius: 2.0 }, 30.0, 45.0));
+    program.operations.push(support::operation(kind.keyword(), kind, tool, vec![0, 3], 6.0));
+    program
+}
+
+fn lines(surface: fn(impellerc::part::FaceId) -> SurfaceKind, lines: Lines, milling: Option<Milling>) -> OperationKind {
+    let surfaces = BladeId::MAIN.faces().map(surface).to_vec();
+    OperationKind::Point { surfaces, scallop: Mm(0.4), lines, milling, levels: None, method: AxisMethod::Blend }
+}
+
+/// For each face the number of blocks that mill it in climb and in conventional sense, and that go outward and inward.
+///
+/// The spindle turns clockwise as seen along the tool axis from above (M3): a tooth on the right of the motion goes
+/// backward. Where the material is there, teeth go the way of the feed of the part: climb milling. The material is where
+/// the nearest place of a face is.
+fn found(program: &Program) -> [[[usize; 2]; 2]; 2] {
+    let mut sink = Sink::default();
+    let plan = pipeline::run(program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags()));
+    let operation = program.operations.iter().next().unwrap().1;
+    let solid = &program.tools[operation.tool].solid;
+    let samples: Vec<(usize, bool, Point3<f64>)> = operation
+        .sectors
+        .iter()
+        .flat_map(|sector| {
+            let turn = program.part.sector_rotation(*sector);
+            let faces = BladeId::MAIN.faces().into_iter().enumerate();
+            faces.flat_map(move |(k, face)| {
+                (0..=GRID[0]).flat_map(move |i| {
+                    (0..=GRID[1]).map(move |j| {
+                        let [u, v] = [i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64];
+                        let inside = (1..GRID[0]).contains(&i);
+                        (k, inside, turn * program.part.face(face).surface.point(u, v))
+                    })
+                })
+            })
+        })
+        .collect();
+    let is_finished = |chart: &Chart<'_>| match &operation.kind {
+        OperationKind::Flank { faces, .. } => faces.iter().any(|f| chart.kind == SurfaceKind::Face(*f)),
+        OperationKind::Point { surfaces, .. } => surfaces.contains(&chart.kind),
+        _ => false,
+    };
+    let charts = chart::charts(&program.part);
+    let finished: Vec<Point3<f64>> = operation
+        .sectors
+        .iter()
+        .map(|sector| program.part.sector_rotation(*sector))
+        .flat_map(|turn| charts.iter().filter(|c| is_finished(c)).map(move |chart| (turn, chart)))
+        .flat_map(|(turn, chart)| {
+            let at = move |i: usize, j: usize| {
+                turn * chart.place(i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64).position
+            };
+            (0..=GRID[0]).flat_map(move |i| (0..=GRID[1]).map(move |j| at(i, j)))
+        })
+        .collect();
+    let mut counts = [[[0; 2]; 2]; 2];
+    for pair in plan.motion.operations[0].moves.windows(2).filter(|pair| pair[1].kind == MoveKind::Cut) {
+        let [from, to] = [0, 1].map(|i| program.machine.forward(&pair[i].joints));
+        let (tip, axis): (Point3<f64>, Vector3<f64>) =
+            (nalgebra::center(&from.tip, &to.tip), (from.axis + to.axis).normalize());
+        let distance = |p: &Point3<f64>| {
+            let (rho, s) = tool_coordinates(p, &tip, &axis);
+            solid.cutter_distance(rho, s)
+        };
+        let nearest = samples.iter().min_by(|a, b| distance(&a.2).total_cmp(&distance(&b.2))).unwrap();
+        let (face, inside, place) = *nearest;
+        // On leads and where a line rises the cutter touches nothing.
+        if !inside || finished.iter().all(|p| distance(p) > TOUCHES) {
+            continue;
+        }
+        // The motion of the tool at the height of the place: the tip of a turning tool may go another way.
+        let (_, height) = tool_coordinates(&place, &tip, &axis);
+        let motion = (to.tip + to.axis * height) - (from.tip + from.axis * height);
+        let right = motion.cross(&axis);
+        let radius = |p: &Point3<f64>| p.coords.xy().norm();
+        counts[face][0][usize::from((place - tip).dot(&right) < 0.0)] += 1;
+        counts[face][1][usize::from(radius(&to.tip) < radius(&from.tip))] += 1;
+    }
+    counts
+}
+
+/// All blocks on both faces have the sense, and both faces are cut in opposite directions.
+fn keeps(counts: [[[usize; 2]; 2]; 2], sense: Milling) {
+    println!("{counts:?} {sense:?}");
+    let other = usize::from(sense == Milling::Climb);
+    for [senses, _] in counts {
+        assert!(senses[1 - other] > 20, "{counts:?}");
+        assert_eq!(senses[other], 0, "{counts:?}");
+    }
+    let outward = counts.map(|[_, directions]| directions[0] > directions[1]);
+    assert_ne!(outward[0], outward[1], "{counts:?}");
+}
+
+#[test]
+fn flank_milling_keeps_its_sense_on_both_faces() {
+    for method in [FlankMethod::TwoPoint, FlankMethod::OnePoint, FlankMethod::Minimax] {
+        for milling in Milling::ALL {
+            let flank = Flank { milling, ..Flank::by_ruling(method, 2) };
+            let mut program = program(OperationKind::Flank { faces: BladeId::MAIN.faces().to_vec(), flank });
+            // Without contracts `minimax` looks for the least error alone, and its tip may falter by micrometres.
+            program.contracts = [ContractKind::Gouge, ContractKind::Excess].map(|k| Contract::whole(k, 0.012)).into();
+            keeps(found(&program), milling);
+        }
+    }
+}
+
+#[test]
+fn lines_on_faces_and_fillets_keep_their_sense() {
+    for milling in Milling::ALL {
+        keeps(found(&program(lines(SurfaceKind::Face, Lines::OneWay, Some(milling)))), milling);
+        keeps(found(&program(lines(SurfaceKind::Face, Lines::Spiral, Some(milling)))), milling);
+        // In the fillet the face stands beside the tool.
+        keeps(found(&program(lines(SurfaceKind::Fillet, Lines::OneWay, Some(milling)))), milling);
+    }
+    // The check sees it where every other line has the other sense.
+    let zigzag = found(&program(lines(SurfaceKind::Face, Lines::Zigzag, None)));
+    assert!(zigzag.iter().all(|[senses, _]| senses.iter().all(|n| *n > 20)), "{zigzag:?}");
+}
+
+#[test]
+fn the_spindle_turns_clockwise() {
+    for post in post::POSTS {
+        let text = golden::nc(jobs::reduced(post.name()), *post);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        assert!(words.contains(&"M3") && !words.contains(&"M4"), "{}", post.name());
+    }
+}
