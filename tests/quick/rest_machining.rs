@@ -127,14 +127,16 @@ fn a_half_cut_floor_is_cut_on_from_where_it_ends() {
         &mut Sink::default(),
     )
     .unwrap();
-    // Both ways through the stock tell their shares, by passes.
+    // All ways through the stock tell their shares, by passes.
     let told: Vec<_> = progress.all().into_iter().map(|s| (s.name.to_string(), s.done, s.total, s.open)).collect();
     let passes = [0, 1].map(|o| cl.operations[o].passes.len() as u64);
+    let left = less.operations[1].passes.len() as u64;
     assert_eq!(
         told,
         [
             ("channel, rest stock".to_owned(), passes[0], passes[0], false),
-            ("channel2, find rest".to_owned(), passes[1], passes[1], false)
+            ("channel2, find rest".to_owned(), passes[1], passes[1], false),
+            ("channel2, links".to_owned(), left, left, false),
         ]
     );
     let [first, second] = [&cl.operations[0].passes, &less.operations[1].passes];

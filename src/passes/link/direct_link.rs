@@ -38,8 +38,18 @@ const MOST_TURN: f64 = 0.35;
 /// Largest turn of a rotary axis on a straight link through air, radians.
 const MOST_STRAIGHT_TURN: f64 = 1.5;
 
-/// Least way of the tip on a link, mm: a block at feed must move its tip.
-const LEAST_WAY: f64 = 1e-2;
+/// Least way of the tip on a link, mm, ten steps of the words of NC text; and the largest turn per mm, radians: a feed is a
+/// speed of the tip.
+const LEAST_WAY: f64 = 1e-3;
+const MOST_TURN_OF_WAY: f64 = 35.0;
+
+/// Height that the tool lifts by between two places that are nearer to each other, mm.
+const SAME_PLACE_LIFT: f64 = 0.5;
+
+/// True where a block at feed can have a way of the tip with a turn.
+fn is_a_way(way: f64, turn: f64) -> bool {
+    way > LEAST_WAY && turn <= MOST_TURN_OF_WAY * way
+}
 
 /// Direct links between passes of an operation.
 pub(crate) struct DirectLinks<'a> {
@@ -82,13 +92,22 @@ impl<'a> DirectLinks<'a> {
         if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MOST_TURN) {
             return None;
         }
+        let turn = self.machine.turn(start, end);
+        let moves = is_a_way((to.tip - from.tip).norm(), turn);
+        if !moves && turn <= LEAST_WAY {
+            if from.tip == to.tip && from.axis == to.axis {
+                return Some(Vec::new());
+            }
+            // Up and down along the axis, in space that the tool is in.
+            return Some(vec![ClPoint { tip: to.tip + to.axis * SAME_PLACE_LIFT, axis: to.axis, contact: None }]);
+        }
         let height = self.blank.height_within(from).max(self.blank.height_within(to));
         LIFTS.iter().find_map(|lift| {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
             let way = (over[1].tip - over[0].tip).norm();
-            let moves = way > LEAST_WAY;
-            let thin = || self.ridge(way, self.machine.turn(start, end), height) <= RIDGE;
+            let moves = is_a_way(way, turn);
+            let thin = || self.ridge(way, turn, height) <= RIDGE;
             let clear = |least: f64| self.keeps(&ends, Allowances::even(least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
@@ -103,7 +122,7 @@ impl<'a> DirectLinks<'a> {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
         let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
-        let moves = (to.tip - from.tip).norm() > LEAST_WAY;
+        let moves = is_a_way((to.tip - from.tip).norm(), self.machine.turn(angles[0], angles[1]));
         moves && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN) && self.keeps(&ends, kept)
     }
 

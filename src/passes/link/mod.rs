@@ -7,6 +7,7 @@ mod direct_link;
 pub(crate) mod fast_leads;
 pub(crate) mod link_moves;
 pub mod rest_machining;
+mod stock_links;
 mod stock_order;
 mod stock_steps;
 mod through_air;

@@ -4,7 +4,7 @@
 //! only the parts of its passes on which the cutter meets stock deeper than the thickness of the job, each with its
 //! leads; `link-moves` connects them. The stock of this pass comes from the planned cuts of earlier operations without
 //! links. It may therefore be larger than the true stock, never smaller. It serves planning only; the verifier computes
-//! its own.
+//! its own. Links of all operations are looked for in it ([`super::stock_links`]).
 //!
 //! Between the rays of the stock the surface is unknown. Where a rounding of radius R dips by t into the stock, the
 //! chip is 2 sqrt(2 R t) wide. Half a diagonal of a cell h beside the deepest place, the depth is less by h^2 / 4R.
@@ -14,8 +14,8 @@
 
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
-use super::stock_order;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
+use super::{stock_links, stock_order};
 use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
@@ -52,11 +52,11 @@ pub fn run(
     let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
     let mut field = field(program, sink)?;
     let mut failed = false;
-    for (i, planned) in cl.operations.iter_mut().enumerate().take(last + 1) {
+    for (i, planned) in cl.operations.iter_mut().enumerate() {
         let operation = &program.operations[planned.operation];
+        let direct = DirectLinks::new(program, obstacles, operation);
         if matches!(operation.kind, OperationKind::Rough { .. }) {
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
-            let direct = DirectLinks::new(program, obstacles, operation);
             stock_order::reduce(program, operation, &direct, planned, (&mut field, &work));
             if planned.passes.is_empty() {
                 sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
@@ -69,10 +69,10 @@ pub fn run(
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
             failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
         }
-        if i < last {
-            let work = progress.begin(format!("{}, rest stock", operation.name), planned.passes.len());
-            cut(program, operation, planned, &mut field, &work);
-        }
+        let cuts = i < last;
+        let what = if cuts { "rest stock" } else { "links" };
+        let work = progress.begin(format!("{}, {what}", operation.name), planned.passes.len());
+        stock_links::add(program, operation, &direct, (planned, cuts), (&mut field, &work));
     }
     if failed { Err(Aborted) } else { Ok(()) }
 }
@@ -125,12 +125,6 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         );
         Aborted
     })
-}
-
-/// Removes the cuts of an operation from the stock.
-fn cut(program: &Program, operation: &Operation, planned: &ClOperation, field: &mut Field, work: &Work) {
-    let solid = program.tools[operation.tool].solid.cutter_alone(0.0);
-    send(field, &solid, steps(&program.machine, &planned.passes, StepKind::Cut, 0.0), work);
 }
 
 /// Sends a tool through the stock; returns its collisions. `work` counts passes.

@@ -29,6 +29,10 @@ const LONGEST_LINK: f64 = 80.0;
 /// Heights that the tool lifts by on a link, mm.
 const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 
+/// Time that a corner between straight ways costs, s: the tool stops there, since finishing rounds corners within the chord
+/// tolerance only. Some 50 ms with the jerk of usual axes.
+const CORNER: f64 = 0.05;
+
 /// Straight pieces of a curved link: a turn of less than 30 deg lies between two of them.
 const PIECES: usize = 12;
 
@@ -83,6 +87,39 @@ impl<'a> ThroughAir<'a> {
         LIFTS
             .iter()
             .find_map(|lift| self.curve(end, start, *lift, field).or_else(|| self.lifted(end, start, *lift, field)))
+    }
+
+    /// As [`Self::link`], on straight ways only: the quickest of all lifts, for a feed of the tip in mm/s.
+    pub(super) fn quickest(
+        &self,
+        end: &ClPoint,
+        start: &ClPoint,
+        feed: f64,
+        field: &mut Field,
+    ) -> Option<Vec<ClPoint>> {
+        if (start.tip - end.tip).norm() > LONGEST_LINK {
+            return None;
+        }
+        let stays = start.tip == end.tip && start.axis == end.axis;
+        if stays || self.clear(&[*end, *start], field) {
+            return Some(Vec::new());
+        }
+        let angles = rotary(&self.machine.chain, [end.axis, start.axis].into_iter());
+        let turn = |k: usize| (angles[1][k] - angles[0][k]).abs() / self.machine.rotary[k].speed;
+        let turns = turn(0).max(turn(1));
+        let time = |places: &Vec<ClPoint>| {
+            let path: Vec<ClPoint> = [*end].into_iter().chain(places.iter().copied()).chain([*start]).collect();
+            // The way on which the axes turn takes as long as they need.
+            let ways = path.windows(2).map(|w| {
+                let way = (w[1].tip - w[0].tip).norm() / feed;
+                if w[0].axis == w[1].axis { way } else { way.max(turns) }
+            });
+            ways.sum::<f64>() + places.len() as f64 * CORNER
+        };
+        let found = LIFTS.iter().filter_map(|lift| self.lifted(end, start, *lift, field));
+        let mut timed: Vec<(f64, Vec<ClPoint>)> = found.map(|places| (time(&places), places)).collect();
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        timed.into_iter().next().map(|found| found.1)
     }
 
     /// The places of a link on a cubic Bezier curve whose inner control points lie above its ends. It is a third higher
