@@ -55,6 +55,7 @@ mod report;
 mod rest_machining;
 mod rough;
 mod stl;
+mod stock_links;
 mod stock_program;
 mod surface_truths;
 mod trochoid;

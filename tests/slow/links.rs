@@ -150,6 +150,36 @@ fn wide_steps_are_joined_only_where_the_rest_is_bounded() {
 }
 
 #[test]
+fn lines_that_begin_where_one_ends_are_linked() {
+    let mut program = floor(Lines::Zigzag, 0.012);
+    let mut operation = program.operations.iter().next().unwrap().1.clone();
+    if let OperationKind::Channel { spacing, .. } = &mut operation.kind {
+        *spacing = Spacing::ConstantScallop;
+    }
+    (operation.lead_in, operation.lead_out) = (Mm(3.0), Mm(3.0));
+    program.operations = PrimaryMap::new();
+    program.operations.push(operation);
+    let motion = planned(&program);
+    let operation = &motion.operations[0];
+    let tip = |i: usize| program.machine.forward(&operation.moves[i].joints).tip;
+    // Where the first and the last cut of each pass begin and end.
+    let ends: Vec<[Point3<f64>; 2]> = (0..operation.labels.len() as u32)
+        .map(|pass| {
+            let cuts = |i: &usize| operation.moves[*i].pass == pass && operation.moves[*i].kind == MoveKind::Cut;
+            let all: Vec<usize> = (0..operation.moves.len()).filter(cuts).collect();
+            [tip(all[0] - 1), tip(*all.last().unwrap())]
+        })
+        .collect();
+    let (_, moves) = operation.moves.split_last().unwrap();
+    let by_rapid: std::collections::BTreeSet<u32> =
+        moves.iter().filter(|m| m.kind == MoveKind::Rapid).map(|m| m.pass).collect();
+    let same = ends.windows(2).enumerate().filter(|(_, pair)| (pair[1][0] - pair[0][1]).norm() < 0.01);
+    let same: Vec<u32> = same.map(|(i, _)| i as u32 + 1).collect();
+    println!("{} passes, by rapid {by_rapid:?}, at the same place {same:?}", ends.len());
+    assert!(!same.is_empty() && same.iter().all(|pass| !by_rapid.contains(pass)));
+}
+
+#[test]
 fn rapids_stay_outside_of_the_blank_with_any_holder() {
     // A holder as wide as the blank, low over the tip: the sphere grows with it.
     let mut program = floor(Lines::OneWay, 0.4);
