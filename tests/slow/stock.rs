@@ -85,12 +85,13 @@ fn a_plunge_of_a_ball_removes_capsule() {
         check(found, expected, 30.0, 8.0, 0.0, cell);
         assert!(outcome.collisions.is_empty());
         assert_eq!(outcome.cuts.len(), 1);
-        let cut = outcome.cuts[0];
+        let cut = &outcome.cuts[0];
         assert_eq!(cut.block, 7);
         let mean = found.iter().sum::<f64>() / 3.0;
         assert!((cut.volume - mean).abs() < 1e-6 * mean, "{} {mean}", cut.volume);
         assert!(cut.height[0] >= -1e-3 && cut.height[0] < 0.1 && cut.height[1] < 8.1);
-        assert!(cut.side[0] > -3.002 && cut.side[1] < 3.002 && cut.side[1] - cut.side[0] > 5.7);
+        let [left, right] = cut.sides.over(0..=cut.sides.0.len() - 1);
+        assert!(left > -3.002 && right < 3.002 && right - left > 5.7);
     }
 }
 
@@ -105,9 +106,10 @@ fn a_slot_of_a_flat_end_mill() {
         let steps = straight(0, StepKind::Cut, end(-0.5 * length), end(0.5 * length), Vector3::z());
         let (found, outcome) = removed(&mut field, &solid, steps);
         check(found, expected, 70.0, depth, expected / depth, cell);
-        let cut = outcome.cuts[0];
+        let cut = &outcome.cuts[0];
         assert!((cut.height[1] - depth).abs() < cell && cut.height[0].abs() < cell);
-        assert!((cut.side[1] - cut.side[0] - 8.0).abs() < cell, "{:?}", cut.side);
+        let [left, right] = cut.sides.over(0..=cut.sides.0.len() - 1);
+        assert!((right - left - 8.0).abs() < cell, "{left} {right}");
     }
 }
 

@@ -35,6 +35,9 @@ const RIDGE: f64 = 0.1;
 /// Largest turn of a rotary axis on the link, radians.
 const MOST_TURN: f64 = 0.35;
 
+/// Largest turn of a rotary axis on a straight link through air, radians.
+const MOST_STRAIGHT_TURN: f64 = 1.5;
+
 /// Least way of the tip on a link, mm, ten steps of the words of NC text; and the largest turn per mm, radians: a feed is a
 /// speed of the tip.
 const LEAST_WAY: f64 = 1e-3;
@@ -114,13 +117,13 @@ impl<'a> DirectLinks<'a> {
     }
 
     /// True when the tool keeps its distances to the part, each at least the allowance there, while its tip goes straight
-    /// from one place to another and the rotary axes turn evenly, each by at most `most_turn`, radians.
-    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint, kept: Allowances, most_turn: f64) -> bool {
+    /// from one place to another and the rotary axes turn evenly.
+    pub(crate) fn straight(&self, from: &ClPoint, to: &ClPoint, kept: Allowances) -> bool {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
         let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
         let moves = is_a_way((to.tip - from.tip).norm(), self.machine.turn(angles[0], angles[1]));
-        moves && turns.iter().all(|turn| *turn <= most_turn) && self.keeps(&ends, kept)
+        moves && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN) && self.keeps(&ends, kept)
     }
 
     /// True when the tool keeps its distances, each at least the allowance, over a motion.

@@ -25,7 +25,7 @@ pub(super) fn add(
 ) {
     let solid = &program.tools[operation.tool].solid;
     let cutter = solid.cutter_alone(0.0);
-    let air = ThroughAir::new(program, direct, solid, field).between_faces();
+    let air = ThroughAir::new(program, direct, solid, field);
     let mut before = None;
     let mut linked = 0;
     for pass in &mut planned.passes {

@@ -14,7 +14,7 @@
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, stations, steps_of, way};
-use super::through_air::{MOST_TURN, ThroughAir};
+use super::through_air::ThroughAir;
 use crate::collide::ToolSolid;
 use crate::ir::{ClOperation, ClPass, ClPoint, Operation, Program};
 use crate::operation::Allowances;
@@ -320,7 +320,7 @@ impl Reduction<'_> {
                 let place = ClPoint { tip, axis: from.axis, contact: None };
                 let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
                 if self.air.is_free(&[over, place], 0.0, field)
-                    && self.direct.straight(&place, &line[station].point, kept, MOST_TURN)
+                    && self.direct.straight(&place, &line[station].point, kept)
                 {
                     return Some(place);
                 }

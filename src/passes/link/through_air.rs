@@ -33,10 +33,6 @@ const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 /// tolerance only. Some 50 ms with the jerk of usual axes.
 const CORNER: f64 = 0.05;
 
-/// Largest turn of a rotary axis on a straight way, radians: of roughing, and of links from one channel or face to the next.
-pub(super) const MOST_TURN: f64 = 1.5;
-const MOST_TURN_BETWEEN_FACES: f64 = 2.5;
-
 /// Straight pieces of a curved link: a turn of less than 30 deg lies between two of them.
 const PIECES: usize = 12;
 
@@ -44,8 +40,6 @@ const PIECES: usize = 12;
 pub(super) struct ThroughAir<'a> {
     machine: &'a Machine,
     direct: &'a DirectLinks<'a>,
-    /// Largest turn of a rotary axis on a straight way, radians.
-    most_turn: f64,
     /// Depth up to which the cutter slides along its own cut, mm.
     pub(super) slivers: f64,
     /// The tool, its cutter enlarged by the error of the depth between the rays of the stock.
@@ -74,16 +68,10 @@ impl<'a> ThroughAir<'a> {
         Self {
             machine: &program.machine,
             direct,
-            most_turn: MOST_TURN,
             slivers: by + ROUNDING * direct.scale(),
             cutting: EnlargedTool::new(tool, by),
             linking: EnlargedTool::new(tool, by + LINK_FREE * direct.scale()),
         }
-    }
-
-    /// The same for links from one channel or face to the next.
-    pub(super) fn between_faces(self) -> Self {
-        Self { most_turn: MOST_TURN_BETWEEN_FACES, ..self }
     }
 
     /// Places between the end of a pass and the start of the next, with straight ways through air between them, clear of
@@ -153,8 +141,7 @@ impl<'a> ThroughAir<'a> {
         let leaves = [[*end, *first], [*last, *start]];
         let clear = places.windows(2).all(|w| self.clear(&[w[0], w[1]], field))
             && leaves.iter().all(|way| {
-                self.direct.straight(&way[0], &way[1], THROUGH_AIR, self.most_turn)
-                    && self.is_free(way, self.slivers, field)
+                self.direct.straight(&way[0], &way[1], THROUGH_AIR) && self.is_free(way, self.slivers, field)
             });
         clear.then_some(places)
     }
@@ -179,7 +166,7 @@ impl<'a> ThroughAir<'a> {
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
         let line = || self.straight_way(*places);
-        self.direct.straight(&places[0], &places[1], THROUGH_AIR, self.most_turn)
+        self.direct.straight(&places[0], &places[1], THROUGH_AIR)
             && self.depths_of(&self.linking, &line(), field).is_none_or(|depths| depths.iter().all(|d| *d <= 0.0))
     }
 
