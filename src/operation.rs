@@ -125,6 +125,15 @@ pub enum OperationKind {
         /// How the first cut at a place is made.
         slots: Slots,
     },
+    /// The channel, by strokes along the tool axis from above the stock down to the floor.
+    Plunge {
+        /// Largest distance between neighbouring strokes, along the channel and across it.
+        stepover: Mm,
+        /// Material to leave on vanes and fillets.
+        allowance_vane: VaneAllowance,
+        /// Material to leave on the hub.
+        allowance_hub: Mm,
+    },
     /// Vane faces, milled with the side of the cutter (Wei 3.2).
     Flank {
         /// Faces to finish.
@@ -170,6 +179,7 @@ impl OperationKind {
             Self::Groove { .. } => "groove",
             Self::Expand { .. } => "expand",
             Self::Rough { .. } => "rough",
+            Self::Plunge { .. } => "plunge",
             Self::Flank { .. } => "flank",
             Self::Channel { .. } => "channel",
             Self::Point { surfaces, .. } => surfaces.first().and_then(|s| word(*s)).map_or("point", |w| w.0),
@@ -187,14 +197,30 @@ impl OperationKind {
         matches!(self, Self::Channel { .. })
     }
 
-    /// Largest step between levels, and the material that roughing leaves on vanes and on the hub; `None` for finishing.
-    pub fn roughing(&self) -> Option<(Mm, VaneAllowance, Mm)> {
+    /// The material that roughing leaves on vanes and on the hub; `None` for finishing.
+    pub fn roughing(&self) -> Option<Allowances> {
         match *self {
-            Self::Groove { depth, allowance_vane, allowance_hub }
-            | Self::Expand { depth, allowance_vane, allowance_hub, .. }
-            | Self::Rough { depth, allowance_vane, allowance_hub, .. } => Some((depth, allowance_vane, allowance_hub)),
+            Self::Groove { allowance_vane, allowance_hub, .. }
+            | Self::Expand { allowance_vane, allowance_hub, .. }
+            | Self::Rough { allowance_vane, allowance_hub, .. }
+            | Self::Plunge { allowance_vane, allowance_hub, .. } => {
+                Some(Allowances { vane: allowance_vane, hub: allowance_hub })
+            }
             Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
         }
+    }
+
+    /// Largest step between levels; `None` for operations without levels.
+    pub fn step_down(&self) -> Option<Mm> {
+        match *self {
+            Self::Groove { depth, .. } | Self::Expand { depth, .. } | Self::Rough { depth, .. } => Some(depth),
+            _ => None,
+        }
+    }
+
+    /// True for the operations whose passes are cut to the stock that they find.
+    pub fn follows_stock(&self) -> bool {
+        matches!(self, Self::Rough { .. } | Self::Plunge { .. })
     }
 
     /// What the larger ball of a channel floor leaves beside vanes and fillets; `None` for all other operations.

@@ -103,6 +103,9 @@ const WENT_ON: f64 = 1.0 / 3.0;
 /// 0.05 to 0.2 cut.
 const LATER_ROUGH: f64 = 0.3;
 
+/// Stations of a stroke of `plunge`: above the stock, at its surface, at the floor, off the wall, and up.
+const OF_STROKE: f64 = 6.0;
+
 /// Most strips that a plan may optimise: each takes about a second of a processor.
 const MOST_STRIPS: u32 = 200;
 
@@ -224,6 +227,11 @@ impl Sizes {
                 };
                 Cost { lines: lines.lines + loops.lines, stations, links: lines.links }
             }
+            OperationKind::Plunge { stepover, .. } => {
+                let free = (self.width - 2.0 * radius).max(0.0);
+                let rows = (length + 4.0 * radius) / stepover.get();
+                of(rows * ((free / stepover.get()).ceil() + 1.0), OF_STROKE, THROUGH_AIR)
+            }
             OperationKind::Flank { faces, flank } => {
                 of(f64::from(flank.strips.unwrap_or(1)) * faces.len() as f64, FINISHING_STATIONS, 1.0)
             }
@@ -323,7 +331,9 @@ impl Figure {
                 | OperationKind::Expand { depth, .. }
                 | OperationKind::Rough { depth, .. },
             ) => Some(depth),
-            (Self::Stepover, OperationKind::Rough { stepover, .. }) => Some(stepover),
+            (Self::Stepover, OperationKind::Rough { stepover, .. } | OperationKind::Plunge { stepover, .. }) => {
+                Some(stepover)
+            }
             (Self::Residual, OperationKind::Expand { residual, .. }) => Some(residual),
             (Self::Scallop, OperationKind::Channel { scallop, .. } | OperationKind::Point { scallop, .. }) => {
                 Some(scallop)

@@ -33,8 +33,8 @@ pub struct Reach {
 
 /// Allowances on vane and hub; finishing leaves nothing. `None` where the width at the floor does not limit the tool.
 fn allowances(kind: &OperationKind) -> Option<(VaneAllowance, f64)> {
-    if let Some((_, vane, hub)) = kind.roughing() {
-        return Some((vane, hub.get()));
+    if let Some(kept) = kind.roughing() {
+        return Some((kept.vane, kept.hub.get()));
     }
     match kind {
         OperationKind::Channel { allowance_vane: Some(vane), .. } => Some((VaneAllowance::even(*vane), 0.0)),

@@ -129,6 +129,24 @@ impl ToolSolid {
         }
     }
 
+    /// A tool that holds all places of this one while it leaves along its axis by up to a distance, mm: its flutes are
+    /// longer by this distance, and no section of shank and holder is thinner than one below it.
+    #[must_use]
+    pub fn swept_along_axis(&self, distance: f64) -> Self {
+        let mut widest = 0.0_f64;
+        let mut swept = |x: &Section| {
+            let radius_from = x.radius_from.max(widest);
+            widest = widest.max(x.radius_from).max(x.radius_to);
+            Section { radius_from, radius_to: widest, ..*x }
+        };
+        let [shank, holder] = [&self.shank, &self.holder].map(|sections| sections.iter().map(&mut swept).collect());
+        let mut tool = Self { cutter: self.cutter, flute_length: self.flute_length + distance, shank, holder };
+        if let Some(last) = tool.holder.last_mut().or(tool.shank.last_mut()) {
+            last.to += distance;
+        }
+        tool
+    }
+
     /// Upper end of the holder.
     pub fn length(&self) -> f64 {
         self.shank.iter().chain(&self.holder).map(|x| x.to).fold(self.flute_length, f64::max)

@@ -161,6 +161,9 @@ fn kind(kind: &OperationKind) -> String {
                 slots.name()
             )
         }
+        OperationKind::Plunge { stepover, allowance_vane, allowance_hub } => {
+            format!("plunge stepover {stepover} vane {allowance_vane} hub {allowance_hub}")
+        }
         OperationKind::Flank { faces, flank } => {
             let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
             let (method, strips) = (flank.method.name(), flank.strips_text());

@@ -104,11 +104,20 @@ pub struct Tool {
     pub max_depth: Mm,
     /// Largest removal rate that the job or the library states.
     pub max_rate: Option<Mm3PerMin>,
+    /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis. The radius for a
+    /// tool that cuts at its centre; `None` for other shapes than flat, ball and bull.
+    pub plunge_width: Option<Mm>,
     /// Its declaration.
     pub span: Span,
 }
 
 impl Tool {
+    /// Radius of the middle of the end, which has no teeth, mm; zero for a tool that cuts at its centre. `None` for other
+    /// shapes than flat, ball and bull.
+    pub fn toothless_radius(&self) -> Option<f64> {
+        self.plunge_width.map(|width| (self.solid.radius() - width.get()).max(0.0))
+    }
+
     /// Height of the gauge line over the tip, mm: the tool length in the tool table of the control.
     pub fn length(&self) -> f64 {
         self.solid.length()

@@ -101,7 +101,10 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
             check(pass.points.len() > 1, || format!("{} has {} points", at(), pass.points.len()))?;
             let driven = match (&operation.kind, pass.drive) {
                 (
-                    OperationKind::Groove { .. } | OperationKind::Expand { .. } | OperationKind::Rough { .. },
+                    OperationKind::Groove { .. }
+                    | OperationKind::Expand { .. }
+                    | OperationKind::Rough { .. }
+                    | OperationKind::Plunge { .. },
                     Drive::Channel,
                 )
                 | (OperationKind::Channel { .. }, Drive::Hub)

@@ -174,6 +174,8 @@ struct ToolTable {
     max_depth: Option<SpannedText>,
     #[serde(rename = "max-rate")]
     max_rate: Option<SpannedText>,
+    #[serde(rename = "plunge-width")]
+    plunge_width: Option<SpannedText>,
 }
 
 /// Holders and tools of all tool files of a job.
@@ -556,8 +558,9 @@ fn library_tool(
     let [corner, tip] = [&tool.corner, &tool.tip].map(|t| given(t, limits::CORNER));
     let [barrel, flute, neck_end] = [&tool.barrel, &tool.flute, &tool.neck_end].map(|t| given(t, limits::LENGTH));
     let [neck, shank] = [&tool.neck, &tool.shank].map(|t| given(t, limits::DIAMETER));
-    let [max_chip, max_depth] =
-        [(&tool.max_chip, limits::CHIP), (&tool.max_depth, limits::LENGTH)].map(|(t, range)| given(t, range));
+    let [max_chip, max_depth, plunge] =
+        [(&tool.max_chip, limits::CHIP), (&tool.max_depth, limits::LENGTH), (&tool.plunge_width, limits::LENGTH)]
+            .map(|(t, range)| given(t, range));
     let (reach, diameter) = (size(&tool.reach, limits::LENGTH), size(&tool.diameter, limits::DIAMETER));
     let [least, most] = limits::RATE;
     let max_rate = tool.max_rate.as_ref().map(|t| Mm3PerMin(reader.quantity(t, Dimension::REMOVAL_RATE, least, most)));
@@ -608,7 +611,7 @@ fn library_tool(
         shank: shank.unwrap_or(diameter),
         reach,
         holder,
-        limits: LoadLimits { chip: max_chip, depth: max_depth, rate: max_rate },
+        limits: LoadLimits { chip: max_chip, depth: max_depth, rate: max_rate, plunge },
         span,
     };
     if let Some(fault) = shape_fault(&spec) {
@@ -639,6 +642,12 @@ pub(super) fn shape_fault(tool: &ToolSpec) -> Option<String> {
         }
         CutterKind::Lollipop { neck_end, .. } if neck_end.get() < tool.flute.get() => {
             "the neck must end above the ball; `neck-end` is measured from the tip"
+        }
+        kind if tool.limits.plunge.is_some() && kind.corner(radius).is_none() => {
+            "only flat, ball and bull tools have a `plunge-width`"
+        }
+        _ if tool.limits.plunge.is_some_and(|width| width.get() > radius) => {
+            "the plunge width, from the rim towards the axis, must be at most half of the diameter"
         }
         _ => "",
     };

@@ -12,6 +12,7 @@ mod limits;
 pub mod model;
 mod operations;
 mod part;
+mod plunge;
 pub mod print;
 mod properties;
 pub mod quantity;

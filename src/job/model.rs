@@ -372,6 +372,17 @@ impl CutterKind {
         }
     }
 
+    /// Radius of the rounding between end and side of a tool with this radius, mm; `None` for other shapes than flat, ball
+    /// and bull.
+    pub fn corner(self, radius: f64) -> Option<f64> {
+        match self {
+            Self::Flat => Some(0.0),
+            Self::Ball => Some(radius),
+            Self::Bull(corner) => Some(corner.get()),
+            _ => None,
+        }
+    }
+
     /// Least height over the tip to which the flutes must extend, in mm, and the name of this place; for a lollipop of
     /// this diameter, the end of its flutes. Formulas: tangent circles, and the chord of the neck in the ball.
     pub fn least_flute(self, diameter: Mm) -> (f64, &'static str) {
@@ -425,9 +436,29 @@ pub struct LoadLimits {
     pub depth: Option<Mm>,
     /// `max-rate`: largest removal rate.
     pub rate: Option<Mm3PerMin>,
+    /// `plunge-width`: width from the rim towards the axis that the teeth of its end cut.
+    pub plunge: Option<Mm>,
 }
 
 impl ToolSpec {
+    /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis: the stated one, or
+    /// the corner and half of the flat part of the end. So a ball cuts at its centre. `None` for other shapes than flat,
+    /// ball and bull.
+    pub fn plunge_width(&self) -> Option<Mm> {
+        let radius = 0.5 * self.diameter.get();
+        let corner = self.kind.corner(radius)?;
+        Some(self.limits.plunge.unwrap_or(Mm(0.5 * (radius + corner))))
+    }
+
+    /// Largest distance between neighbouring strokes along the axis, mm: half of the diameter for a tool that cuts at its
+    /// centre. Otherwise the flat part of the width that its teeth cut, so that the middle of its end goes down over the
+    /// floor of the stroke before. `None` as for [`Self::plunge_width`]; zero or less where the tool cannot plunge.
+    pub fn largest_plunge_step(&self) -> Option<f64> {
+        let (radius, width) = (0.5 * self.diameter.get(), self.plunge_width()?.get());
+        let corner = self.kind.corner(radius)?;
+        Some(if width >= radius { radius } else { width - corner })
+    }
+
     /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out, less in a
     /// material that is harder to cut than aluminium.
     pub fn largest_chip(&self, material: Option<Material>) -> Mm {

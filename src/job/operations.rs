@@ -21,7 +21,7 @@ use crate::units::{Mm, MmPerMin, Rpm, length, trim};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-const KINDS: [&str; 8] = ["rough", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
+const KINDS: [&str; 9] = ["rough", "plunge", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
 pub(super) const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
 /// Properties of `channel` beside the common ones.
@@ -99,7 +99,7 @@ pub(super) fn resolve(
     }
     if !any && !file.damaged {
         cx.sink.push(Diag::error(codes::MISSING_ITEM, "the job has no operation").help(
-            "add `operation rough { ... }`; operations are rough, groove, expand, flank, point, fillet, edge and channel",
+            "add `operation rough { ... }`; operations are rough, plunge, groove, expand, flank, point, fillet, edge and channel",
         ));
     }
     out
@@ -175,6 +175,7 @@ impl OperationReader<'_> {
     fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let own: &[&str] = match kind.text.as_str() {
+            "plunge" => &["stepover", "allowance"],
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
             "flank" => &["faces", "method", "strips", "side", "conflict", "milling", "order"],
@@ -469,6 +470,7 @@ impl OperationReader<'_> {
                 let Layers { depth, allowance_vane, allowance_hub } = layers?;
                 Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: Mm(residual?.0) })
             }
+            "plunge" => self.plunge(tool, p),
             "flank" => flank(p),
             "point" | "fillet" | "edge" => {
                 let range = Range::Between(LEAST_SCALLOP, radius);

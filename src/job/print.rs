@@ -4,7 +4,7 @@ use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind};
 use crate::method::FlankMethod;
 use crate::method::Planning;
-use crate::operation::word;
+use crate::operation::{Allowances, word};
 use crate::part::FaceId;
 use crate::units::trim;
 use std::fmt::Write;
@@ -123,6 +123,9 @@ fn tools(out: &mut String, job: &Job) {
         let material = job.stock.material;
         let _ = writeln!(out, "  max-chip {}\n  max-depth {}", t.largest_chip(material), t.largest_depth(material));
         t.limits.rate.map(|rate| writeln!(out, "  max-rate {rate}"));
+        if let Some(width) = t.plunge_width() {
+            let _ = writeln!(out, "  plunge-width {width}");
+        }
         let Some((name, sections)) = &t.holder else { continue };
         let _ = writeln!(out, "  holder {name}");
         for [length, lower, upper] in sections {
@@ -146,8 +149,11 @@ fn operations(out: &mut String, job: &Job) {
         let _ = writeln!(out, "  rest {}", o.rest.map_or_else(|| "off".to_owned(), |t| format!("over {t}")));
         let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
-        if let Some((depth, vane, hub)) = o.kind.roughing() {
-            let _ = writeln!(out, "  depth {depth}\n  allowance vane {vane}, hub {hub}");
+        if let Some(depth) = o.kind.step_down() {
+            let _ = writeln!(out, "  depth {depth}");
+        }
+        if let Some(Allowances { vane, hub }) = o.kind.roughing() {
+            let _ = writeln!(out, "  allowance vane {vane}, hub {hub}");
         }
         match &o.kind {
             OperationKind::Groove { .. } => {}
@@ -158,6 +164,9 @@ fn operations(out: &mut String, job: &Job) {
                 let _ = writeln!(out, "  stepover {stepover}\n  levels {}\n  milling {}", form.name(), milling.name());
                 let _ = writeln!(out, "  slots {}", slots.name());
                 slots.engagement().map(|arc| writeln!(out, "  engagement {arc}"));
+            }
+            OperationKind::Plunge { stepover, .. } => {
+                let _ = writeln!(out, "  stepover {stepover}");
             }
             OperationKind::Flank { faces, flank } => {
                 let faces: Vec<_> = faces.iter().map(|face| face.name()).collect();

@@ -112,7 +112,8 @@ fn known(kind: &str) -> Vec<&'static str> {
     let mut known =
         vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth", "max-rate"];
     known.extend_from_slice(match kind {
-        "bull" => &["flute", "corner"],
+        "flat" | "ball" => &["flute", "plunge-width"],
+        "bull" => &["flute", "corner", "plunge-width"],
         "tapered-ball" => &["flute", "angle"],
         "barrel" => &["flute", "barrel", "tip"],
         "lollipop" => &["flute", "neck", "neck-end"],
@@ -195,11 +196,18 @@ fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
     let rate = p
         .has("max-rate")
         .then(|| p.number("max-rate", Dimension::REMOVAL_RATE, range(limits::RATE), "max-rate 120 cm3/min"));
+    let plunge =
+        p.has("plunge-width").then(|| p.number("plunge-width", Dimension::LENGTH, LENGTH, "plunge-width 1.5 mm"));
     let stated = |x: Option<Option<(f64, Span)>>| match x {
         Some(found) => found.map(|f| Some(f.0)),
         None => Some(None),
     };
-    Some(LoadLimits { chip: stated(chip)?.map(Mm), depth: stated(depth)?.map(Mm), rate: stated(rate)?.map(Mm3PerMin) })
+    Some(LoadLimits {
+        chip: stated(chip)?.map(Mm),
+        depth: stated(depth)?.map(Mm),
+        rate: stated(rate)?.map(Mm3PerMin),
+        plunge: stated(plunge)?.map(Mm),
+    })
 }
 
 /// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.

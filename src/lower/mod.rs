@@ -224,6 +224,7 @@ fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
         max_chip: spec.largest_chip(material),
         max_depth: spec.largest_depth(material),
         max_rate: spec.limits.rate,
+        plunge_width: spec.plunge_width(),
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,
     }

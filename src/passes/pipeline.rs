@@ -6,7 +6,7 @@ use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, link_moves, rest_machining};
-use super::rough::{Roughings, channel_levels, expand, groove, roughings, short_reach};
+use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
 use super::{channel, copy_sectors, flank, point, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
 use crate::diag::{Aborted, Sink};
@@ -106,6 +106,7 @@ fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'
                 })
             }
             OperationKind::Rough { .. } => channel_levels::plan(cx, roughings, (id, operation)),
+            OperationKind::Plunge { .. } => plunge::plan(cx, id, operation),
             OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
             OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
             OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation, middles),

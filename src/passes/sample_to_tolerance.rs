@@ -38,7 +38,10 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
             OperationKind::Channel { .. } | OperationKind::Point { .. } => {
                 vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
             }
-            OperationKind::Groove { .. } | OperationKind::Expand { .. } | OperationKind::Rough { .. } => {
+            OperationKind::Groove { .. }
+            | OperationKind::Expand { .. }
+            | OperationKind::Rough { .. }
+            | OperationKind::Plunge { .. } => {
                 vec![(0.0, coarse), (solid.flute_length, coarse)]
             }
         };

@@ -10,6 +10,7 @@
 //! | `moving` | such a body in motion with bounds, against a line |
 //! | `lanes` | queries about eight intervals of material at once against such a body |
 //! | `intervals` | what such a body removes of the intervals of a group of lines |
+//! | [`lune`] | material about the axis that a step along the axis removes |
 //! | [`slices`] | slices of a cutter along its axis: sides to which it removes material |
 //! | `run` | successive steps as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of the material |
@@ -25,6 +26,7 @@
 pub mod field;
 mod intervals;
 mod lanes;
+pub mod lune;
 pub mod mesh;
 mod moving;
 mod ray;
@@ -39,6 +41,7 @@ mod sweep;
 mod tile;
 
 pub use field::{Field, FieldError, Uncut};
+pub use lune::Lune;
 pub use mesh::Mesh;
 pub use simulate::{BlockCut, Collision, Outcome, simulate};
 pub use slices::{SLICES, Sides, Slices};

@@ -50,6 +50,15 @@ pub(super) struct Moving {
     radius: f64,
     /// Unit vector across tip motion and axis.
     pub(super) side: Vector3<f64>,
+    /// For a step along the axis, towards the tip: the unit vector from which angles about the axis count.
+    pub(super) around: Option<Vector3<f64>>,
+}
+
+/// A unit vector square to another.
+pub(super) fn square_to(axis: &Vector3<f64>) -> Vector3<f64> {
+    let mut unit = Vector3::zeros();
+    unit[axis.iamin()] = 1.0;
+    axis.cross(&unit).normalize()
 }
 
 impl Moving {
@@ -74,15 +83,13 @@ impl Moving {
         let moved = 0.5 * way + (start - axis).norm().max((end - axis).norm()) * reach + sag;
         let across = axis.cross(sweep.way());
         // For a plunge any direction across the axis is valid.
-        let side = across.try_normalize(0.05 * way + NO_DIRECTION).unwrap_or_else(|| {
-            let least = axis.iamin();
-            let mut unit = Vector3::zeros();
-            unit[least] = 1.0;
-            axis.cross(&unit).normalize()
-        });
+        let crosses = across.try_normalize(0.05 * way + NO_DIRECTION);
+        let side = crosses.unwrap_or_else(|| square_to(&axis));
+        let plunges = crosses.is_none() && axis.dot(sweep.way()) < -NO_DIRECTION;
+        let around = plunges.then_some(side);
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
         let speed = way + turn * reach + drift;
-        Self { sweep, shape, drift, turn, speed, bow, twist, low, high, tip, axis, from, to, radius, side }
+        Self { sweep, shape, drift, turn, speed, bow, twist, low, high, tip, axis, from, to, radius, side, around }
     }
 
     /// Largest error of depths below its surface, mm.

@@ -1,7 +1,7 @@
 //! Runs: successive steps combined to one motion, in the frame of a family of rays.
 
 use super::field::frame;
-use super::moving::Moving;
+use super::moving::{Moving, square_to};
 use super::shape::SolidShape;
 use super::sweep::StepSweep;
 use super::{Field, Step, StepKind, Touched};
@@ -88,11 +88,18 @@ pub(super) fn prepare(
                 ordinals: ordinals[range.clone()].to_vec(),
                 forbidden,
                 whole,
-                steps: each.iter().map(|s| Moving::new(*s, *cutter, 0.0)).collect(),
+                steps: each.iter().zip(own).map(|(sweep, step)| of_step(sweep, step, cutter, frame)).collect(),
                 sweeps,
             }
         })
         .collect()
+}
+
+/// The cutter over a step. Angles about its axis count from a direction that is the same in all frames.
+fn of_step(sweep: &StepSweep, step: &Step, cutter: &SolidShape, frame: &Frame) -> Moving {
+    let mut moving = Moving::new(*sweep, *cutter, 0.0);
+    moving.around = moving.around.map(|_| frame.turned(&square_to(&step.axes[2])));
+    moving
 }
 
 /// The motion through both ends and the middle of a run, and the speed at which the steps deviate from it. The time of

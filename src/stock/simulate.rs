@@ -5,6 +5,7 @@
 //! sums over tiles are computed in the order of the tiles.
 
 use super::intervals::Intervals;
+use super::lune::{self, Lune};
 use super::moving::Moving;
 use super::run::{self, Frame, Prepared, RUN};
 use super::shape::SolidShape;
@@ -35,6 +36,8 @@ pub struct BlockCut {
     pub height: [f64; 2],
     /// Extent of the removed material across tip motion and axis, from the axis, in each slice of the cutter.
     pub sides: Sides,
+    /// Extent of the removed material about the axis, for steps along it.
+    pub lune: Option<Box<Lune>>,
 }
 
 /// Stock inside a part of the tool that must not touch it: the deepest place for each block and part.
@@ -178,7 +181,13 @@ fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
         if r.length > 0.0 {
             push_cut(
                 outcome,
-                BlockCut { block: *block, volume: r.length * area / 3.0, height: r.height, sides: r.sides },
+                BlockCut {
+                    block: *block,
+                    volume: r.length * area / 3.0,
+                    height: r.height,
+                    sides: r.sides,
+                    lune: r.lune.clone(),
+                },
             );
         }
     }
@@ -209,6 +218,7 @@ fn push_cut(outcome: &mut Outcome, cut: BlockCut) {
             last.volume += cut.volume;
             last.height = [last.height[0].min(cut.height[0]), last.height[1].max(cut.height[1])];
             last.sides.join(&cut.sides);
+            lune::join(&mut last.lune, cut.lune.as_deref());
         }
         _ => outcome.cuts.push(cut),
     }
@@ -301,7 +311,7 @@ impl Said {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {
                     Some((last, r)) if last == ordinal => r.add(removal),
-                    _ => self.removals.push((*ordinal, *removal)),
+                    _ => self.removals.push((*ordinal, removal.clone())),
                 }
             }
         }

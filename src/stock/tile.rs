@@ -2,6 +2,7 @@
 //! groups of 16 x 16 rays.
 
 use super::intervals::{Chip, Intervals};
+use super::lune::{self, Lune};
 use super::moving::Moving;
 use super::ray::Ray;
 use super::slices::{Sides, Slices};
@@ -32,7 +33,7 @@ const NOTABLE: f64 = 0.1;
 const NOTABLE_WITHIN: [f64; 2] = [2.0 * super::END_ERROR, 10.0 * super::END_ERROR];
 
 /// Material that a block removes from the rays of a tile, or of a family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Removal {
     /// Length along the rays.
     pub(super) length: f64,
@@ -40,10 +41,13 @@ pub(super) struct Removal {
     pub(super) height: [f64; 2],
     /// Extent across tip motion and axis, from the axis.
     pub(super) sides: Sides,
+    /// Extent about the axis, for steps along it.
+    pub(super) lune: Option<Box<Lune>>,
 }
 
 impl Removal {
-    pub(super) const NONE: Self = Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], sides: Sides::NONE };
+    pub(super) const NONE: Self =
+        Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], sides: Sides::NONE, lune: None };
 
     /// Adds the part that a step removes from a line.
     fn take(&mut self, step: &Moving, slices: &Slices, chip: &Chip) {
@@ -62,12 +66,18 @@ impl Removal {
             self.height = [self.height[0].min(height), self.height[1].max(height)];
         }
         self.sides.add(slices, ends);
+        if let Some(around) = &step.around {
+            let (tip, axis) = step.sweep.pose(1.0);
+            let ends = [chip.from, chip.to].map(|x| chip.line.point(x));
+            self.lune.get_or_insert_with(|| Box::new(Lune::NONE)).add(ends, (&tip, &axis), around);
+        }
     }
 
     pub(super) fn add(&mut self, other: &Self) {
         self.length += other.length;
         self.height = [self.height[0].min(other.height[0]), self.height[1].max(other.height[1])];
         self.sides.join(&other.sides);
+        lune::join(&mut self.lune, other.lune.as_deref());
     }
 }
 

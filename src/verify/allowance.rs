@@ -11,6 +11,7 @@ use super::surface::{self, SLACK, Worst};
 use super::vane_allowance::{self, VaneReport};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
+use crate::operation::Allowances;
 use crate::part::kept::{Kept, kept, milled};
 use crate::progress::Progress;
 use crate::units::length;
@@ -118,7 +119,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     if let Some((at, operation)) = n.place.at.and_then(|at| Some((at, motion.operations.get(at.operation as usize)?))) {
         let declared = &program.operations[operation.operation];
         diag = diag.block(at.operation, at.index).label(declared.span, "in this operation");
-        if let Some((_, vane, hub)) = declared.kind.roughing() {
+        if let Some(Allowances { vane, hub }) = declared.kind.roughing() {
             diag = diag.note(format!("its allowances are {vane} on vanes and {hub} on the hub"));
         }
     }

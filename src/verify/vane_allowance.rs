@@ -72,7 +72,7 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
     let operations = (0..).zip(&motion.operations);
     let reports = operations.filter_map(|(o, operation)| {
         let declared = &program.operations[operation.operation];
-        let (_, vane, _) = declared.kind.roughing().filter(|(_, vane, _)| vane.root().get() > 0.0)?;
+        let vane = declared.kind.roughing().map(|kept| kept.vane).filter(|vane| vane.root().get() > 0.0)?;
         let sweep = Sweep::new(program, motion, o as usize)?;
         let (bound, worst) = missing(program, (&declared.name, vane), &[sweep], progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());

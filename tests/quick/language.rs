@@ -112,7 +112,8 @@ fn curves_from_a_file_are_the_curves_of_the_main_job() {
 #[test]
 fn expand_takes_the_layers_of_the_groove_before_it() {
     let job = read(REDUCED).job.unwrap();
-    let layers = |o: usize| job.operations[o].kind.roughing();
+    let kind = |o: usize| &job.operations[o].kind;
+    let layers = |o: usize| kind(o).step_down().zip(kind(o).roughing());
     assert!(layers(0).is_some());
     assert_eq!(layers(0), layers(1));
 }
@@ -582,7 +583,11 @@ fn contracts_that_contradict_themselves_are_refused() {
 #[test]
 fn what_is_not_built_is_refused_by_name() {
     for (right, wrong, exists) in [
-        ("operation channel", "operation splitter", "rough, groove, expand, flank, point, fillet, edge, channel"),
+        (
+            "operation channel",
+            "operation splitter",
+            "rough, plunge, groove, expand, flank, point, fillet, edge, channel",
+        ),
         ("stock turned", "stock casting", "turned"),
         ("pressure ruled", "pressure swept", "ruled, lofted"),
         ("use tools  ", "use import ", "machine, tools"),

@@ -47,6 +47,7 @@ mod parts;
 mod perimeter;
 mod planning;
 mod platform;
+mod plunge;
 mod posts;
 mod progress;
 mod refused_roughing;

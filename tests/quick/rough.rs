@@ -73,7 +73,7 @@ fn slots_are_full_or_trochoidal() {
 /// An allowance at the tip and at the root is read back from its own text, and one value means the same as two equal ones.
 #[test]
 fn an_allowance_may_grow_towards_the_root() {
-    let vane = |text: &str| read("vane 0.2 mm", &format!("vane {text}")).unwrap()[1].kind.roughing().unwrap().1;
+    let vane = |text: &str| read("vane 0.2 mm", &format!("vane {text}")).unwrap()[1].kind.roughing().unwrap().vane;
     for (text, tip, root) in [
         ("0.2 mm .. 0.6 mm", 0.2, 0.6),
         ("0.2mm..0.6mm", 0.2, 0.6),

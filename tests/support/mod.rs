@@ -167,6 +167,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         max_chip: Mm(0.06 * radius),
         max_depth: Mm(f64::INFINITY),
         max_rate: None,
+        plunge_width: Some(Mm(radius)),
         solid: ToolSolid {
             cutter,
             flute_length: flute,

@@ -84,7 +84,7 @@ impl Obstacles {
         let finest = (sample::estimate(&program.part, SPACING) / MOST_SAMPLES).sqrt();
         let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
         let mut obstacles = Self::sampled(&program.part, &program.machine, scale);
-        let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |(_, vane, _)| vane.growth());
+        let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |kept| kept.vane.growth());
         if program.operations.iter().any(|(_, o)| vane(&o.kind) > 0.0) {
             let height = |p: &CloudPoint| program.part.height(&p.position);
             obstacles.heights = obstacles.walls.points().par_iter().map(height).collect();

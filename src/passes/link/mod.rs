@@ -10,4 +10,5 @@ pub mod rest_machining;
 mod stock_links;
 mod stock_order;
 mod stock_steps;
+mod strokes;
 mod through_air;

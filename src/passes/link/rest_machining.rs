@@ -15,7 +15,7 @@
 use super::clearance_sphere::ClearanceSphere;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
-use super::{stock_links, stock_order};
+use super::{stock_links, stock_order, strokes};
 use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
@@ -33,6 +33,9 @@ const MOST_CELL: f64 = 1.0;
 /// than [`USUAL`] radius, cells grow in proportion, as its passes do.
 const MOST_CELL_ROUGH: f64 = 0.5;
 const USUAL: f64 = 60.0;
+
+/// Largest cell for `plunge`, as a share of the distance of its strokes: what a stroke cuts is no wider.
+const OF_STEP: f64 = 0.25;
 
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
@@ -55,9 +58,14 @@ pub fn run(
     for (i, planned) in cl.operations.iter_mut().enumerate() {
         let operation = &program.operations[planned.operation];
         let direct = DirectLinks::new(program, obstacles, operation);
-        if matches!(operation.kind, OperationKind::Rough { .. }) {
+        if operation.kind.follows_stock() {
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
-            stock_order::reduce(program, operation, &direct, planned, (&mut field, &work));
+            match operation.kind {
+                OperationKind::Plunge { .. } => {
+                    strokes::reduce(program, operation, &direct, planned, (&mut field, &work))
+                }
+                _ => stock_order::reduce(program, operation, &direct, planned, (&mut field, &work)),
+            }
             if planned.passes.is_empty() {
                 sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
                 failed = true;
@@ -79,7 +87,7 @@ pub fn run(
 
 /// True for operations whose passes depend on the stock that they find.
 fn follows_stock(operation: &Operation) -> bool {
-    operation.rest.is_some() || matches!(operation.kind, OperationKind::Rough { .. })
+    operation.rest.is_some() || operation.kind.follows_stock()
 }
 
 fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
@@ -98,7 +106,11 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let most_rough = (MOST_CELL_ROUGH * (outlet / USUAL).max(1.0)).min(MOST_CELL);
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
-        let most = if matches!(o.kind, OperationKind::Rough { .. }) { most_rough } else { MOST_CELL };
+        let most = match o.kind {
+            OperationKind::Rough { .. } => most_rough,
+            OperationKind::Plunge { stepover, .. } => most_rough.min(OF_STEP * stepover.get()),
+            _ => MOST_CELL,
+        };
         // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
         let thinnest = [o.rest.map(|t| t.get()), cost::loop_distance(program, o).map(|d| 0.25 * d)];
         let seen = |t: f64| (2.0 * rounding(cutter) * t).sqrt();

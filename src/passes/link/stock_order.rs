@@ -56,10 +56,10 @@ struct Reduction<'a> {
 }
 
 /// A pass that cuts.
-struct Reduced {
-    pass: ClPass,
+pub(super) struct Reduced {
+    pub(super) pass: ClPass,
     /// Length of the path through stock and through air, mm.
-    lengths: [f64; 2],
+    pub(super) lengths: [f64; 2],
 }
 
 /// Reduces the passes of an operation, and removes their cuts from the stock.
@@ -312,7 +312,7 @@ impl Reduction<'_> {
         let from = line[beyond].point;
         let along = (line[station].point.tip - from.tip).normalize();
         let side = from.axis.cross(&along);
-        let kept = self.operation.kind.roughing().map_or(Allowances::NONE, |(_, vane, hub)| Allowances { vane, hub });
+        let kept = self.operation.kind.roughing().unwrap_or(Allowances::NONE);
         let kept = kept.plus(-RESERVE * self.direct.scale());
         for lift in RAMP_LIFTS {
             for beside in [0.0, lift, -lift] {
@@ -343,7 +343,7 @@ struct PassEnd {
 }
 
 /// A pass from the stations of its part, with the steps that run through air.
-fn assembled(pass: &ClPass, line: &[PathPoint], depths: &[f64]) -> Reduced {
+pub(super) fn assembled(pass: &ClPass, line: &[PathPoint], depths: &[f64]) -> Reduced {
     let fast = through_air(line, depths);
     let mut reduced =
         ClPass { label: pass.label.clone(), sector: pass.sector, points: Vec::new(), air: Vec::new(), link: None };

@@ -3,7 +3,8 @@
 use super::wall_tilt::WallTilt;
 use crate::analysis::cost;
 use crate::collide::ToolSolid;
-use crate::ir::{CcPoint, Operation, OperationKind, Program};
+use crate::ir::{CcPoint, Operation, Program};
+use crate::operation::Allowances;
 use crate::passes::context::{ChannelChart, Keep, Obstacles};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
@@ -128,10 +129,21 @@ pub(crate) enum LayersEnd {
 }
 
 impl<'a> Roughing<'a> {
-    /// `None` for an operation that is not roughing.
+    /// `None` for an operation without levels.
     pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
-        let (depth, vane, hub) = operation.kind.roughing()?;
-        let follows_levels = matches!(operation.kind, OperationKind::Rough { .. });
+        let depth = operation.kind.step_down()?.get();
+        Self::with_depth(program, operation, obstacles, depth)
+    }
+
+    /// As [`Self::new`], with levels that lie `depth` apart, mm, whatever the operation says; `None` for finishing.
+    pub(super) fn with_depth(
+        program: &'a Program,
+        operation: &Operation,
+        obstacles: &'a Obstacles,
+        depth: f64,
+    ) -> Option<Self> {
+        let Allowances { vane, hub } = operation.kind.roughing()?;
+        let follows_levels = operation.kind.follows_stock();
         let upright = Self {
             tilt: WallTilt::default(),
             chart: ChannelChart::new(&program.part),
@@ -147,7 +159,7 @@ impl<'a> Roughing<'a> {
             straight_leads: follows_levels,
             lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             spacing: if follows_levels { cost::rough_spacing(program) } else { STATION_SPACING },
-            depth: depth.get(),
+            depth,
             tolerance: program.tolerances.chord_rough.get(),
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),

@@ -7,6 +7,7 @@ mod floor;
 pub(crate) mod groove;
 mod layers;
 mod levels;
+pub(crate) mod plunge;
 mod run_map;
 pub(crate) mod short_reach;
 mod step;

@@ -3,7 +3,7 @@
 
 use super::{Removal, StepPlace};
 use crate::ir::MoveKind;
-use crate::stock::{BlockCut, END_ERROR, SLICES, Sides, Slices};
+use crate::stock::{BlockCut, END_ERROR, Lune, SLICES, Sides, Slices};
 use crate::verify::proof::piece::At;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -82,7 +82,7 @@ impl Circle {
     }
 }
 
-/// Arc of a step.
+/// Arc of a step. Of a step across the axis up to 180 degrees; of one along the axis up to a whole turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StepArc {
     /// Arc of the chips on the rays, degrees, in the slice with the largest one: no more than the true arc there.
@@ -114,22 +114,30 @@ pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut
             return StepArc::default();
         }
         let (mut sides, mut heights) = (Sides::NONE, [f64::INFINITY, f64::NEG_INFINITY]);
+        let mut lune = None::<Lune>;
         let mut way = 0.0;
         for k in (0..=i).rev() {
             let turned = places[k].step.dot(&places[i].step) < SAME_DIRECTION * places[k].way * places[i].way;
             if !at_feed(k) || turned {
                 break;
             }
-            if let Some(cut) = own[k] {
-                sides.join(&cut.sides);
-                heights = [heights[0].min(cut.height[0]), heights[1].max(cut.height[1])];
+            match own[k].map(|cut| (cut, &cut.lune)) {
+                Some((_, Some(own))) => lune.get_or_insert(Lune::NONE).join(own),
+                Some((cut, None)) => {
+                    sides.join(&cut.sides);
+                    heights = [heights[0].min(cut.height[0]), heights[1].max(cut.height[1])];
+                }
+                None => {}
             }
             way += places[k].way;
             if way >= circle.window {
                 break;
             }
         }
-        StepArc::new(&sides, heights, circle, &beside)
+        match lune {
+            Some(lune) => StepArc::about_axis(&lune, circle),
+            None => StepArc::new(&sides, heights, circle, &beside),
+        }
     };
     let mut arcs: Vec<StepArc> = (0..places.len()).into_par_iter().map(arc).collect();
     mark_slots(places, removal, &mut arcs, 2.0 * circle.radius);
@@ -137,6 +145,14 @@ pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut
 }
 
 impl StepArc {
+    /// The arc of a stroke along the axis: that part of the circle of the cutter, about its axis, which meets material. It
+    /// may be a whole turn. A stroke is no slot.
+    fn about_axis(lune: &Lune, circle: &Circle) -> Self {
+        let found = lune.arc();
+        let unseen = libm::asin((circle.unseen() / circle.radius).min(1.0)).to_degrees();
+        Self { found, bound: (found + 2.0 * unseen).min(360.0), ..Self::default() }
+    }
+
     /// `heights`: between which material is removed, mm.
     fn new(sides: &Sides, heights: [f64; 2], circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
         let unseen = circle.unseen();

@@ -6,6 +6,7 @@
 use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
+use crate::stock::lune::RIDGE;
 use crate::units::{length, trim};
 use crate::verify::place::describe;
 use crate::verify::proof::piece::At;
@@ -20,6 +21,9 @@ const BREAKING_DEPTH: f64 = 1.0;
 /// Feed per tooth that breaks the tool in such a slot, as a share of the diameter: tables of end mills end at some 2 %.
 const THICK_CHIP: f64 = 0.03;
 
+/// Depth of material in the middle of the end that counts as rubbing on the floor of the stroke before, mm.
+const INTO_MIDDLE: f64 = 0.05;
+
 /// Excess over the largest chip that rounding of the feed may add, as a share.
 const ROUNDING: f64 = 1e-3;
 
@@ -28,7 +32,35 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sin
     report_cuts(program, motion, o, sink);
     report_depth(program, motion, o, sink);
     report_removal(program, motion, o, sink);
+    report_middle(program, motion, o, sink);
     report_link(program, motion, o, sink);
+}
+
+/// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis.
+fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let found = o.middle.filter(|middle| middle.value > INTO_MIDDLE);
+    let Some((middle, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let across = 2.0 * tool.toothless_radius().unwrap_or(0.0);
+    sink.push(
+        Diag::error(
+            verification::TOOL_LOAD,
+            format!(
+                "{} goes down along its axis with material {} inside of the middle of its end",
+                tool.name,
+                length(middle.value)
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .label(tool.span, format!("its teeth leave {} in the middle of the end", length(across)))
+        .place(describe(program, motion, Some(middle.at)), Point3::from(middle.tip))
+        .block(middle.at.operation, middle.at.index)
+        .note(format!("layers of less than {} on the floor do not count", length(RIDGE)))
+        .help(
+            "enter from beside the stock, use a smaller `stepover`, or state `plunge-width` of a tool that cuts at its centre",
+        ),
+    );
 }
 
 /// Finding on the link with the largest removal.

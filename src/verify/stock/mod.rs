@@ -127,9 +127,9 @@ pub struct OperationStock {
     pub feed: [f64; 2],
     /// Time and way of the moves at feed over the arc of engagement.
     pub arcs: ArcTimes,
-    /// Largest extent of removed material along the tool axis, mm.
+    /// Largest extent of removed material along the tool axis, mm, without strokes along the axis.
     pub depth: Option<Peak>,
-    /// Largest extent across tip motion and axis, mm.
+    /// Largest extent across tip motion and axis, mm; in a stroke along the axis from the rim towards the axis.
     pub width: Option<Peak>,
     /// Largest arc of engagement of the circle of the cutter that the rays show, degrees.
     pub arc: Option<Peak>,
@@ -144,6 +144,9 @@ pub struct OperationStock {
     /// Largest depth of cut at full width that loads the cutter as much, mm: the sum over the heights of the share of the
     /// arc in half a turn.
     pub slot_depth: Option<SlotDepth>,
+    /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis, mm.
+    #[serde(skip)]
+    pub middle: Option<Peak>,
     /// Largest extent along the tool axis, mm, where the cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
     pub full: Option<Peak>,
@@ -395,7 +398,7 @@ impl Milled {
 
     /// The largest depth at full width that loads the cutter as much as a step.
     fn slot_depth(&self, arcs: &[StepArc]) -> Option<SlotDepth> {
-        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1] && c.lune.is_none());
         let loads = cuts.filter_map(|c| {
             let arc = arcs.get(c.block as usize)?;
             Some((arc.load, c.height[1] - c.height[0], arc.found, c.block))
@@ -461,11 +464,14 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let circle = Circle { radius, cell: field.cell(), window, slices };
     let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
     let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
-    let depth = |c: &BlockCut| c.height[1] - c.height[0];
+    // A stroke along the axis has no depth: its chips are as long as its way.
+    let depth = |c: &BlockCut| if c.lune.is_none() { c.height[1] - c.height[0] } else { 0.0 };
     let width = |c: &BlockCut| {
         let [from, to] = c.sides.over(0..=stock::SLICES - 1);
-        to - from
+        c.lune.as_ref().map_or(to - from, |lune| (radius - lune.inner()).max(0.0))
     };
+    let toothless = program.tools[declared.tool].toothless_radius().unwrap_or(0.0);
+    let into_middle = |c: &BlockCut| c.lune.as_ref().map_or(0.0, |lune| (toothless - lune.inner()).max(0.0));
     let link = fastest_link(operation, places, &outcome.cuts, LINK_VOLUME);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
@@ -479,12 +485,13 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         air: milled.time(&|i, _| !removal.cuts[i]),
         feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
         arcs: ArcTimes::new(places, &removal, &arcs),
-        depth: milled.peak(&depth),
+        depth: milled.peak(&depth).filter(|p| p.value > 0.0),
         width: milled.peak(&|c| width(c)),
         arc: milled.peak(&arc),
         arc_bound: milled.arc_bound(&arcs, |_| true),
         arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
         slot_depth: milled.slot_depth(&arcs),
+        middle: milled.peak(&into_middle).filter(|p| p.value > 0.0),
         full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         power: power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
