@@ -14,6 +14,10 @@ use std::path::Path;
 use std::time::Duration;
 
 const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
+
+/// Its first tool.
+const FLAT: &str =
+    "tool t1 = flat { diameter 6 mm  flutes 4  flute 25 mm  reach 45 mm  max-depth 9 mm   holder \"er16-mini\" }";
 const CURVES: &str = include_str!("../../jobs/reduced/vane_curves.csv");
 
 fn files() -> InMemory {
@@ -175,7 +179,7 @@ fn tool(kind: &str, property: &str, value: &str) -> [String; 2] {
         block.push_str(&format!("  {name} {size}\n"));
         table.push_str(&format!("{name} = \"{size}\"\n"));
     }
-    let job = REDUCED.replace("tool t1 = \"flat-6\"", &format!("tool t1 = {kind} {{\n  flutes 4\n{block}}}"));
+    let job = REDUCED.replace(FLAT, &format!("tool t1 = {kind} {{\n  flutes 4\n{block}}}"));
     [job, table]
 }
 
@@ -196,7 +200,7 @@ fn tools_of_a_job_and_of_a_library_have_the_same_ranges() {
                 let [own, table] = tool(kind, property, value);
                 let library = REDUCED
                     .replace("use tools   \"carbide\"", "use tools \"carbide\"\nuse tools \"own\"")
-                    .replace("tool t1 = \"flat-6\"", "tool t1 = \"x\"");
+                    .replace(FLAT, "tool t1 = \"x\"");
                 let has_tool = |text: &str, files: &mut InMemory| {
                     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
                     let source = sources.add("job.imp", text);
@@ -233,7 +237,7 @@ fn what_the_parser_found_faulty_is_no_whole_job() {
 
 #[test]
 fn operations_keep_their_tools_beside_a_faulty_one() {
-    let faulty = REDUCED.replace("tool t1 = \"flat-6\"", "tool t1 = \"flat-6x\"");
+    let faulty = REDUCED.replace(FLAT, "tool t1 = \"flat-6x\"");
     let (found, whole) = (understand(&faulty).job, understand(REDUCED).job);
     assert!(found.tools[0].is_none() && found.tools[1].is_some());
     let tool = |job: &PartialJob, name: &str| {

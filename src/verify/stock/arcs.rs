@@ -92,6 +92,8 @@ pub(super) struct StepArc {
     /// Depth of cut at full width that loads the cutter as much, mm: the sum of the arcs of all slices, each times its
     /// thickness, over 180 deg.
     pub(super) load: f64,
+    /// Extent of the removed material along the tool axis, over the same steps, mm.
+    pub(super) depth: f64,
     /// Material on both sides at full width.
     full: bool,
     /// Part of a slot.
@@ -157,7 +159,7 @@ impl StepArc {
     fn new(sides: &Sides, heights: [f64; 2], circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
         let unseen = circle.unseen();
         let rim = circle.radius - unseen;
-        let mut arc = Self::default();
+        let mut arc = Self { depth: (heights[1] - heights[0]).max(0.0), ..Self::default() };
         let mut last = Sides::NONE.over(0..=0);
         for (k, beside) in beside.iter().enumerate() {
             let [from, to] = sides.over(k..=k);

@@ -401,7 +401,7 @@ impl Milled {
         let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1] && c.lune.is_none());
         let loads = cuts.filter_map(|c| {
             let arc = arcs.get(c.block as usize)?;
-            Some((arc.load, c.height[1] - c.height[0], arc.found, c.block))
+            Some((arc.load, arc.depth, arc.found, c.block))
         });
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let Peak { at, tip, .. } = self.peak_at(value, step)?;
