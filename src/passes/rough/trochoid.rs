@@ -234,8 +234,9 @@ impl Loops<'_> {
             // At its end a chord leaves the loop by the largest angle, to the side that makes the arc longer.
             let way = new.path[i].0 - new.path[i - 1].0;
             for height in self.heights {
-                let arc =
-                    engagement(&new.path[i], &way, height, &cut, [self.radius, self.tolerance], self.limits.milling);
+                // The machine may leave this loop towards the material, and those before away from it.
+                let nearer = 2.0 * self.tolerance;
+                let arc = engagement(&new.path[i], &way, height, &cut, [self.radius, nearer], self.limits.milling);
                 largest = largest.max(arc);
             }
             if largest > self.limits.engagement {
