@@ -68,13 +68,13 @@ impl Material {
     /// as thick as the mean chip of a slot, 2/pi of the feed per tooth.
     pub fn power(self, section: f64, feed: f64, teeth: f64) -> f64 {
         let chip = feed / (teeth * FRAC_PI_2);
-        self.unit_force() * chip.powf(-EXPONENT) * section * feed / KILOWATT
+        self.unit_force() * libm::pow(chip, -EXPONENT) * section * feed / KILOWATT
     }
 
     /// The feed, mm/min, at which [`Self::power`] is `power` kW.
     pub fn feed_at(self, power: f64, section: f64, teeth: f64) -> f64 {
-        let force = self.unit_force() * (teeth * FRAC_PI_2).powf(EXPONENT) * section;
-        (power * KILOWATT / force).powf((1.0 - EXPONENT).recip())
+        let force = self.unit_force() * libm::pow(teeth * FRAC_PI_2, EXPONENT) * section;
+        libm::pow(power * KILOWATT / force, (1.0 - EXPONENT).recip())
     }
 }
 
