@@ -82,11 +82,12 @@ impl Material {
 mod tests {
     use super::*;
 
-    /// A slot of 100 mm2 in steel at 1000 mm/min is 100 cm3/min. Workshop tables give 20 to 25 cm3/min a kilowatt.
+    /// A slot of 100 mm2 at 1000 mm/min is 100 cm3/min. A kilowatt removes 16 to 22 cm3/min of steel and 55 to 90 cm3/min
+    /// of aluminium, by the unit powers of workshop tables (1 to 1.4, and 0.25 to 0.4 horsepower a cubic inch a minute).
     #[test]
     fn power_is_that_of_workshop_tables() {
         let power = Material::Steel.power(100.0, 1000.0, 10_000.0);
-        assert!((4.0..=5.5).contains(&power), "{power}");
+        assert!((4.5..=6.2).contains(&power), "{power}");
         let aluminium = Material::Aluminium.power(100.0, 1000.0, 10_000.0);
         assert!((1.1..=1.8).contains(&aluminium), "{aluminium}");
     }
