@@ -9,7 +9,7 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
-use impellerc::operation::OperationKind;
+use impellerc::operation::{OperationKind, VaneAllowance};
 use impellerc::part::{Surface, profile_distance};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
@@ -134,6 +134,11 @@ fn block(radius: f64, plunge_width: f64) -> Program {
     }
     program.stock.profile = vec![[0.0, -8.0], [6.0, -8.0], [6.0, 0.0], [0.0, 0.0]];
     program.contracts.clear();
+    let none = VaneAllowance::NONE;
+    let kind = OperationKind::Plunge { stepover: Mm(1.0), allowance_vane: none, allowance_hub: Mm(0.0) };
+    let tool = tools.ids().next().unwrap();
+    program.operations = PrimaryMap::new();
+    program.operations.push(support::operation("plunge", kind, tool, vec![0], 1.0));
     Program { tools, machine: support::machine(), ..program }
 }
 

@@ -11,7 +11,7 @@ use crate::geom::BandMetric;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, OperationId, Program};
 use crate::part::Part;
 use crate::passes::context::{AxisTilt, ChannelChart, Obstacles, maximal_ranges};
-use crate::passes::lines::{DriveSurface, METRIC_STATIONS, arc_radius};
+use crate::passes::lines::{DriveSurface, METRIC_STATIONS, arc_radius, both_walls};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ const LEAST_WIDTH: f64 = 0.1;
 
 /// A part of the floor along which the ball fits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
+pub(super) struct FloorStretch {
     /// u of both ends.
     pub(super) ends: [f64; 2],
     /// True at an end where lines run out of the part.
@@ -37,7 +37,7 @@ pub(super) struct Stretch {
 /// Where the larger ball of an operation finishes the floor.
 pub(crate) struct Middle<'a> {
     pub(super) floor: ChannelFloor<'a>,
-    pub(super) stretches: Vec<Stretch>,
+    pub(super) stretches: Vec<FloorStretch>,
     chart: ChannelChart<'a>,
 }
 
@@ -126,7 +126,7 @@ impl<'a> Middle<'a> {
                 if open[1] { 1.0 } else { places[last] - arc / self.speed(places[last]) },
             ]
             .map(|u| u.clamp(0.0, 1.0));
-            let stretch = Stretch { ends, open };
+            let stretch = FloorStretch { ends, open };
             if self.length(stretch) > 2.0 * self.floor.radius && self.widest(stretch) > LEAST_WIDTH {
                 self.stretches.push(stretch);
             }
@@ -134,12 +134,12 @@ impl<'a> Middle<'a> {
     }
 
     /// Length of the meridian over a stretch, mm; zero where the ends have crossed.
-    fn length(&self, Stretch { ends: [from, to], .. }: Stretch) -> f64 {
+    fn length(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
         let at = |i: usize| self.floor.part.hub.meridian(from + (to - from) * i as f64 / PLACES as f64).point;
         if to > from { (0..PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum() } else { 0.0 }
     }
 
-    fn widest(&self, Stretch { ends: [from, to], .. }: Stretch) -> f64 {
+    fn widest(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
         let width = |u: f64| self.floor.walls(u).1 * self.floor.part.hub.meridian(u).point.x;
         (0..=PLACES).map(|i| width(from + (to - from) * i as f64 / PLACES as f64)).fold(0.0, f64::max)
     }
@@ -151,7 +151,7 @@ impl<'a> Middle<'a> {
 
     /// What the plan says about the room of the ball.
     pub(super) fn note(&self, allowance: f64) -> String {
-        let whole = self.length(Stretch { ends: [0.0, 1.0], open: [true; 2] });
+        let whole = self.length(FloorStretch { ends: [0.0, 1.0], open: [true; 2] });
         let fits: f64 = self.stretches.iter().map(|s| self.length(*s)).sum();
         let radius = self.floor.radius;
         format!(
@@ -164,13 +164,7 @@ impl<'a> Middle<'a> {
         self.stretches.iter().map(move |stretch| {
             let surface = StretchFloor { middle: self, stretch: *stretch, finished: &[] };
             let metric = surface.metric(height);
-            let (first, second): (Vec<f64>, Vec<f64>) = metric
-                .stations()
-                .map(|x| {
-                    let (a, across) = surface.walls(x);
-                    (a, a + across)
-                })
-                .unzip();
+            let [first, second] = both_walls(&surface, metric.stations());
             Finished::new(metric, stretch.ends, stretch.open, [&first, &second])
         })
     }
@@ -179,7 +173,7 @@ impl<'a> Middle<'a> {
 /// The middle of the floor along one stretch, x from its first end to its last.
 pub(super) struct StretchFloor<'a> {
     pub(super) middle: &'a Middle<'a>,
-    pub(super) stretch: Stretch,
+    pub(super) stretch: FloorStretch,
     /// What larger balls have finished.
     pub(super) finished: &'a [Finished],
 }

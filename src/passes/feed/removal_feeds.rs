@@ -20,7 +20,7 @@ use crate::stock::{self, Field, FieldError, Step, StepKind};
 /// Longest tip motion of a step, mm: it divides long blocks at the ends of the stock.
 const STEP_LENGTH: f64 = 0.5;
 
-/// Cells in the radius of the smallest cutter that has a limit, and the largest cell, mm.
+/// Cells in the radius of the smallest cutter, and the largest cell, mm.
 const CELLS: f64 = 8.0;
 const MOST_CELL: f64 = 0.5;
 
@@ -35,7 +35,7 @@ const USED: f64 = 0.95;
 const PIECE: usize = 1 << 11;
 
 /// Limits of removal of an operation.
-struct Limits {
+struct RemovalLimits {
     /// Largest removal rate, mm3/min.
     rate: Option<f64>,
     /// Material, and the power of the spindle, kW.
@@ -44,7 +44,7 @@ struct Limits {
     teeth: f64,
 }
 
-impl Limits {
+impl RemovalLimits {
     /// The limits of an operation; `None` without any.
     fn of(program: &Program, operation: &Operation, tool: &Tool) -> Option<Self> {
         let rate = tool.max_rate.map(|rate| rate.get());
@@ -68,14 +68,14 @@ impl Limits {
 /// Sets the feeds.
 ///
 /// # Errors
-/// Cells that the memory does not allow, or a cancelled run.
+/// A stock without an inside, or with too many surfaces in a file; the sink has the reason.
 pub(crate) fn run(program: &Program, motion: &mut Motion, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
-    let limits: Vec<Option<Limits>> = motion
+    let limits: Vec<Option<RemovalLimits>> = motion
         .operations
         .iter()
         .map(|planned| {
             let operation = &program.operations[planned.operation];
-            Limits::of(program, operation, &program.tools[operation.tool])
+            RemovalLimits::of(program, operation, &program.tools[operation.tool])
         })
         .collect();
     let Some(last) = limits.iter().rposition(Option::is_some) else { return Ok(()) };

@@ -82,6 +82,17 @@ pub(crate) trait DriveSurface: Sync {
     fn least_length(&self, height: f64) -> f64;
 }
 
+/// y of the first and of the second wall at places x.
+pub(crate) fn both_walls(surface: &dyn DriveSurface, places: impl Iterator<Item = f64>) -> [Vec<f64>; 2] {
+    let (first, second) = places
+        .map(|x| {
+            let (y, across) = surface.walls(x);
+            (y, y + across)
+        })
+        .unzip();
+    [first, second]
+}
+
 /// A line on a surface.
 pub(crate) struct SurfaceLine {
     /// True when it is cut towards smaller x.
@@ -295,13 +306,7 @@ fn lay(
         let range = [f64::NEG_INFINITY, f64::INFINITY];
         Some(vec![Track { azimuth: metric.stations().map(middle).collect(), range }])
     } else {
-        let (first, second): (Vec<f64>, Vec<f64>) = metric
-            .stations()
-            .map(|x| {
-                let (a, across) = surface.walls(x);
-                (a, a + across)
-            })
-            .unzip();
+        let [first, second] = both_walls(surface, metric.stations());
         let slowest = grid.iter().map(|x| surface.speed(*x, surface.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
         let short = arcs[0][0].max(arcs[0][1]) / slowest;
         let finished: Vec<Option<[f64; 2]>> = metric.stations().map(|x| surface.finished(x)).collect();

@@ -35,7 +35,7 @@ const UNDER_MIDDLE: f64 = 0.02;
 const PARTS: usize = 16;
 
 /// Strokes of one operation.
-struct Strokes<'a> {
+struct StrokeReduction<'a> {
     program: &'a Program,
     operation: &'a Operation,
     direct: &'a DirectLinks<'a>,
@@ -60,7 +60,7 @@ pub(super) fn reduce(
     let cutter = tool.solid.cutter_alone(0.0);
     let radius = tool.solid.radius();
     let toothless = tool.toothless_radius().unwrap_or(0.0);
-    let strokes = Strokes {
+    let strokes = StrokeReduction {
         program,
         operation,
         direct,
@@ -71,7 +71,7 @@ pub(super) fn reduce(
         thickness: operation.rest.map_or(0.0, |t| t.get()),
     };
     let mut kept: Vec<ClPass> = Vec::new();
-    let mut count = Count::default();
+    let mut count = StrokeCount::default();
     for pass in std::mem::take(&mut planned.passes) {
         work.step(());
         let before = kept.last().and_then(|p| p.points.last()).copied();
@@ -85,7 +85,7 @@ pub(super) fn reduce(
 
 /// What became of the strokes.
 #[derive(Default)]
-struct Count {
+struct StrokeCount {
     /// Strokes before the reduction.
     planned: usize,
     /// Strokes that end above their floor, and the largest height over it, mm.
@@ -98,7 +98,7 @@ struct Count {
     lengths: [f64; 2],
 }
 
-impl Count {
+impl StrokeCount {
     fn text(&self, kept: usize, cell: f64) -> String {
         let [cut, air] = self.lengths;
         format!(
@@ -110,9 +110,15 @@ impl Count {
     }
 }
 
-impl Strokes<'_> {
+impl StrokeReduction<'_> {
     /// A stroke that cuts, with its way out and its link; its cut is removed from the stock.
-    fn cut(&self, pass: &ClPass, before: Option<ClPoint>, field: &mut Field, count: &mut Count) -> Option<ClPass> {
+    fn cut(
+        &self,
+        pass: &ClPass,
+        before: Option<ClPoint>,
+        field: &mut Field,
+        count: &mut StrokeCount,
+    ) -> Option<ClPass> {
         count.planned += 1;
         let whole = stations(&self.program.machine, pass);
         let line = self.over_middle(&whole, field);

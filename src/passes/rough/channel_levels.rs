@@ -13,9 +13,9 @@ use super::Roughings;
 use super::groove::passes;
 use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
-use super::trochoid::{Opening, Trochoid};
+use super::trochoid::{OpenedSlot, Trochoid};
 use crate::analysis::cost;
-use crate::diag::{Aborted, Diag, codes::planning};
+use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::{Milling, Slots};
 use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
@@ -51,7 +51,7 @@ pub(crate) fn plan(
 
 /// The lines of an operation.
 #[derive(Default)]
-pub(super) struct Lines {
+pub(super) struct LevelLines {
     /// Names and stations in the order of cutting. All loops of a slot have one name.
     pub(super) named: Vec<(String, Vec<CcPoint>)>,
     loops: usize,
@@ -60,10 +60,10 @@ pub(super) struct Lines {
 }
 
 /// The lines of all levels.
-pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &Operation, work: &Work) -> Lines {
-    let OperationKind::Rough { stepover, milling, slots, .. } = operation.kind else { return Lines::default() };
+pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &Operation, work: &Work) -> LevelLines {
+    let OperationKind::Rough { stepover, milling, slots, .. } = operation.kind else { return LevelLines::default() };
     let of_level = |level: &RoughLevel| {
-        let mut lines = Lines::default();
+        let mut lines = LevelLines::default();
         for (k, run) in level.runs.iter().enumerate() {
             let name = if level.runs.len() > 1 {
                 format!("level {} part {}", level.number, k + 1)
@@ -81,8 +81,8 @@ pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &
         }
         work.step(lines)
     };
-    let of_levels: Vec<Lines> = levels.par_iter().map(of_level).collect();
-    of_levels.into_iter().fold(Lines::default(), |mut all, lines| {
+    let of_levels: Vec<LevelLines> = levels.par_iter().map(of_level).collect();
+    of_levels.into_iter().fold(LevelLines::default(), |mut all, lines| {
         all.named.extend(lines.named);
         all.loops += lines.loops;
         all.opened = [0, 1].map(|k: usize| all.opened[k] + lines.opened[k]);
@@ -90,7 +90,7 @@ pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &
     })
 }
 
-fn notes(levels: &[RoughLevel], lines: &Lines, operation: &Operation) -> Vec<String> {
+fn notes(levels: &[RoughLevel], lines: &LevelLines, operation: &Operation) -> Vec<String> {
     let OperationKind::Rough { depth, stepover, levels: form, milling, slots, .. } = operation.kind else {
         return Vec::new();
     };
@@ -120,16 +120,8 @@ fn notes(levels: &[RoughLevel], lines: &Lines, operation: &Operation) -> Vec<Str
 
 fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
     let tool = &cx.program.tools[operation.tool];
-    cx.sink.push(
-        Diag::error(
-            planning::NO_ROOM,
-            format!("tool {} fits on no level of `{}` with its allowances", tool.name, operation.name),
-        )
-        .label(operation.span, "this operation has nothing to cut")
-        .label(tool.span, "this tool is too big for the channel")
-        .help("take a thinner tool, a longer reach, or smaller allowances"),
-    );
-    Aborted
+    let text = format!("tool {} fits on no level of `{}` with its allowances", tool.name, operation.name);
+    super::nothing_to_cut(cx, operation, text)
 }
 
 /// Free space across the channel at a station, mm.
@@ -168,7 +160,7 @@ impl<'a> RunLines<'a> {
     fn open(&mut self, slots: Slots, milling: Milling) -> Vec<Vec<CcPoint>> {
         let Some(arc) = slots.engagement() else { return Vec::new() };
         let limits = Trochoid { engagement: arc.get(), milling, wall_forward: self.wall_forward };
-        let opening = Opening::new(self.roughing, self.run, limits);
+        let opening = OpenedSlot::new(self.roughing, self.run, limits);
         self.opened = opening.half;
         opening.loops
     }

@@ -58,6 +58,17 @@ pub(crate) fn roughing<'r, 'a>(
     Ok(roughing)
 }
 
+/// Refuses an operation whose tool has room nowhere in the channel.
+fn nothing_to_cut(cx: &mut PassContext<'_>, operation: &Operation, text: String) -> Aborted {
+    cx.sink.push(
+        Diag::error(planning::NO_ROOM, text)
+            .label(operation.span, "this operation has nothing to cut")
+            .label(cx.program.tools[operation.tool].span, "this tool is too big for the channel")
+            .help("take a thinner tool, a longer reach, or smaller allowances"),
+    );
+    Aborted
+}
+
 /// Distance queries that measuring a layer takes.
 const LOOKS_PER_LAYER: f64 = 1e4;
 

@@ -24,7 +24,7 @@
 
 use super::groove::passes;
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
-use crate::diag::{Aborted, Diag, codes::planning};
+use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind, Program};
 use crate::part::profile_distance;
 use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
@@ -57,7 +57,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let depth = HEIGHT_STEP * tool.solid.radius();
     let roughing = Roughing::with_depth(&program, operation, cx.obstacles, depth).ok_or(Aborted)?.tilted();
     let step = stepover.get();
-    let strokes = Strokes { program: &program, roughing: &roughing, step, lead: operation.lead_in.get() };
+    let strokes = ChannelStrokes { program: &program, roughing: &roughing, step, lead: operation.lead_in.get() };
     let grid = strokes.grid();
     // Each place of the grid takes about as long as a point of a line; a row has a stroke for each step across.
     let widest = grid.iter().map(|u| roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
@@ -92,16 +92,9 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
 
 fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
     let tool = &cx.program.tools[operation.tool];
-    cx.sink.push(
-        Diag::error(
-            planning::NO_ROOM,
-            format!("no stroke of {} in `{}` keeps the allowances along its whole length", tool.name, operation.name),
-        )
-        .label(operation.span, "this operation has nothing to cut")
-        .label(tool.span, "this tool is too big for the channel")
-        .help("take a thinner tool, a longer reach, or smaller allowances"),
-    );
-    Aborted
+    let text =
+        format!("no stroke of {} in `{}` keeps the allowances along its whole length", tool.name, operation.name);
+    super::nothing_to_cut(cx, operation, text)
 }
 
 /// Where the tool may stand across the channel at one place along it.
@@ -135,7 +128,7 @@ impl Stroke {
 }
 
 /// The strokes of one channel.
-struct Strokes<'a> {
+struct ChannelStrokes<'a> {
     program: &'a Program,
     roughing: &'a Roughing<'a>,
     /// Largest distance of neighbouring strokes, mm.
@@ -143,7 +136,7 @@ struct Strokes<'a> {
     lead: f64,
 }
 
-impl Strokes<'_> {
+impl ChannelStrokes<'_> {
     /// Places along the channel, from outside of the stock to outside of it.
     fn grid(&self) -> Vec<f64> {
         let chart = &self.roughing.chart;

@@ -24,7 +24,7 @@ pub(super) type Place = [f64; 2];
 const LEAN: f64 = 0.035;
 
 /// Station of a run.
-struct Row {
+struct StripStation {
     /// Distance along the middle of the run, mm.
     along: f64,
     u: f64,
@@ -46,7 +46,7 @@ struct Row {
     lift: f64,
 }
 
-impl Row {
+impl StripStation {
     /// Tip of loops in the middle.
     fn centre(&self) -> Point3<f64> {
         self.tips[1] + self.axis * self.lift
@@ -57,7 +57,7 @@ impl Row {
 pub(super) struct RunMap<'a> {
     roughing: &'a Roughing<'a>,
     run: &'a LevelRun,
-    rows: Vec<Row>,
+    rows: Vec<StripStation>,
 }
 
 impl<'a> RunMap<'a> {
@@ -114,7 +114,7 @@ impl<'a> RunMap<'a> {
     }
 
     /// The stations with a given middle and half width of the strip, in w; the axes are those of lines.
-    fn rows(roughing: &Roughing<'_>, run: &LevelRun, middles: &[f64], halves: &[f64]) -> Option<Vec<Row>> {
+    fn rows(roughing: &Roughing<'_>, run: &LevelRun, middles: &[f64], halves: &[f64]) -> Option<Vec<StripStation>> {
         let tool = |u: f64, w: f64| {
             let v = run.level.v(&roughing.chart, u, w);
             (roughing.chart.point(u, v, w), roughing.axis(u, v, w))
@@ -136,7 +136,7 @@ impl<'a> RunMap<'a> {
             let slant = by_w(0.0).dot(&forward);
             let square = |v: Vector3<f64>| (v - forward * v.dot(&forward)).norm().max(f64::MIN_POSITIVE);
             let across = square(by_w(0.0));
-            Row {
+            StripStation {
                 along: along[i],
                 u: run.stations[i].u,
                 middle: middles[i],
@@ -203,14 +203,14 @@ impl<'a> RunMap<'a> {
 
     /// The stations on both sides of a distance along the middle, and its share between them, which is below 0 or over 1
     /// beyond the ends.
-    fn between(&self, along: f64) -> (&Row, &Row, f64) {
+    fn between(&self, along: f64) -> (&StripStation, &StripStation, f64) {
         let next = self.rows.partition_point(|row| row.along < along).clamp(1, self.rows.len() - 1);
         let (a, b) = (&self.rows[next - 1], &self.rows[next]);
         (a, b, (along - a.along) / (b.along - a.along))
     }
 
     /// A value between the stations; that of the last one beyond the ends.
-    fn mixed(&self, along: f64, of: impl Fn(&Row) -> f64) -> f64 {
+    fn mixed(&self, along: f64, of: impl Fn(&StripStation) -> f64) -> f64 {
         let (a, b, share) = self.between(along);
         of(a) + (of(b) - of(a)) * share.clamp(0.0, 1.0)
     }
@@ -236,7 +236,7 @@ impl<'a> RunMap<'a> {
     /// The tip of a line at a place; between the stations only about, and without the lift over the hub.
     fn tip(&self, [along, w]: Place) -> Point3<f64> {
         let (a, b, share) = self.between(along);
-        let at = |row: &Row| {
+        let at = |row: &StripStation| {
             let t = (w - row.middle) / BESIDE;
             let [p, q, r] = row.tips.map(|tip| tip.coords);
             q + (r - p) * (0.5 * t) + (p + r - q * 2.0) * (0.5 * t * t)
@@ -257,7 +257,7 @@ impl<'a> RunMap<'a> {
 /// Gives rows the axes of loops, which lean in their direction, and the lift over the tips of lines; false for rows on which
 /// the tool does not keep the allowance on the hub. Loops open as deep as the end of a flat cutter goes that runs on
 /// the lines.
-fn incline(roughing: &Roughing<'_>, rows: &mut [Row], forward: f64, reach: f64) -> Vec<bool> {
+fn incline(roughing: &Roughing<'_>, rows: &mut [StripStation], forward: f64, reach: f64) -> Vec<bool> {
     /// Axes follow from the way of the tip, and its lift from the axes.
     const TURNS: usize = 2;
     let radius = if roughing.is_flat() { roughing.radius() } else { 0.0 };

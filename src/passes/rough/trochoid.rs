@@ -55,7 +55,7 @@ pub(super) struct Trochoid {
 
 /// The loops of a run.
 #[derive(Default)]
-pub(super) struct Opening {
+pub(super) struct OpenedSlot {
     /// Half width that the loops open at each station, mm, as the tip of a line moves that opens the same a step down above
     /// the tip; zero where the slot stays.
     pub(super) half: Vec<f64>,
@@ -92,7 +92,7 @@ struct Loop {
 /// Tip and axis of the tool.
 type Tool = (Point3<f64>, Vector3<f64>);
 
-impl Opening {
+impl OpenedSlot {
     /// The loops of a run, from each of its ends that lies outside of the stock. They begin where the axes of the lines lean
     /// in their direction.
     pub(super) fn new(roughing: &Roughing<'_>, run: &LevelRun, limits: Trochoid) -> Self {
