@@ -94,7 +94,7 @@
 //!
 //! **Branch and winding.** A direction of the tool has two pairs of angles, and each angle has turns of 360 deg.
 //! `link-moves` chooses them. A pass with its approach and retract keeps one choice; the choice changes only on the
-//! link over the clearance sphere. The joints are in the ISO sense of the axes; a post converts them to the sense of
+//! link over the clearance surface. The joints are in the ISO sense of the axes; a post converts them to the sense of
 //! the words.
 //!
 //! **Feeds and times.** [`JointMove::feed`] is the feed of the tip along the part, rounded down as in the text. It is

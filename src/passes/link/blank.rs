@@ -2,19 +2,43 @@
 
 use crate::collide::ToolSolid;
 use crate::ir::ClPoint;
-use crate::part::profile_distance;
+use crate::part::{Clamping, Stock, profile_distance};
+use nalgebra::{Point3, Vector3};
 
 /// Steps along the tool at which its distance to the blank is determined, mm.
 const HEIGHT_STEP: f64 = 1.0;
 
-/// The turned blank and a tool.
+/// The turned blank, its clamping, and a tool.
 pub(crate) struct Blank<'a> {
     /// Meridian as (r, z), closed from its last point to its first.
-    pub(crate) profile: &'a [[f64; 2]],
-    pub(crate) solid: &'a ToolSolid,
+    profile: &'a [[f64; 2]],
+    clamping: &'a Clamping,
+    solid: &'a ToolSolid,
+    /// Height of the centre of a sphere about the blank, whose centre lies on Z, and its radius, mm.
+    sphere: [f64; 2],
 }
 
-impl Blank<'_> {
+/// Lower bounds of the distances of a tool, mm; negative inside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Distances {
+    pub(crate) blank: f64,
+    pub(crate) clamping: f64,
+}
+
+impl Distances {
+    pub(crate) fn least(self) -> f64 {
+        self.blank.min(self.clamping)
+    }
+}
+
+impl<'a> Blank<'a> {
+    pub(crate) fn new(stock: &'a Stock, solid: &'a ToolSolid) -> Self {
+        let heights = || stock.profile.iter().map(|p| p[1]);
+        let centre = 0.5 * (heights().fold(f64::INFINITY, f64::min) + heights().fold(f64::NEG_INFINITY, f64::max));
+        let radius = stock.profile.iter().map(|p| libm::hypot(p[0], p[1] - centre)).fold(0.0, f64::max);
+        Self { profile: &stock.profile, clamping: &stock.clamping, solid, sphere: [centre, radius] }
+    }
+
     /// True when all of the tool is outside of the blank and farther from it than a distance, mm.
     pub(crate) fn clear(&self, at: &ClPoint, distance: f64) -> bool {
         self.highest_near(at, distance).is_none()
@@ -25,16 +49,45 @@ impl Blank<'_> {
         self.highest_near(at, 0.0).unwrap_or(0.0)
     }
 
+    /// Distances of the whole tool to blank and clamping.
+    pub(crate) fn distance(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> Distances {
+        let [centre, radius] = self.sphere;
+        let mut found = Distances { blank: f64::INFINITY, clamping: f64::INFINITY };
+        for (s, around) in self.discs() {
+            let p = tip + axis * s;
+            let r = libm::hypot(p.x, p.y);
+            let over = p.z - self.clamping.below.get();
+            let clamping = self.clamping.radius.map_or(over, |radius| {
+                let beside = r - radius.get();
+                if over < 0.0 && beside < 0.0 { over.max(beside) } else { libm::hypot(over.max(0.0), beside.max(0.0)) }
+            });
+            found.clamping = found.clamping.min(clamping - around);
+            // The sphere decides for most of a long tool.
+            if libm::hypot(r, p.z - centre) - radius - around < found.blank {
+                found.blank = found.blank.min(profile_distance(self.profile, [r, p.z]) - around);
+            }
+        }
+        found
+    }
+
     /// Greatest height over the tip at which the tool is in the blank or nearer to it than a distance, mm.
     fn highest_near(&self, at: &ClPoint, distance: f64) -> Option<f64> {
-        let count = (self.solid.length() / HEIGHT_STEP).ceil() as usize;
-        let near = |k: &usize| {
-            let s = *k as f64 * HEIGHT_STEP;
-            let p = at.tip + at.axis * s;
-            let body = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from <= s && s <= x.to);
-            let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
-            profile_distance(self.profile, [libm::hypot(p.x, p.y), p.z]) <= widest + HEIGHT_STEP + distance
+        let near = |(s, around): &(f64, f64)| {
+            let p = at.tip + at.axis * *s;
+            profile_distance(self.profile, [libm::hypot(p.x, p.y), p.z]) <= around + distance
         };
-        (0..=count).rev().find(near).map(|k| k as f64 * HEIGHT_STEP)
+        self.discs().rev().find(near).map(|disc| disc.0)
+    }
+
+    /// Heights over the tip, with the radius of a ball there that holds the tool up to the next height, mm.
+    fn discs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + '_ {
+        let count = (self.solid.length() / HEIGHT_STEP).ceil() as usize;
+        (0..=count).map(|k| {
+            let s = k as f64 * HEIGHT_STEP;
+            let sections = self.solid.shank.iter().chain(&self.solid.holder);
+            let body = sections.filter(|x| x.from <= s + HEIGHT_STEP && s <= x.to + HEIGHT_STEP);
+            let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
+            (s, widest + HEIGHT_STEP)
+        })
     }
 }

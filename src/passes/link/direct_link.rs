@@ -73,7 +73,7 @@ impl<'a> DirectLinks<'a> {
             machine: &program.machine,
             obstacles,
             solid,
-            blank: Blank { profile: &program.stock.profile, solid },
+            blank: Blank::new(&program.stock, solid),
             asked: [CUTTER * obstacles.scale(), clearance(Guarded::Shank), clearance(Guarded::Holder)],
             free: rest.map(|c| c.bound.value() + OVER_REST).reduce(f64::min),
         }

@@ -25,7 +25,7 @@ pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
     for planned in &mut cl.operations {
         let operation = &program.operations[planned.operation];
         if operation.kind.finishes() {
-            let blank = Blank { profile: &program.stock.profile, solid: &program.tools[operation.tool].solid };
+            let blank = Blank::new(&program.stock, &program.tools[operation.tool].solid);
             planned.passes.par_iter_mut().for_each(|pass| mark(&blank, &program.machine.chain, pass));
         }
     }

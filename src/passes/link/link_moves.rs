@@ -2,16 +2,16 @@
 //!
 //! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves per
 //! operation. The tool comes down along its axis to the start of a pass, runs the pass, leaves along its axis to the
-//! clearance sphere, and goes over the sphere to the next pass. Where a finishing pass begins near the end of its
-//! predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links between them keep one branch
-//! and do not unwind. Where the travel does not allow this, the tool goes over the sphere in the middle of them. Branch
-//! and winding change only there.
+//! clearance surface, and goes over it to the next pass (see [`super::clearance_surface`]). Where a finishing pass begins
+//! near the end of its predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links
+//! between them keep one branch and do not unwind. Where the travel does not allow this, the tool goes over the surface in
+//! the middle of them. Branch and winding change only there.
 //!
 //! A tool that leaves along its own axis sweeps only space that it already occupied. After rest machining, passes begin
 //! and end in space without stock, and nothing above the cutter is thinner than the cutter.
 
 use super::branch::{self, OutOfTravel};
-use super::clearance_sphere::ClearanceSphere;
+use super::clearance_surface::ClearanceSurface;
 use super::direct_link::DirectLinks;
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
@@ -21,6 +21,10 @@ use crate::passes::context::PassContext;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Time that the changes from feed to rapid and back cost, s: the axes stop or nearly stop twice, with the jerk of usual
+/// axes for 50 ms each.
+const CHANGES: f64 = 0.1;
 
 /// A move to a cutter location.
 struct LinkMove {
@@ -35,7 +39,7 @@ struct Links<'a> {
     passes: &'a [ClPass],
     /// For each pass and its successor the places between them on the direct link, if there is one.
     short: Vec<Option<Vec<ClPoint>>>,
-    sphere: ClearanceSphere,
+    surface: ClearanceSurface<'a>,
 }
 
 /// Makes the motion; feeds are those of the process.
@@ -60,7 +64,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
             let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
             match branch::solve(machine, &places, length, at) {
                 Ok(rotary) => {
-                    append(machine, &links.sphere, operation, (&linked, &rotary), &mut moves);
+                    append(machine, &links.surface, operation, (&linked, &rotary), &mut moves);
                     at = rotary.last().copied().unwrap_or(at);
                 }
                 Err(_) if run.len() > 1 => {
@@ -84,9 +88,9 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
 }
 
 impl<'a> Links<'a> {
-    fn new(cx: &PassContext<'_>, operation: &Operation, passes: &'a [ClPass]) -> Self {
+    fn new(cx: &PassContext<'a>, operation: &Operation, passes: &'a [ClPass]) -> Self {
         let program = cx.program;
-        let sphere = ClearanceSphere::new(program, &program.tools[operation.tool].solid);
+        let surface = ClearanceSurface::new(program, &program.tools[operation.tool].solid);
         let direct_links = DirectLinks::new(program, cx.obstacles, operation);
         let short = passes
             .par_windows(2)
@@ -94,17 +98,18 @@ impl<'a> Links<'a> {
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
                 let finishing = || operation.kind.finishes().then(|| direct_links.between(from, to)).flatten();
                 let link = pair[1].link.clone().or_else(finishing)?;
-                // No direct link where the link over the clearance sphere takes less time.
+                // No direct link where the link over the clearance surface takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get() / 60.0;
-                let [out, back] = [from, to].map(|p| lifted(&sphere, p));
+                let [out, back] = [from, to].map(|p| surface.lifted(p));
                 let over = (length(&[*from, out]) + length(&[back, *to])) / feed
-                    + sphere.way(&out.tip, &back.tip) / program.machine.rapid;
+                    + surface.way(&out.tip, &back.tip) / program.machine.rapid
+                    + CHANGES;
                 let path: Vec<ClPoint> = [*from].into_iter().chain(link.iter().copied()).chain([*to]).collect();
                 (length(&path) / feed <= over).then_some(link)
             })
             .collect();
-        Self { passes, short, sphere }
+        Self { passes, short, surface }
     }
 
     /// Sequences of passes with direct links between them; passes without points are left out.
@@ -119,7 +124,7 @@ impl<'a> Links<'a> {
         runs
     }
 
-    /// The moves of passes with direct links between them, from the clearance sphere and back to it.
+    /// The moves of passes with direct links between them, from the clearance surface and back to it.
     fn linked(&self, run: Range<usize>) -> Vec<LinkMove> {
         let mut moves: Vec<LinkMove> = Vec::new();
         for index in run.clone() {
@@ -137,7 +142,7 @@ impl<'a> Links<'a> {
                     }
                 }
                 _ => {
-                    let over = lifted(&self.sphere, first);
+                    let over = self.surface.lifted(first);
                     add(MoveKind::Rapid, over);
                     if over.tip != first.tip {
                         add(MoveKind::Link, start);
@@ -148,18 +153,13 @@ impl<'a> Links<'a> {
             for (i, p) in points.iter().enumerate().skip(1) {
                 add(if air.binary_search(&i).is_ok() { MoveKind::Link } else { MoveKind::Cut }, *p);
             }
-            let out = lifted(&self.sphere, last);
+            let out = self.surface.lifted(last);
             if index + 1 == run.end && out.tip != last.tip {
                 add(MoveKind::Link, out);
             }
         }
         moves
     }
-}
-
-/// The place on the clearance sphere, out along the tool axis.
-fn lifted(sphere: &ClearanceSphere, p: &ClPoint) -> ClPoint {
-    ClPoint { tip: p.tip + p.axis * sphere.exit(&p.tip, &p.axis), axis: p.axis, contact: None }
 }
 
 /// Adds the stations at retract height in front of the first and behind the last move.
@@ -193,10 +193,10 @@ fn aloft(machine: &Machine, length: f64, before: Option<&MotionOperation>, rotar
     vec![at(height), at(height - DOWN), at(height)]
 }
 
-/// Appends the moves of a sequence, preceded by the link over the sphere.
+/// Appends the moves of a sequence, preceded by the link over the clearance surface.
 fn append(
     machine: &Machine,
-    sphere: &ClearanceSphere,
+    surface: &ClearanceSurface<'_>,
     operation: &Operation,
     (run, rotary): (&[LinkMove], &[Angles]),
     out: &mut Vec<JointMove>,
@@ -218,7 +218,7 @@ fn append(
     };
     if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
         let from = RotaryPose { tip: machine.forward(&last).tip, rotary: last.rotary };
-        for place in sphere.around(&machine.chain, &from, &RotaryPose { tip: first.to.tip, rotary: start }) {
+        for place in surface.way_round(&from, &RotaryPose { tip: first.to.tip, rotary: start }) {
             push(first, &place.tip, place.rotary, out);
         }
     }

@@ -12,7 +12,7 @@
 //! query. A needle or an edge of stock narrower than a cell may still stand between the rays; contracts on excess and
 //! rest judge what is left.
 
-use super::clearance_sphere::ClearanceSphere;
+use super::clearance_surface::ClearanceSurface;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
 use super::{stock_links, stock_order, strokes};
@@ -174,7 +174,7 @@ fn reduce(
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
     let ways =
-        Ways { operation, whole: !leaves_along_axis(solid), sphere: ClearanceSphere::new(program, solid), program };
+        Ways { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid), program };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
         let stations = stations(&program.machine, pass);
@@ -226,7 +226,7 @@ struct Ways<'a> {
     operation: &'a Operation,
     /// True when the tool may leave a pass only at its ends.
     whole: bool,
-    sphere: ClearanceSphere,
+    surface: ClearanceSurface<'a>,
 }
 
 impl Ways<'_> {
@@ -258,12 +258,13 @@ impl Ways<'_> {
         runs
     }
 
-    /// True when the link over the clearance sphere takes less time than the cut between two stations.
+    /// True when the link over the clearance surface takes less time than the cut between two stations.
     fn pays(&self, stations: &[PathPoint], gap: Range<usize>) -> bool {
         let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
-        let [out, back] = [from, to].map(|p| self.sphere.exit(&p.tip, &p.axis));
-        let over = self.sphere.way(&(from.tip + from.axis * out), &(to.tip + to.axis * back));
-        let link = (out + back) / (self.operation.link_feed.get() / 60.0) + over / self.program.machine.rapid;
+        let [out, back] = [from, to].map(|p| self.surface.lifted(p).tip);
+        let over = self.surface.way(&out, &back);
+        let link = ((out - from.tip).norm() + (back - to.tip).norm()) / (self.operation.link_feed.get() / 60.0)
+            + over / self.program.machine.rapid;
         link < way(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
     }
 }
