@@ -185,11 +185,11 @@ fn judged(program: &Program, motion: &Motion, cell: f64) -> (OperationStock, Vec
 }
 
 /// The job of the language, planned.
-static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| planned(&[]));
+static PLANNED: LazyLock<(Program, Motion)> = LazyLock::new(|| planned(JOB, &[]));
 
-/// The job with texts replaced, planned.
-fn planned(changes: &[(&str, &str)]) -> (Program, Motion) {
-    let text = changes.iter().fold(JOB.to_owned(), |text, (from, to)| {
+/// A job of the small impeller with texts replaced, planned.
+pub(crate) fn planned(job: &str, changes: &[(&str, &str)]) -> (Program, Motion) {
+    let text = changes.iter().fold(job.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from} is not in the job");
         text.replace(from, to)
     });
@@ -204,7 +204,7 @@ fn planned(changes: &[(&str, &str)]) -> (Program, Motion) {
 }
 
 /// Points of the blank in cubes, and whether each is still material.
-struct Points {
+pub(crate) struct Points {
     step: f64,
     low: [f64; 3],
     count: [usize; 3],
@@ -213,7 +213,7 @@ struct Points {
 
 impl Points {
     /// The points of the blank within 2 mm of the tips at feed.
-    fn new(program: &Program, motion: &Motion, step: f64) -> Self {
+    pub(crate) fn new(program: &Program, motion: &Motion, step: f64) -> Self {
         let moves = motion.operations.iter().flat_map(|o| &o.moves).filter(|m| m.kind == MoveKind::Cut);
         let tips: Vec<Point3<f64>> = moves.map(|m| program.machine.forward(&m.joints).tip).collect();
         let low = [0, 1, 2].map(|k| tips.iter().map(|t| t[k]).fold(f64::INFINITY, f64::min) - 2.0);
@@ -258,17 +258,17 @@ impl Points {
 
 /// What a flat tool does to the points.
 #[derive(Debug, Default)]
-struct Cutting {
+pub(crate) struct Cutting {
     points: usize,
     /// How far removed points lie inside of the middle of the end, in strokes down along the axis and more than a layer
     /// above their end, mm.
-    into_middle: f64,
+    pub(crate) into_middle: f64,
     /// Strokes down along the axis.
-    strokes: usize,
+    pub(crate) strokes: usize,
 }
 
 /// Sends the flat tool of a program through the points; `middle` is the radius of the middle of its end.
-fn cut(points: &mut Points, program: &Program, motion: &Motion, middle: f64) -> Cutting {
+pub(crate) fn cut(points: &mut Points, program: &Program, motion: &Motion, middle: f64) -> Cutting {
     const LAYER: f64 = 0.06;
     let mut found = Cutting::default();
     for operation in &motion.operations {
@@ -363,7 +363,7 @@ fn strokes_clear_the_channel_with_their_teeth() {
 fn too_wide_steps_take_the_middle_into_material() {
     let centre = ("flat { diameter 2 mm", "flat { diameter 2 mm  plunge-width 1 mm");
     let wide = ("feed 300 mm/min", "feed 300 mm/min  stepover 0.9 mm");
-    let (mut program, motion) = planned(&[centre, wide]);
+    let (mut program, motion) = planned(JOB, &[centre, wide]);
     let mut points = Points::new(&program, &motion, 0.2);
     let found = cut(&mut points, &program, &motion, 0.6);
     assert!(found.into_middle > 0.3, "{found:?}");

@@ -1,5 +1,6 @@
 //! The operation `rough`: what one item of the job means.
 
+use crate::plunge::{Points, cut, planned};
 use impellerc::diag::{Sink, codes};
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
@@ -127,4 +128,28 @@ fn faults_of_the_item_are_named() {
         let found = read(from, to).map(|o| o.len());
         assert!(found.as_ref().is_err_and(|f| f.contains(&code.id())), "{to}: {found:?}");
     }
+}
+
+/// A flat tool whose blank stands over the shroud: on its ways down along the axis, at link feed and at cutting feed, no
+/// point of material is under the middle of its end. Points of a grid, without the stocks of planner and verifier.
+#[test]
+fn no_way_down_along_the_axis_has_material_under_the_middle() {
+    const STEP: f64 = 0.1;
+    const MIDDLE: f64 = 0.5;
+    let (program, motion) = planned(
+        JOB,
+        &[
+            ("over shroud 0 mm", "over shroud 0.375 mm"),
+            ("tools t1, t2 ", "tools t1 "),
+            ("tool t2", "tool t0"),
+            ("hub 0.4 mm", "hub 0.4 mm  sectors 2"),
+            ("require rest      <= 0.8 mm", ""),
+        ],
+    );
+    assert_eq!(program.tools[program.operations.iter().next().unwrap().1.tool].toothless_radius(), Some(MIDDLE));
+    let mut points = Points::new(&program, &motion, STEP);
+    let found = cut(&mut points, &program, &motion, MIDDLE);
+    println!("{found:?}");
+    assert!(found.strokes > 50, "{found:?}");
+    assert!(found.into_middle <= 0.05, "{found:?}");
 }

@@ -127,11 +127,11 @@ and kept surfaces.\n\nExample: `allowance vane 40 um` under `tolerance rough 50 
 than the sum of the tolerance and the chord error of the path, or a smaller tolerance.";
     TOOL_LOAD = "IMP0739", "feed and spindle load the tool beyond its size",
         "The feed per tooth follows from feed, spindle speed and number of teeth. The simulated stock shows how much \
-of the cutter is engaged. These cases are reported: a stroke along the axis with material in the middle of the end, \
-which has no teeth (`plunge-width`), a cut deeper than `max-depth` of the tool, a feed per tooth above \
+of the cutter is engaged. These cases are reported: a motion down along the axis with material in the middle of the \
+end, which has no teeth (`plunge-width`), a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
 a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but the last are \
-errors, the first one a warning outside of `plunge`. The last is an error if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
+errors. The last is an error if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
 Without `max-chip` and `max-depth`, the limits are shares of the diameter that fall with the stick-out, and with the \
 `material` of the stock.\n\nExample: `flank` directly after `groove`, without an \
 `expand` between them.\n\nRemedy: use a lower `feed`, a higher `speed`, a smaller `depth`, or roughing that leaves less stock. If the maker of \

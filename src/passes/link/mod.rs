@@ -4,6 +4,7 @@ mod blank;
 mod branch;
 mod clearance_sphere;
 mod clearance_surface;
+mod cleared;
 mod direct_link;
 pub(crate) mod fast_leads;
 pub(crate) mod link_moves;

@@ -13,6 +13,7 @@
 //! rest judge what is left.
 
 use super::clearance_surface::ClearanceSurface;
+use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
 use super::{stock_links, stock_order, strokes};
@@ -54,17 +55,20 @@ pub fn run(
     let asks = |o: &ClOperation| follows_stock(&program.operations[o.operation]);
     let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
     let mut field = field(program, sink)?;
+    let mut cleared = Cleared::default();
     let mut failed = false;
     for (i, planned) in cl.operations.iter_mut().enumerate() {
         let operation = &program.operations[planned.operation];
         let direct = DirectLinks::new(program, obstacles, operation);
+        cleared.change_tool(program.tools[operation.tool].solid.cutter_alone(0.0));
         if operation.kind.follows_stock() {
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
             match operation.kind {
                 OperationKind::Plunge { .. } => {
-                    strokes::reduce(program, operation, &direct, planned, (&mut field, &work))
+                    strokes::reduce(program, operation, &direct, planned, (&mut field, &work));
+                    add_cuts(program, planned, &mut cleared);
                 }
-                _ => stock_order::reduce(program, operation, &direct, planned, (&mut field, &work)),
+                _ => stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work)),
             }
             if planned.passes.is_empty() {
                 sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
@@ -81,8 +85,18 @@ pub fn run(
         let what = if cuts { "rest stock" } else { "links" };
         let work = progress.begin(format!("{}, {what}", operation.name), planned.passes.len());
         stock_links::add(program, operation, &direct, (planned, cuts), (&mut field, &work));
+        if cuts {
+            add_cuts(program, planned, &mut cleared);
+        }
     }
     if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Adds the cuts of an operation to the space without material.
+fn add_cuts(program: &Program, planned: &ClOperation, cleared: &mut Cleared) {
+    for pass in &planned.passes {
+        cleared.add(pass.sector, &stations(&program.machine, pass));
+    }
 }
 
 /// True for operations whose passes depend on the stock that they find.

@@ -8,10 +8,14 @@
 //! After rest machining a pass keeps only the stretches on which more than the thickness of the job is left. Where air
 //! is far from the end of a stretch, the tool ramps in from above or beside the pass.
 //!
+//! A tool comes down along its axis to the start of a pass. Where the middle of its end has no teeth, the start lies where
+//! the middle finds no material: outside of the blank, or where the tool has cut before. The lead goes back to such a place.
+//!
 //! The stock is simulated pass by pass, so that each pass finds what all passes before it have left. A cutter that is
 //! enlarged by the error between the rays of the stock decides where it is in air; its shank and holder count as well.
 
 use super::clearance_sphere::ClearanceSphere;
+use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, stations, steps_of, way};
 use super::through_air::ThroughAir;
@@ -53,6 +57,9 @@ struct Reduction<'a> {
     /// Stock that is no deeper in the tool is left to the next operation, mm.
     thickness: f64,
     cutter: ToolSolid,
+    cleared: &'a mut Cleared,
+    /// Radius of the middle of the end without teeth, mm.
+    middle: f64,
 }
 
 /// A pass that cuts.
@@ -68,10 +75,11 @@ pub(super) fn reduce(
     operation: &Operation,
     direct: &DirectLinks<'_>,
     planned: &mut ClOperation,
-    (field, work): (&mut Field, &Work),
+    (field, cleared, work): (&mut Field, &mut Cleared, &Work),
 ) {
-    let solid = &program.tools[operation.tool].solid;
-    let reduction = Reduction {
+    let tool = &program.tools[operation.tool];
+    let solid = &tool.solid;
+    let mut reduction = Reduction {
         program,
         operation,
         direct,
@@ -79,6 +87,8 @@ pub(super) fn reduce(
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
         cutter: solid.cutter_alone(0.0),
+        cleared,
+        middle: tool.toothless_radius().unwrap_or(0.0),
     };
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
@@ -115,7 +125,7 @@ impl Reduction<'_> {
     /// The loops of a slot that have to cut, each run of them as one pass. A loop takes less than the thickness, so that
     /// the stock before the first loop decides. A run begins with the first loop that touches stock: a loop that has
     /// to cut would otherwise take what those before it leave as well.
-    fn slots(&self, loops: &[ClPass], mut before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Vec<Reduced> {
+    fn slots(&mut self, loops: &[ClPass], mut before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Vec<Reduced> {
         let depths: Vec<f64> = loops.iter().map(|pass| work.step(self.deepest(pass, field))).collect();
         let mut slots = Vec::new();
         for run in maximal_ranges(loops.len(), |i| depths[i] > self.air.slivers) {
@@ -130,9 +140,10 @@ impl Reduction<'_> {
 
     /// Loops as one pass, from the lead of the first contact with the stock to the lead behind the last one. Removes
     /// their cuts from the stock, one after the other, so that the return of a loop runs through air.
-    fn slot(&self, loops: &[ClPass], before: Option<ClPoint>, field: &mut Field) -> Reduced {
+    fn slot(&mut self, loops: &[ClPass], before: Option<ClPoint>, field: &mut Field) -> Reduced {
         let (mut line, mut depths): (Vec<PathPoint>, Vec<f64>) = (Vec::new(), Vec::new());
         let (mut first, mut last, mut link) = (None, 0, None);
+        let sector = loops[0].sector;
         for pass in loops {
             let of_loop = stations(&self.program.machine, pass);
             let found = self.air.depths(&of_loop, field).unwrap_or_default();
@@ -146,11 +157,11 @@ impl Reduction<'_> {
             let contact = (at..depths.len()).find(|i| depths[*i] > self.air.slivers);
             last = (at..depths.len()).rfind(|i| depths[*i] > self.air.slivers).unwrap_or(last);
             if let (None, Some(contact)) = (first, contact) {
-                let start = self.lead(&line, &depths, contact, false);
+                let start = self.entry(sector, &line, self.lead(&line, &depths, contact, false));
                 link = before.and_then(|end| self.air.link(&end, &line[start].point, field));
                 first = Some(start);
             }
-            self.cut(&of_loop, field);
+            self.cut(sector, &of_loop, field);
         }
         let first = first.unwrap_or(0);
         let end = self.lead(&line, &depths, last + 1, true);
@@ -161,27 +172,28 @@ impl Reduction<'_> {
 
     /// The parts of a pass that cut, with their leads, and with their links from the end of the pass before. Removes
     /// their cuts from the stock.
-    fn reduced(&self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
+    fn reduced(&mut self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
         let Some(mut depths) = self.air.depths(&line, field) else { return Vec::new() };
+        let sector = pass.sector;
         let mut parts: Vec<Reduced> = Vec::new();
         let mut done = 0;
         while let Some(stretch) = self.stretches(&line[done..], &depths[done..]).first() {
             let stretch = stretch.start + done..stretch.end + done;
-            let start = self.end_of(&line, &depths, stretch.start, false, field);
+            let start = self.end_of(sector, &line, &depths, (stretch.start, false), field);
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;
             let link = before.and_then(|end| self.air.link(&end, &first, field));
             let mut part = start.ramp;
             let mut found = self.air.depths(&part, field).unwrap_or_default();
-            self.cut(&part, field);
+            self.cut(sector, &part, field);
             part.pop();
-            let end = self.cut_to_end(&line, start.station, stretch.end, &mut depths, field);
-            let finish = self.end_of(&line, &depths, end, true, field);
-            self.cut(&line[end..=finish.station], field);
+            let end = self.cut_to_end(sector, &line, start.station, stretch.end, &mut depths, field);
+            let finish = self.end_of(sector, &line, &depths, (end, true), field);
+            self.cut(sector, &line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
             found.extend_from_slice(&depths[start.station..finish.station]);
             if let Some(out) = self.air.depths(&finish.ramp, field) {
-                self.cut(&finish.ramp, field);
+                self.cut(sector, &finish.ramp, field);
                 part.extend_from_slice(&finish.ramp[1..]);
                 found.extend(out);
             }
@@ -198,7 +210,8 @@ impl Reduction<'_> {
     /// The rear half of a cutter passes where its front half has cut, so that the tool is done before all of it has left
     /// the stock that it found. Updates the depths behind the returned station.
     fn cut_to_end(
-        &self,
+        &mut self,
+        sector: u32,
         line: &[PathPoint],
         from: usize,
         to: usize,
@@ -211,9 +224,9 @@ impl Reduction<'_> {
             at -= 1;
             rear += length(line, at);
         }
-        self.cut(&line[from..=at], field);
+        self.cut(sector, &line[from..=at], field);
         while let Some(next) = self.next_cut(&line[at..=to], field) {
-            self.cut(&line[at..=at + next], field);
+            self.cut(sector, &line[at..=at + next], field);
             at += next;
         }
         if let Some(behind) = self.air.depths(&line[at..], field) {
@@ -233,7 +246,8 @@ impl Reduction<'_> {
     }
 
     /// Removes the cut along stations from the stock.
-    fn cut(&self, line: &[PathPoint], field: &mut Field) {
+    fn cut(&mut self, sector: u32, line: &[PathPoint], field: &mut Field) {
+        self.cleared.add(sector, line);
         stock::simulate(field, &self.cutter, steps_of(&self.program.machine, line, StepKind::Cut, 0.0));
     }
 
@@ -260,7 +274,14 @@ impl Reduction<'_> {
 
     /// Where a part of a pass begins or ends: in air, where air is near; else over its first or last station, so that the
     /// tool ramps through a thin rest; else in the air farther on.
-    fn end_of(&self, line: &[PathPoint], depths: &[f64], station: usize, at_end: bool, field: &mut Field) -> PassEnd {
+    fn end_of(
+        &self,
+        sector: u32,
+        line: &[PathPoint],
+        depths: &[f64],
+        (station, at_end): (usize, bool),
+        field: &mut Field,
+    ) -> PassEnd {
         let steps = steps_from(station, depths.len(), at_end);
         let beyond = |step: usize| if at_end { step + 1 } else { step };
         let to_air = steps.iter().position(|i| depths[*i] <= self.air.slivers);
@@ -268,12 +289,26 @@ impl Reduction<'_> {
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
             && let Some(place) = self.ramp_end(line, &steps, station, beyond, field)
+            && (at_end || self.holds(sector, &place))
         {
             let here = ClPoint { contact: None, ..line[station].point };
             let ends = if at_end { [here, place] } else { [place, here] };
             return PassEnd { station, ramp: self.air.straight_way(ends) };
         }
-        PassEnd { station: self.lead(line, depths, station, at_end), ramp: Vec::new() }
+        let station = self.lead(line, depths, station, at_end);
+        PassEnd { station: if at_end { station } else { self.entry(sector, line, station) }, ramp: Vec::new() }
+    }
+
+    /// The last station up to a station of a lead at which the middle of the end finds no material above the floor; this
+    /// station where none is known.
+    fn entry(&self, sector: u32, line: &[PathPoint], station: usize) -> usize {
+        (0..=station).rev().find(|i| self.holds(sector, &line[*i].point)).unwrap_or(station)
+    }
+
+    /// True when the middle of the end may come down along the axis to a place.
+    fn holds(&self, sector: u32, place: &ClPoint) -> bool {
+        let size = [self.middle, self.cutter.flute_length];
+        self.middle == 0.0 || self.cleared.holds(self.program, sector, place, size)
     }
 
     /// The station in air at which the lead before or behind a station of a cut begins or ends.

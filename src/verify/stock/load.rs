@@ -5,7 +5,7 @@
 
 use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{Motion, MotionOperation, MoveKind, Operation, OperationKind, Program};
+use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::stock::lune::RIDGE;
 use crate::units::{length, trim};
 use crate::verify::place::describe;
@@ -36,18 +36,15 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sin
     report_link(program, motion, o, sink);
 }
 
-/// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis: an error for
-/// strokes, a warning for entries of other operations, whose planner does not look at the middle of the end.
+/// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis.
 fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let found = o.middle.filter(|middle| middle.value > INTO_MIDDLE);
     let Some((middle, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let across = 2.0 * tool.toothless_radius().unwrap_or(0.0);
-    let strokes = matches!(declared.kind, OperationKind::Plunge { .. });
-    let new = if strokes { Diag::error } else { Diag::warning };
     sink.push(
-        new(
+        Diag::error(
             verification::TOOL_LOAD,
             format!(
                 "{} goes down along its axis with material {} inside of the middle of its end",
