@@ -2,6 +2,7 @@
 
 use crate::plunge::{Points, cut, planned};
 use impellerc::diag::{Sink, codes};
+use impellerc::ir::{JointMove, Motion, Program};
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
 use impellerc::method::{Levels, Milling};
@@ -134,9 +135,8 @@ fn faults_of_the_item_are_named() {
 /// point of material is under the middle of its end. Points of a grid, without the stocks of planner and verifier.
 #[test]
 fn no_way_down_along_the_axis_has_material_under_the_middle() {
-    const STEP: f64 = 0.1;
     const MIDDLE: f64 = 0.5;
-    let (program, motion) = planned(
+    let (program, mut motion) = planned(
         JOB,
         &[
             ("over shroud 0 mm", "over shroud 0.375 mm"),
@@ -147,9 +147,31 @@ fn no_way_down_along_the_axis_has_material_under_the_middle() {
         ],
     );
     assert_eq!(program.tools[program.operations.iter().next().unwrap().1.tool].toothless_radius(), Some(MIDDLE));
-    let mut points = Points::new(&program, &motion, STEP);
-    let found = cut(&mut points, &program, &motion, MIDDLE);
-    println!("{found:?}");
-    assert!(found.strokes > 50, "{found:?}");
-    assert!(found.into_middle <= 0.05, "{found:?}");
+    let found = |motion: &Motion, step: f64| cut(&mut Points::new(&program, motion, step), &program, motion, MIDDLE);
+    let planned = found(&motion, 0.15);
+    assert!(planned.strokes > 50 && planned.into_middle <= 0.05, "{planned:?}");
+    begin_inside(&program, &mut motion);
+    let inside = found(&motion, 0.3);
+    assert!(inside.into_middle > 0.3, "{inside:?}");
+}
+
+/// Moves the starts of passes, with the ways down to them, 4 mm along their passes.
+fn begin_inside(program: &Program, motion: &mut Motion) {
+    for operation in &mut motion.operations {
+        let moves = &mut operation.moves;
+        for i in 1..moves.len() {
+            let tip = |m: &JointMove| program.machine.forward(&m.joints).tip;
+            let axis = program.machine.chain.tool_axis(moves[i].joints.rotary);
+            let start = tip(&moves[i]);
+            let way = start - tip(&moves[i - 1]);
+            let inside = moves[i..].iter().take_while(|m| m.pass == moves[i].pass);
+            let inside = inside.map(|m| m.joints).find(|j| (program.machine.forward(j).tip - start).norm() > 4.0);
+            if let Some(to) = inside.filter(|_| way.norm() > 0.0 && axis.dot(&way) < -0.999_999 * way.norm()) {
+                let axis = program.machine.chain.tool_axis(to.rotary);
+                moves[i - 1].joints =
+                    program.machine.joints(&(program.machine.forward(&to).tip + axis * 3.0), to.rotary);
+                moves[i].joints = to;
+            }
+        }
+    }
 }

@@ -125,7 +125,12 @@ impl Reduction<'_> {
     /// The loops of a slot that have to cut, each run of them as one pass. A loop takes less than the thickness, so that
     /// the stock before the first loop decides. A run begins with the first loop that touches stock: a loop that has
     /// to cut would otherwise take what those before it leave as well.
-    fn slots(&mut self, loops: &[ClPass], mut before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Vec<Reduced> {
+    fn slots(
+        &mut self,
+        loops: &[ClPass],
+        mut before: Option<ClPoint>,
+        (field, work): (&mut Field, &Work),
+    ) -> Vec<Reduced> {
         let depths: Vec<f64> = loops.iter().map(|pass| work.step(self.deepest(pass, field))).collect();
         let mut slots = Vec::new();
         for run in maximal_ranges(loops.len(), |i| depths[i] > self.air.slivers) {
