@@ -57,7 +57,9 @@ impl<'a> Left<'a> {
 
     /// Reports what is missing of the part before the first operation.
     pub(super) fn report(&self, program: &Program, samples: &[Sample], sink: &mut Sink) {
-        let lacks = samples.par_iter().map(|s| (-self.depth(&s.position), s));
+        // Distances take long where they are large, and most samples lie deep in the material.
+        let outside = samples.par_iter().filter(|s| !self.columns.inside(&s.position));
+        let lacks = outside.map(|s| (-self.depth(&s.position), s));
         let Some((depth, sample)) = lacks.reduce_with(|a, b| if b.0 > a.0 { b } else { a }) else { return };
         if depth < SHOWN {
             return;

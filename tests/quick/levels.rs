@@ -1,6 +1,7 @@
 //! `order levels`: both faces of a blade are finished to one depth before any goes deeper.
 
 use crate::support;
+use crate::support::squares::{nearest, squares};
 use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
@@ -9,7 +10,6 @@ use impellerc::method::{AxisMethod, FaceOrder, Flank, FlankMethod, Lines, Millin
 use impellerc::part::{BladeId, Surface, SurfaceKind};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
-use nalgebra::Point3;
 
 /// Sectors of the programs, and samples along and across a face.
 const SECTORS: [u32; 2] = [0, 3];
@@ -30,30 +30,25 @@ fn ahead(program: &Program) -> (f64, usize) {
     let mut sink = Sink::default();
     let plan = pipeline::run(program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags()));
     let part = &program.part;
-    let samples: Vec<(usize, usize, f64, Point3<f64>)> = SECTORS
-        .iter()
-        .enumerate()
-        .flat_map(|(sector, turns)| {
-            let turn = part.sector_rotation(*turns);
-            BladeId::MAIN.faces().into_iter().enumerate().flat_map(move |(face, id)| {
-                (1..GRID[0]).flat_map(move |i| {
-                    (0..=GRID[1]).map(move |j| {
-                        let [u, v] = [i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64];
-                        (sector, face, v, turn * part.face(id).surface.point(u, v))
-                    })
-                })
-            })
-        })
-        .collect();
+    let mut samples = Vec::new();
+    for (sector, turns) in SECTORS.iter().enumerate() {
+        let turn = part.sector_rotation(*turns);
+        for (face, id) in BladeId::MAIN.faces().into_iter().enumerate() {
+            // Without both ends of the face.
+            samples.extend(squares([GRID[0] - 2, GRID[1]], |i, j| {
+                let [u, v] = [(i + 1) as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64];
+                ((sector, face, v), turn * part.face(id).surface.point(u, v))
+            }));
+        }
+    }
     let mut lowest = [[1.0_f64; 2]; 2];
     let (mut worst, mut changes, mut on) = (0.0_f64, 0, None);
     for pair in plan.motion.operations[0].moves.windows(2).filter(|pair| pair[1].kind == MoveKind::Cut) {
         let pose = program.machine.forward(&pair[1].joints);
         let centre = pose.tip + pose.axis * 2.0;
-        let near = |s: &(usize, usize, f64, Point3<f64>)| (s.3 - centre).norm();
-        let nearest = samples.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
-        let (sector, face, v, _) = *nearest;
-        if near(nearest) > 2.2 {
+        let (distance, ((sector, face, v), _)) = nearest(&samples, |p| (p - centre).norm());
+        let (sector, face, v) = (*sector, *face, *v);
+        if distance > 2.2 {
             continue;
         }
         lowest[sector][face] = lowest[sector][face].min(v);

@@ -1,5 +1,6 @@
 //! Climb or conventional milling of vanes: the side of the material as the motion of the machine shows it.
 
+use crate::support::squares::{nearest, squares};
 use crate::support::{self, golden, jobs};
 use impellerc::collide::Cutter;
 use impellerc::collide::tool::tool_coordinates;
@@ -44,41 +45,29 @@ fn found(program: &Program) -> [[[usize; 2]; 2]; 2] {
     let plan = pipeline::run(program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags()));
     let operation = program.operations.iter().next().unwrap().1;
     let solid = &program.tools[operation.tool].solid;
-    let samples: Vec<(usize, bool, Point3<f64>)> = operation
-        .sectors
-        .iter()
-        .flat_map(|sector| {
-            let turn = program.part.sector_rotation(*sector);
-            let faces = BladeId::MAIN.faces().into_iter().enumerate();
-            faces.flat_map(move |(k, face)| {
-                (0..=GRID[0]).flat_map(move |i| {
-                    (0..=GRID[1]).map(move |j| {
-                        let [u, v] = [i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64];
-                        let inside = (1..GRID[0]).contains(&i);
-                        (k, inside, turn * program.part.face(face).surface.point(u, v))
-                    })
-                })
-            })
-        })
-        .collect();
     let is_finished = |chart: &Chart<'_>| match &operation.kind {
         OperationKind::Flank { faces, .. } => faces.iter().any(|f| chart.kind == SurfaceKind::Face(*f)),
         OperationKind::Point { surfaces, .. } => surfaces.contains(&chart.kind),
         _ => false,
     };
     let charts = chart::charts(&program.part);
-    let finished: Vec<Point3<f64>> = operation
-        .sectors
-        .iter()
-        .map(|sector| program.part.sector_rotation(*sector))
-        .flat_map(|turn| charts.iter().filter(|c| is_finished(c)).map(move |chart| (turn, chart)))
-        .flat_map(|(turn, chart)| {
-            let at = move |i: usize, j: usize| {
-                turn * chart.place(i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64).position
-            };
-            (0..=GRID[0]).flat_map(move |i| (0..=GRID[1]).map(move |j| at(i, j)))
-        })
-        .collect();
+    let (mut faces, mut finished) = (Vec::new(), Vec::new());
+    for turn in operation.sectors.iter().map(|sector| program.part.sector_rotation(*sector)) {
+        let share = |i: usize, j: usize| [i as f64 / GRID[0] as f64, j as f64 / GRID[1] as f64];
+        for (k, face) in BladeId::MAIN.faces().into_iter().enumerate() {
+            let surface = &program.part.face(face).surface;
+            faces.extend(squares(GRID, |i, j| {
+                let [u, v] = share(i, j);
+                ((k, (1..GRID[0]).contains(&i)), turn * surface.point(u, v))
+            }));
+        }
+        for chart in charts.iter().filter(|c| is_finished(c)) {
+            finished.extend(squares(GRID, |i, j| {
+                let [u, v] = share(i, j);
+                ((), turn * chart.place(u, v).position)
+            }));
+        }
+    }
     let mut counts = [[[0; 2]; 2]; 2];
     for pair in plan.motion.operations[0].moves.windows(2).filter(|pair| pair[1].kind == MoveKind::Cut) {
         let [from, to] = [0, 1].map(|i| program.machine.forward(&pair[i].joints));
@@ -88,10 +77,9 @@ fn found(program: &Program) -> [[[usize; 2]; 2]; 2] {
             let (rho, s) = tool_coordinates(p, &tip, &axis);
             solid.cutter_distance(rho, s)
         };
-        let nearest = samples.iter().min_by(|a, b| distance(&a.2).total_cmp(&distance(&b.2))).unwrap();
-        let (face, inside, place) = *nearest;
+        let ((face, inside), place) = *nearest(&faces, distance).1;
         // On leads and where a line rises the cutter touches nothing.
-        if !inside || finished.iter().all(|p| distance(p) > TOUCHES) {
+        if !inside || nearest(&finished, distance).0 > TOUCHES {
             continue;
         }
         // The motion of the tool at the height of the place: the tip of a turning tool may go another way.

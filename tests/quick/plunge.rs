@@ -220,9 +220,15 @@ impl Points {
         let high = [0, 1, 2].map(|k| tips.iter().map(|t| t[k]).fold(f64::NEG_INFINITY, f64::max) + 2.0);
         let count = [0, 1, 2].map(|k: usize| ((high[k] - low[k]) / step) as usize + 1);
         let mut points = Self { step, low, count, material: vec![true; count.iter().product()] };
-        for n in 0..points.material.len() {
+        let mut n = 0;
+        while n < points.material.len() {
             let p = points.at(n);
-            points.material[n] = profile_distance(&program.stock.profile, [p.x.hypot(p.y), p.z]) < 0.0;
+            let distance = profile_distance(&program.stock.profile, [p.x.hypot(p.y), p.z]);
+            // The next points of the row that are nearer than the surface lie on the same side of it.
+            let row_end = n - n % count[0] + count[0];
+            let end = (n + 1 + (distance.abs() / step) as usize).min(row_end);
+            points.material[n..end].fill(distance < 0.0);
+            n = end;
         }
         points
     }
@@ -233,18 +239,33 @@ impl Points {
         Point3::new(x, y, z)
     }
 
-    /// Removes the points inside of a box of which a test says so, and returns them.
-    fn remove(&mut self, ends: [Point3<f64>; 2], wide: f64, inside: impl Fn(&Point3<f64>) -> bool) -> Vec<Point3<f64>> {
-        let range = [0, 1, 2].map(|k: usize| {
-            let place = |x: f64| ((x - self.low[k]) / self.step).clamp(0.0, self.count[k] as f64 - 1.0);
-            let (a, b) = (ends[0][k].min(ends[1][k]) - wide, ends[0][k].max(ends[1][k]) + wide);
-            place(a) as usize..=place(b).ceil() as usize
+    /// Removes the points of which a test says that they are inside of a cylinder between two points, and returns them.
+    fn remove(
+        &mut self,
+        ends: [Point3<f64>; 2],
+        radius: f64,
+        inside: impl Fn(&Point3<f64>) -> bool,
+    ) -> Vec<Point3<f64>> {
+        let range = [1, 2].map(|k: usize| {
+            let ends = [ends[0][k].min(ends[1][k]) - radius, ends[0][k].max(ends[1][k]) + radius];
+            self.along(k, ends)
         });
+        let axis = (ends[1] - ends[0]).normalize();
         let mut removed = Vec::new();
-        for z in range[2].clone() {
-            for y in range[1].clone() {
-                for x in range[0].clone() {
-                    let n = (z * self.count[1] + y) * self.count[0] + x;
+        for z in range[1].clone() {
+            for y in range[0].clone() {
+                let row = (z * self.count[1] + y) * self.count[0];
+                // Where the row is inside of the endless cylinder: its distance from the axis squared is a parabola.
+                let from = self.at(row) - ends[0];
+                let (off, slope) = (from - axis * from.dot(&axis), Vector3::x() - axis * axis.x);
+                let (square, half, rest) =
+                    (slope.norm_squared(), slope.dot(&off), off.norm_squared() - radius * radius);
+                let root = half * half - square * rest;
+                if root < 0.0 {
+                    continue;
+                }
+                let (middle, wide) = (self.low[0] - half / square, root.sqrt() / square);
+                for n in self.along(0, [middle - wide, middle + wide]).map(|x| row + x) {
                     if self.material[n] && inside(&self.at(n)) {
                         self.material[n] = false;
                         removed.push(self.at(n));
@@ -253,6 +274,12 @@ impl Points {
             }
         }
         removed
+    }
+
+    /// The points along an axis between two coordinates, and one beside each.
+    fn along(&self, axis: usize, ends: [f64; 2]) -> std::ops::RangeInclusive<usize> {
+        let place = |x: f64| ((x - self.low[axis]) / self.step).clamp(0.0, self.count[axis] as f64 - 1.0);
+        place(ends[0]) as usize..=place(ends[1]).ceil() as usize
     }
 }
 
@@ -418,7 +445,10 @@ fn strokes_keep_the_allowances() {
                     };
                     least = least.min(distance);
                 }
-                // The rim of the end, and its middle.
+                // The rim is nowhere nearer to the hub than its middle less its radius.
+                if part.hub.distance(&tip) - 1.0 > lowest {
+                    continue;
+                }
                 let side = axis.cross(&Vector3::x()).normalize();
                 let beside = axis.cross(&side);
                 for k in 0..24 {

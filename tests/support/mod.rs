@@ -7,6 +7,7 @@ pub mod browser;
 pub mod golden;
 pub mod jobs;
 pub mod sources;
+pub mod squares;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
