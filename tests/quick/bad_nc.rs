@@ -600,7 +600,7 @@ fn a_text_that_would_take_too_much_memory_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("part.ngc");
     let job = ["jobs/small/small.imp", "--post", "linuxcnc", "--machine", "5mc850-c-linuxcnc"];
-    let made = bounded::program().args(job).arg("-o").arg(&path).output().unwrap();
+    let made = bounded::program().args(job).args(["--stock-cell", "1"]).arg("-o").arg(&path).output().unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     let text = std::fs::read_to_string(&path).unwrap();
     let verify = |text: &str| {

@@ -318,7 +318,7 @@ fn a_full_disk_changes_nothing() {
         place.file(name, "old text");
     }
     let before = place.state();
-    let outputs = "job.imp -o part.nc --certificate part.json --report part.html";
+    let outputs = "job.imp --stock-cell 1 -o part.nc --certificate part.json --report part.html";
     // The limit of the shell for one file, in 1024 bytes: the signal that it sends ends no run.
     let run = place.shell(&format!("ulimit -f 150; $0 {outputs}"));
     let run = run.fails(3, &["IMP0903", "cannot be written", "nothing was written"]);
@@ -343,8 +343,8 @@ fn a_full_disk_changes_nothing() {
         place.file(name, "old text");
     }
     let before = place.state();
-    let run =
-        place.run(&["job.imp", "-o", "disk/part.nc", "--certificate", "disk/part.json", "--report", "disk/r.html"]);
+    let outputs = ["-o", "disk/part.nc", "--certificate", "disk/part.json", "--report", "disk/r.html"];
+    let run = place.run(&[&["job.imp", "--stock-cell", "1"][..], &outputs].concat());
     run.fails(3, &["IMP0903", "disk/r.html cannot be written: the disk is full", "nothing was written"]);
     assert_eq!(place.state(), before);
 }

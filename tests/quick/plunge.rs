@@ -355,7 +355,7 @@ fn strokes_clear_the_channel_with_their_teeth() {
     let found = cut(&mut points, program, motion, 0.5);
     assert!(found.strokes > 400, "{found:?}");
     assert!(found.into_middle < 0.05, "{found:?}");
-    let mut settings = Settings { cell: Some(0.2), after: None };
+    let mut settings = Settings { cell: Some(0.3), after: None };
     let stock = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).unwrap();
     let (volume, removed) = (found.points as f64 * STEP.powi(3), stock.operations[0].removed);
     assert!((volume - removed).abs() < 0.02 * removed, "{volume} {removed}");
@@ -400,14 +400,14 @@ fn too_wide_steps_take_the_middle_into_material() {
         cut(&mut points, program, motion, 0.0).strokes
     };
     assert!(2 * strokes(&program, &motion) < strokes(&PLANNED.0, &PLANNED.1));
-    let (_, codes) = judged(&program, &motion, 0.2);
+    let (_, codes) = judged(&program, &motion, 0.3);
     assert!(codes.is_empty(), "{codes:?}");
     let mut tools = PrimaryMap::new();
     for (_, tool) in program.tools.iter() {
         tools.push(Tool { plunge_width: Some(Mm(0.4)), ..tool.clone() });
     }
     program.tools = tools;
-    let (_, codes) = judged(&program, &motion, 0.2);
+    let (_, codes) = judged(&program, &motion, 0.3);
     assert_eq!(codes, [codes::verification::TOOL_LOAD.id()]);
 }
 
