@@ -8,6 +8,7 @@ use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, 
 pub(super) use super::properties::named;
 use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
+use super::rough::ROUGHS;
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
@@ -252,7 +253,7 @@ impl OperationReader<'_> {
             // Fillet, edge and floor are touched by a ball only.
             "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
             "channel" => &["ball", "lollipop"],
-            "rough" => &["flat", "ball", "bull", "tapered-ball"],
+            "rough" => &ROUGHS,
             _ => &["flat", "ball", "bull"],
         };
         if !suits(needed) {

@@ -7,7 +7,7 @@ use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
 use crate::diag::{Diag, codes::job as codes};
 use crate::method::{Levels, Milling, Slots};
-use crate::syntax::ast::{Expr, Item, ItemKind};
+use crate::syntax::ast::{Expr, Item, ItemKind, Name};
 use crate::units::{Mm, Rad};
 
 const KNOWN: [&str; 15] = [
@@ -36,6 +36,9 @@ const REST: f64 = 0.2;
 /// second one a loop is no longer much less than a slot.
 const ENGAGEMENT: [f64; 2] = [20.0, 120.0];
 
+/// Kinds of tools that can rough.
+pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
+
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
     name: &'static str,
@@ -55,16 +58,7 @@ impl OperationReader<'_> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &KNOWN, &mut cx.scope, cx.sink);
-        let example = "tools t1, t2";
-        let words = if p.has("tools") {
-            p.words("tools", example)?
-        } else {
-            p.missing("tools", example);
-            Vec::new()
-        };
-        let tools: Option<Vec<usize>> =
-            words.iter().map(|word| self.named_tool(kind, word, &mut p).map(|found| found.0)).collect();
-        let count = words.len();
+        let (count, tools) = self.tools_of(kind, &mut p)?;
         let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
         let feeds = each(&mut p, "feed", count, "feed 1000 mm/min", true);
         let depths = each(&mut p, "depth", count, "depth 3 mm", false);
@@ -125,6 +119,37 @@ impl OperationReader<'_> {
         }
         Some(operations)
     }
+
+    /// Number of the tools, and the tools where all of them are readable: those that the job names, or by default all of its
+    /// tools that can rough, the widest one first; of two as wide as each other the one without a ball.
+    fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Option<Vec<usize>>)> {
+        let example = "tools t1, t2";
+        if p.has("tools") {
+            let words = p.words("tools", example)?;
+            let tools = words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect();
+            return Some((words.len(), tools));
+        }
+        let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
+        if specs.clone().any(|spec| spec.is_none()) {
+            // The fault of a tool is told where it is declared.
+            return None;
+        }
+        let mut tools: Vec<(usize, &ToolSpec)> = specs.flatten().enumerate().collect();
+        tools.retain(|(_, spec)| ROUGHS.contains(&spec.kind.keyword()));
+        tools.sort_by(|(_, a), (_, b)| {
+            b.diameter.get().total_cmp(&a.diameter.get()).then(has_ball(a).cmp(&has_ball(b)))
+        });
+        if tools.is_empty() {
+            p.missing("tools", example);
+            return None;
+        }
+        Some((tools.len(), Some(tools.into_iter().map(|(at, _)| at).collect())))
+    }
+}
+
+/// True for a tool with a ball at its end.
+fn has_ball(tool: &ToolSpec) -> bool {
+    matches!(tool.kind, CutterKind::Ball | CutterKind::TaperedBall(_))
 }
 
 /// Whether loops make the slots, and their arc of engagement where the job gives one.
@@ -188,8 +213,7 @@ impl StepSize {
             let range = Range::Between(LEAST_DEPTH, (self.most)(tool).get());
             return p.value_of(expr, self.name, Dimension::LENGTH, range).map(Mm);
         }
-        let ball = matches!(tool.kind, CutterKind::Ball | CutterKind::TaperedBall(_));
-        let share = if ball { self.ball } else { self.flat };
+        let share = if has_ball(tool) { self.ball } else { self.flat };
         Some(Mm(share * tool.diameter.get()))
     }
 }

@@ -15,12 +15,16 @@ const JOB: &str = include_str!("../../jobs/small/rough.imp");
 /// The operations of the job with a text replaced, or the codes of its faults.
 fn read(from: &str, to: &str) -> Result<Vec<OperationSpec>, Vec<&'static str>> {
     assert!(JOB.contains(from), "{from}");
+    read_text(&JOB.replacen(from, to, 1))
+}
+
+/// The operations of a job, or the codes of its faults.
+fn read_text(text: &str) -> Result<Vec<OperationSpec>, Vec<&'static str>> {
     let mut files = InMemory::default();
     files.curves.insert("vane_curves.csv".to_owned(), include_str!("../../jobs/small/vane_curves.csv").to_owned());
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
-    let text = JOB.replacen(from, to, 1);
-    let source = sources.add("rough.imp", &text);
-    let ast = syntax::parse(&text, source, &mut sink);
+    let source = sources.add("rough.imp", text);
+    let ast = syntax::parse(text, source, &mut sink);
     let partial = job::understand(&ast, &mut files, &mut sources, &mut sink);
     partial.job().map(|job| job.operations).ok_or_else(|| sink.diags().iter().map(|d| d.code.id()).collect())
 }
@@ -48,6 +52,30 @@ fn one_item_is_one_operation_a_tool() {
     assert_eq!((found[0].4, found[0].5), (Levels::Shroud, Milling::Conventional));
     let speeds = read("speed 12000 rpm", "speed 12000 rpm, 10000 rpm").unwrap();
     assert_eq!([speeds[0].speed.get(), speeds[1].speed.get()], [12000.0, 10000.0]);
+}
+
+/// Without `tools` all that can rough: the widest first, and of two as wide as each other the flat one.
+#[test]
+fn by_default_all_tools_rough_that_can() {
+    const TOOLS: &str = "tool t1 = flat { diameter 2 mm  flutes 4  flute 12 mm  reach 25 mm  holder \"er16-mini\" }\n\
+                         tool t2 = ball { diameter 2 mm  flutes 4  flute 12 mm  reach 25 mm  holder \"er16-mini\" }\n";
+    let text = JOB.replacen("  tools t1, t2  speed", "  speed", 1);
+    let tool = |name: &str, kind: &str| {
+        let flute = if kind.contains("lollipop") { "" } else { "flute 12 mm  " };
+        format!("tool {name} = {kind}  flutes 4  {flute}reach 25 mm  holder \"er16-mini\" }}\n")
+    };
+    let used = |tools: &str| -> Result<Vec<usize>, Vec<&'static str>> {
+        assert!(text.contains(TOOLS));
+        read_text(&text.replace(TOOLS, tools)).map(|operations| operations.iter().map(|o| o.tool).collect())
+    };
+    let (flat, ball) = (tool("t1", "flat { diameter 2 mm"), tool("t2", "ball { diameter 2 mm"));
+    assert_eq!(used(&format!("{flat}{ball}")), Ok(vec![0, 1]));
+    assert_eq!(used(&format!("{ball}{flat}")), Ok(vec![1, 0]));
+    let wide = tool("t3", "ball { diameter 3 mm");
+    assert_eq!(used(&format!("{flat}{ball}{wide}")), Ok(vec![2, 0, 1]));
+    let lollipop = tool("t4", "lollipop { diameter 3 mm  neck 2 mm");
+    assert_eq!(used(&format!("{lollipop}{ball}")), Ok(vec![1]));
+    assert_eq!(used(&lollipop), Err(vec![codes::job::MISSING_PROPERTY.id()]));
 }
 
 /// Without a figure loops have the arc of a line at the stepover, within the arcs that loops may have.
@@ -102,7 +130,6 @@ fn faults_of_the_item_are_named() {
     for (from, to, code) in [
         ("speed 12000 rpm", "speed 1 rpm, 2 rpm, 3 rpm", codes::job::WRONG_FORM),
         ("tools t1, t2", "tools t1, t9", codes::job::UNKNOWN_NAME),
-        ("  tools t1, t2  speed", "  speed", codes::job::MISSING_PROPERTY),
         ("feed 300 mm/min", "", codes::job::MISSING_PROPERTY),
         ("feed 300 mm/min", "feed 300 mm/min  levels floor", codes::job::UNKNOWN_NAME),
         ("feed 300 mm/min", "feed 300 mm/min  depth 90 mm", codes::job::OUT_OF_RANGE),

@@ -22,9 +22,9 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Time that the changes from feed to rapid and back cost, s: the axes stop or nearly stop twice, with the jerk of usual
-/// axes for 50 ms each.
-const CHANGES: f64 = 0.1;
+/// Time that the changes from feed to rapid and back cost, s: the axes nearly stop at both ends, and start and stop with the
+/// jerk of usual axes. With a third of it, links round the edges of the small job go to rapid and save nothing.
+const CHANGES: f64 = 0.3;
 
 /// A move to a cutter location.
 struct LinkMove {
