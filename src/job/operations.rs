@@ -8,7 +8,6 @@ use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, 
 pub(super) use super::properties::named;
 use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
-use super::rough::ROUGHS;
 use super::tools::Declared;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
@@ -24,6 +23,9 @@ use std::f64::consts::PI;
 
 const KINDS: [&str; 9] = ["rough", "plunge", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
 pub(super) const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
+
+/// Kinds of tools that can rough.
+pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
 
 /// Properties of `channel` beside the common ones.
 pub(super) const OF_CHANNEL: [&str; 4] = ["scallop", "spacing", "lines", "method"];

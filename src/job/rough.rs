@@ -2,7 +2,7 @@
 
 use super::context::{Context, head};
 use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
-use super::operations::{LEAST_DEPTH, OperationReader, allowances, leads};
+use super::operations::{LEAST_DEPTH, OperationReader, ROUGHS, allowances, leads};
 use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
 use crate::diag::{Diag, codes::job as codes};
@@ -35,9 +35,6 @@ const REST: f64 = 0.2;
 /// Arcs of engagement that loops may have, degrees. Below the first one the loops lie too near to each other; above the
 /// second one a loop is no longer much less than a slot.
 const ENGAGEMENT: [f64; 2] = [20.0, 120.0];
-
-/// Kinds of tools that can rough.
-pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
 
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
