@@ -18,7 +18,9 @@ fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) 
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
     let kind = OperationKind::Flank { faces: BladeId::MAIN.faces().to_vec(), flank: choices };
-    program.operations.push(support::operation("flank", kind, tool, (0..8).collect(), 15.0));
+    // Nothing roughs the blank before: at link feed the way down to a pass would remove more than its cuts.
+    let operation = support::operation("flank", kind, tool, (0..8).collect(), 15.0);
+    program.operations.push(Operation { link_feed: operation.feed, ..operation });
     program.tolerances.chord = Mm(chord * 1e-3);
     let surfaces = vec![SurfaceClass::Pressure, SurfaceClass::Suction, SurfaceClass::Fillet];
     let contract = |kind, bound: f64| Contract {
