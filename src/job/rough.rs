@@ -55,7 +55,8 @@ impl OperationReader<'_> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &KNOWN, &mut cx.scope, cx.sink);
-        let (count, tools) = self.tools_of(kind, &mut p)?;
+        let tools = self.tools_of(kind, &mut p)?;
+        let count = tools.len();
         let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
         let feeds = each(&mut p, "feed", count, "feed 1000 mm/min", true);
         let depths = each(&mut p, "depth", count, "depth 3 mm", false);
@@ -76,7 +77,8 @@ impl OperationReader<'_> {
         let slots = slots(&mut p);
         let mut operations = Vec::new();
         let (speeds, feeds, depths, stepovers) = (speeds?, feeds?, depths?, stepovers?);
-        for (k, tool) in tools?.into_iter().enumerate() {
+        let tools: Vec<usize> = tools.into_iter().collect::<Option<_>>()?;
+        for (k, tool) in tools.into_iter().enumerate() {
             let spec = self.tools.get(tool).and_then(|t| t.spec.as_ref());
             let speed = self.speed_of(speeds.get(k).copied().flatten()?, spec, &mut p);
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
@@ -117,14 +119,13 @@ impl OperationReader<'_> {
         Some(operations)
     }
 
-    /// Number of the tools, and the tools where all of them are readable: those that the job names, or by default all of its
-    /// tools that can rough, the widest one first; of two as wide as each other the one without a ball.
-    fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Option<Vec<usize>>)> {
+    /// The tools that the job names, `None` in the place of an unreadable one; by default all tools of the job that can
+    /// rough, the widest one first; of two as wide as each other the one without a ball.
+    fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Vec<Option<usize>>> {
         let example = "tools t1, t2";
         if p.has("tools") {
             let words = p.words("tools", example)?;
-            let tools = words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect();
-            return Some((words.len(), tools));
+            return Some(words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect());
         }
         let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
         if specs.clone().any(|spec| spec.is_none()) {
@@ -140,7 +141,7 @@ impl OperationReader<'_> {
             p.missing("tools", example);
             return None;
         }
-        Some((tools.len(), Some(tools.into_iter().map(|(at, _)| at).collect())))
+        Some(tools.into_iter().map(|(at, _)| Some(at)).collect())
     }
 }
 

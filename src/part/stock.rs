@@ -117,6 +117,13 @@ impl Stock {
         profile_distance(&self.profile, [libm::hypot(p.x, p.y), p.z])
     }
 
+    /// The sphere about the blank whose centre lies on Z at half of the height: height of the centre and radius, mm.
+    pub fn sphere(&self) -> [f64; 2] {
+        let heights = || self.profile.iter().map(|p| p[1]);
+        let centre = 0.5 * (heights().fold(f64::INFINITY, f64::min) + heights().fold(f64::NEG_INFINITY, f64::max));
+        [centre, self.profile.iter().map(|p| libm::hypot(p[0], p[1] - centre)).fold(0.0, f64::max)]
+    }
+
     /// Place of what is left that stands farthest out of the turned blank, with its distance, mm, when this is more than
     /// `most`. Found to a tenth of `most`.
     pub fn farthest_out(&self, most: f64) -> Option<(Point3<f64>, f64)> {

@@ -13,8 +13,9 @@ pub(crate) struct Blank<'a> {
     /// Meridian as (r, z), closed from its last point to its first.
     profile: &'a [[f64; 2]],
     clamping: &'a Clamping,
-    solid: &'a ToolSolid,
-    /// Height of the centre of a sphere about the blank, whose centre lies on Z, and its radius, mm.
+    /// Balls that hold the tool: heights of their centres over the tip, and radii, mm.
+    balls: Vec<(f64, f64)>,
+    /// [`Stock::sphere`].
     sphere: [f64; 2],
 }
 
@@ -32,11 +33,9 @@ impl Distances {
 }
 
 impl<'a> Blank<'a> {
-    pub(crate) fn new(stock: &'a Stock, solid: &'a ToolSolid) -> Self {
-        let heights = || stock.profile.iter().map(|p| p[1]);
-        let centre = 0.5 * (heights().fold(f64::INFINITY, f64::min) + heights().fold(f64::NEG_INFINITY, f64::max));
-        let radius = stock.profile.iter().map(|p| libm::hypot(p[0], p[1] - centre)).fold(0.0, f64::max);
-        Self { profile: &stock.profile, clamping: &stock.clamping, solid, sphere: [centre, radius] }
+    pub(crate) fn new(stock: &'a Stock, tool: &ToolSolid) -> Self {
+        let balls = balls_along(tool);
+        Self { profile: &stock.profile, clamping: &stock.clamping, balls, sphere: stock.sphere() }
     }
 
     /// True when all of the tool is outside of the blank and farther from it than a distance, mm.
@@ -53,7 +52,7 @@ impl<'a> Blank<'a> {
     pub(crate) fn distance(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> Distances {
         let [centre, radius] = self.sphere;
         let mut found = Distances { blank: f64::INFINITY, clamping: f64::INFINITY };
-        for (s, around) in self.discs() {
+        for &(s, around) in &self.balls {
             let p = tip + axis * s;
             let r = libm::hypot(p.x, p.y);
             let over = p.z - self.clamping.below.get();
@@ -72,22 +71,23 @@ impl<'a> Blank<'a> {
 
     /// Greatest height over the tip at which the tool is in the blank or nearer to it than a distance, mm.
     fn highest_near(&self, at: &ClPoint, distance: f64) -> Option<f64> {
-        let near = |(s, around): &(f64, f64)| {
-            let p = at.tip + at.axis * *s;
+        let near = |&&(s, around): &&(f64, f64)| {
+            let p = at.tip + at.axis * s;
             profile_distance(self.profile, [libm::hypot(p.x, p.y), p.z]) <= around + distance
         };
-        self.discs().rev().find(near).map(|disc| disc.0)
+        self.balls.iter().rev().find(near).map(|ball| ball.0)
     }
+}
 
-    /// Heights over the tip, with the radius of a ball there that holds the tool up to the next height, mm.
-    fn discs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + '_ {
-        let count = (self.solid.length() / HEIGHT_STEP).ceil() as usize;
-        (0..=count).map(|k| {
-            let s = k as f64 * HEIGHT_STEP;
-            let sections = self.solid.shank.iter().chain(&self.solid.holder);
-            let body = sections.filter(|x| x.from <= s + HEIGHT_STEP && s <= x.to + HEIGHT_STEP);
-            let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(self.solid.radius(), f64::max);
-            (s, widest + HEIGHT_STEP)
-        })
-    }
+/// Balls that hold a tool, each from its height over the tip to the next height: heights and radii, mm.
+fn balls_along(tool: &ToolSolid) -> Vec<(f64, f64)> {
+    let count = (tool.length() / HEIGHT_STEP).ceil() as usize;
+    let ball = |k: usize| {
+        let s = k as f64 * HEIGHT_STEP;
+        let sections = tool.shank.iter().chain(&tool.holder);
+        let body = sections.filter(|x| x.from <= s + HEIGHT_STEP && s <= x.to + HEIGHT_STEP);
+        let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(tool.radius(), f64::max);
+        (s, widest + HEIGHT_STEP)
+    };
+    (0..=count).map(ball).collect()
 }

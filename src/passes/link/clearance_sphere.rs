@@ -26,11 +26,8 @@ pub(crate) struct ClearanceSphere {
 
 impl ClearanceSphere {
     pub(crate) fn new(program: &Program, tool: &ToolSolid) -> Self {
-        let profile = &program.stock.profile;
-        let (low, high) =
-            profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[1]), h.max(p[1])));
-        let centre = Point3::new(0.0, 0.0, 0.5 * (low + high));
-        let far = profile.iter().map(|p| libm::hypot(p[0], p[1] - centre.z)).fold(0.0, f64::max);
+        let [height, far] = program.stock.sphere();
+        let centre = Point3::new(0.0, 0.0, height);
         // A point s over the tip and r beside the axis; the worst case is an axis at right angles to the radius of the
         // tip.
         let sections = tool.shank.iter().chain(&tool.holder);

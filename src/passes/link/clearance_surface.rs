@@ -10,7 +10,7 @@ use super::clearance_sphere::ClearanceSphere;
 use crate::collide::ToolSolid;
 use crate::ir::{ClPoint, Program};
 use crate::kin::{Joints, Machine, RotaryPose, between, most_turn};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 /// Distance of the tool from blank and clamping where a rapid begins or ends, mm, and least distance between.
 const GAP: f64 = 2.0;
@@ -61,9 +61,12 @@ impl<'a> ClearanceSurface<'a> {
         ClPoint { tip: at(height), axis: from.axis, contact: None }
     }
 
-    /// About the length of the way from one place outside to another, mm.
-    pub(super) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
-        self.sphere.way(from, to)
+    /// About the time of the way over the surface from one pose to another, s. On the surface the tool goes at rapid, below
+    /// it with a feed, mm/min.
+    pub(super) fn time(&self, from: &ClPoint, to: &ClPoint, feed: f64) -> f64 {
+        let [out, back] = [from, to].map(|p| self.lifted(p).tip);
+        ((out - from.tip).norm() + (back - to.tip).norm()) / (feed / 60.0)
+            + self.sphere.way(&out, &back) / self.machine.rapid
     }
 
     /// Places on the way from one place outside to another, without both.

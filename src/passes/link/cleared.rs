@@ -26,11 +26,11 @@ const HEIGHT_STEP: f64 = 0.5;
 #[derive(Default)]
 pub(super) struct Cleared {
     cutters: Vec<ToolSolid>,
-    cuts: BTreeMap<u32, Vec<Pose>>,
+    cuts: BTreeMap<u32, Vec<CutPose>>,
 }
 
-/// Pose of a cutter.
-struct Pose {
+/// CutPose of a cutter.
+struct CutPose {
     tip: Point3<f64>,
     axis: Vector3<f64>,
     cutter: usize,
@@ -45,7 +45,7 @@ impl Cleared {
     /// Adds a cut.
     pub(super) fn add(&mut self, sector: u32, line: &[PathPoint]) {
         let Some(cutter) = self.cutters.len().checked_sub(1) else { return };
-        let poses = line.iter().map(|s| Pose { tip: s.point.tip, axis: s.point.axis, cutter });
+        let poses = line.iter().map(|s| CutPose { tip: s.point.tip, axis: s.point.axis, cutter });
         self.cuts.entry(sector).or_default().extend(poses);
     }
 
@@ -84,8 +84,8 @@ impl Cleared {
     }
 
     /// The poses whose cutters may come near to the axis of a tool, the last one first.
-    fn near(&self, sector: u32, at: &ClPoint, middle: f64) -> Vec<&Pose> {
-        let meets = |pose: &&Pose| {
+    fn near(&self, sector: u32, at: &ClPoint, middle: f64) -> Vec<&CutPose> {
+        let meets = |pose: &&CutPose| {
             let d = pose.tip - at.tip;
             let cutter = &self.cutters[pose.cutter];
             // A pose with another axis comes nearer higher up.
@@ -96,7 +96,7 @@ impl Cleared {
     }
 
     /// True when the cutter at a pose holds a point.
-    fn within(&self, pose: &Pose, p: &Point3<f64>) -> bool {
+    fn within(&self, pose: &CutPose, p: &Point3<f64>) -> bool {
         let d = p - pose.tip;
         let s = d.dot(&pose.axis);
         self.cutters[pose.cutter].cutter_distance((d - pose.axis * s).norm(), s) <= 0.0

@@ -100,13 +100,9 @@ impl<'a> Links<'a> {
                 let link = pair[1].link.clone().or_else(finishing)?;
                 // No direct link where the link over the clearance surface takes less time.
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
-                let feed = operation.link_feed.get() / 60.0;
-                let [out, back] = [from, to].map(|p| surface.lifted(p));
-                let over = (length(&[*from, out]) + length(&[back, *to])) / feed
-                    + surface.way(&out.tip, &back.tip) / program.machine.rapid
-                    + CHANGES;
+                let feed = operation.link_feed.get();
                 let path: Vec<ClPoint> = [*from].into_iter().chain(link.iter().copied()).chain([*to]).collect();
-                (length(&path) / feed <= over).then_some(link)
+                (length(&path) / (feed / 60.0) <= surface.time(from, to, feed) + CHANGES).then_some(link)
             })
             .collect();
         Self { passes, short, surface }

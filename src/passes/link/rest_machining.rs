@@ -187,8 +187,7 @@ fn reduce(
     let met = send(field, &grown, looks, work);
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
-    let ways =
-        Ways { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid), program };
+    let ways = Ways { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid) };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
         let stations = stations(&program.machine, pass);
@@ -236,7 +235,6 @@ fn leaves_along_axis(solid: &ToolSolid) -> bool {
 
 /// Data for the decision where a pass is left and entered.
 struct Ways<'a> {
-    program: &'a Program,
     operation: &'a Operation,
     /// True when the tool may leave a pass only at its ends.
     whole: bool,
@@ -275,10 +273,7 @@ impl Ways<'_> {
     /// True when the link over the clearance surface takes less time than the cut between two stations.
     fn pays(&self, stations: &[PathPoint], gap: Range<usize>) -> bool {
         let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
-        let [out, back] = [from, to].map(|p| self.surface.lifted(p).tip);
-        let over = self.surface.way(&out, &back);
-        let link = ((out - from.tip).norm() + (back - to.tip).norm()) / (self.operation.link_feed.get() / 60.0)
-            + over / self.program.machine.rapid;
-        link < way(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
+        self.surface.time(from, to, self.operation.link_feed.get())
+            < way(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
     }
 }
