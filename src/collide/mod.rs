@@ -1,12 +1,14 @@
 //! Distances between tool solids and part surfaces. Independent of jobs, IR and diagnostics.
 
 pub mod cloud;
+mod contact;
 pub mod cutter;
 mod revolved;
 pub mod support;
 pub mod tool;
 
 pub use cloud::{Cloud, CloudPoint};
+pub use contact::CutterCurvature;
 pub use cutter::{Cutter, Slope};
 pub use revolved::revolved;
 pub use support::Body;

@@ -5,6 +5,7 @@
 //! second fundamental form of the cutter at the contact replaces I / R.
 
 mod constant_scallop;
+mod ridges;
 pub mod scallop;
 
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -14,6 +15,7 @@ use crate::method::Lines as Order;
 use crate::passes::context::{PassContext, STATIONS, limits::check_points};
 use constant_scallop::{Track, tracks};
 use nalgebra::Vector3;
+pub(crate) use ridges::{CutterPose, highest_ridge};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Stations of the metric, minus one.

@@ -1,13 +1,9 @@
 //! Tool axes at contacts of vane faces, fillets and edges, and the cutter locations for them.
 
-use crate::collide::Cutter;
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation, Program};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 use crate::passes::context::{AxisTilt, ChannelChart};
-use nalgebra::{Point3, Vector3};
-
-/// Sine of the angle between normal and axis below which the contact has no side.
-const NO_DIRECTION: f64 = 1e-9;
+use nalgebra::Vector3;
 
 /// Least tilt off an edge, radians: the space in front of an edge is free, so that the tool need not lie along it.
 const EDGE_TILT: f64 = 0.5;
@@ -84,25 +80,6 @@ impl<'a> VaneAxis<'a> {
     }
 }
 
-/// Tip of a cutter with a given axis that touches a contact from outside. `normal` points out of the material. `None`
-/// for a flat end.
-pub(crate) fn tip_at(
-    cutter: &Cutter,
-    contact: &Point3<f64>,
-    normal: &Vector3<f64>,
-    axis: &Vector3<f64>,
-) -> Option<Point3<f64>> {
-    let sin = normal.dot(axis).clamp(-1.0, 1.0);
-    if cutter.ends_in_ball() {
-        let radius = cutter.tip_radius();
-        return Some(contact + (normal - axis) * radius);
-    }
-    let at = cutter.profile_at(libm::asin(sin))?;
-    // From the axis to the contact.
-    let outward = (axis * sin - normal).try_normalize(NO_DIRECTION)?;
-    Some(contact - outward * at.rho - axis * at.s)
-}
-
 /// Point milling of a vane: the rounded part of the cutter stands on the contact.
 pub(crate) fn vane_points(
     program: &Program,
@@ -114,7 +91,7 @@ pub(crate) fn vane_points(
     let axes = VaneAxis::new(&program.part);
     let at = |p: &CcPoint| {
         let axis = axis(&axes, p);
-        let tip = tip_at(cutter, &p.position, &p.normal, &axis)?;
+        let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })
     };
     pass.points.iter().filter_map(at).collect()

@@ -5,7 +5,7 @@
 //! the inlet, further lines begin and end on it. A ball with the radius of the fillet needs a single line in the
 //! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
 
-use super::axes::{VaneAxis, tip_at};
+use super::axes::VaneAxis;
 use super::spiral::Around;
 use super::vane_surface::{VaneSurface, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
@@ -223,7 +223,7 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
         let place = surface.chart.place(x, y);
         let [u, v] = place.parameters;
         let axis = surface.axes.axis(surface.chart.kind, u, v, AxisTilt::Away(nominal_tilt(&solid.cutter)));
-        let tip = tip_at(&solid.cutter, &place.position, &place.normal, &axis);
+        let tip = solid.cutter.tip_at(&place.position, &place.normal, &axis);
         tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };
     let border = |x: f64| {

@@ -1,9 +1,8 @@
 //! Faces, fillets and edges of a vane as drive surfaces for any cutter. The height of ridges follows from the
 //! fundamental forms of surface and cutter, and is measured as well.
 
-use super::axes::{VaneAxis, tip_at};
+use super::axes::VaneAxis;
 use crate::collide::Cutter;
-use crate::collide::tool::tool_coordinates;
 use crate::geom::BandMetric;
 use crate::ir::CcPoint;
 use crate::part::{
@@ -11,9 +10,8 @@ use crate::part::{
     chart::{Chart, Shape},
 };
 use crate::passes::context::AxisTilt;
-use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine};
-use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector3};
-use rayon::prelude::*;
+use crate::passes::lines::{CutterPose, DriveSurface, METRIC_STATIONS, SurfaceLine, highest_ridge};
+use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 
 /// Layers of the metric across a surface.
 const LAYERS: usize = 25;
@@ -80,15 +78,12 @@ impl VaneSurface<'_> {
         let place = self.chart.place(x.clamp(0.0, 1.0), y);
         let [u, v] = place.parameters;
         let axis = self.axes.axis(self.chart.kind, u, v, AxisTilt::Away(nominal_tilt(&self.cutter)));
-        let sin = axis.dot(&place.normal).clamp(-1.0, 1.0);
-        let Some(profile) = self.cutter.profile_at(libm::asin(sin)) else { return at.first };
-        let along = (axis - place.normal * sin).normalize();
-        let around = place.normal.cross(&along);
+        let Some(curvature) = self.cutter.curvature_at(&place.normal, &axis) else { return at.first };
         let tangents = [at.px, at.py];
         let form = |d: &Vector3<f64>, curvature: f64| {
             Matrix2::from_fn(|i, j| curvature * tangents[i].dot(d) * tangents[j].dot(d))
         };
-        form(&along, 1.0 / profile.arc_radius) + form(&around, (1.0 - sin * sin).sqrt() / profile.rho)
+        form(&curvature.along, curvature.of_profile) + form(&curvature.around, curvature.of_ring)
     }
 
     /// Radius of curvature of the profile at the contacts.
@@ -128,99 +123,10 @@ impl VaneSurface<'_> {
     }
 }
 
-/// Columns over a surface in which ridges are measured.
-const COLUMNS: usize = 40;
-
-/// Samples between two lines.
-const RIDGES: usize = 8;
-
-/// Range of x about a place that contains the nearest positions of the cutter.
-const WINDOW: f64 = 0.06;
-
-/// A contact with its x on the surface, and the tool there.
-struct CutterPose {
-    x: f64,
-    contact: Point3<f64>,
-    tip: Point3<f64>,
-    axis: Vector3<f64>,
-}
-
-/// Greatest value of a function that has one maximum between two places.
-fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    /// Number of times that a third of the interval is removed: a thousandth remains.
-    const THIRDS: usize = 16;
-    let mut best = 0.0_f64;
-    for _ in 0..THIRDS {
-        let third = (high - low) / 3.0;
-        let (a, b) = (f(low + third), f(high - third));
-        best = best.max(a).max(b);
-        if a < b { low += third } else { high -= third }
-    }
-    best
-}
-
-/// Poses of a line near a place.
-fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
-    let from = line.partition_point(|p| p.x < x - WINDOW);
-    let to = line.partition_point(|p| p.x <= x + WINDOW);
-    (from < to).then(|| &line[from..to])
-}
-
 impl VaneSurface<'_> {
     fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<CutterPose> {
         let axis = self.axes.axis(self.chart.kind, p.u, p.v, AxisTilt::Away(nominal_tilt(&self.cutter)));
-        let tip = tip_at(&self.cutter, &p.position, &p.normal, &axis)?;
-        Some(CutterPose { x: *x, contact: p.position, tip, axis })
-    }
-
-    /// Height that poses leave at a point: the least distance of each line, with a parabola between its poses.
-    fn left_at(&self, lines: &[&[CutterPose]], p: &Point3<f64>) -> f64 {
-        // For a ball only the sphere: the distance of its side depends on the axis that is chosen later.
-        let ball = self.cutter.ends_in_ball().then(|| self.cutter.tip_radius());
-        let gap = |pose: &CutterPose| match ball {
-            Some(radius) => (p - (pose.tip + pose.axis * radius)).norm() - radius,
-            None => {
-                let (rho, s) = tool_coordinates(p, &pose.tip, &pose.axis);
-                self.cutter.distance(rho, s)
-            }
-        };
-        // The nearest contacts leave least, apart from effects of the cutter's shape: use the three nearest lines.
-        let mut nearest: Vec<(f64, usize, usize)> = lines
-            .iter()
-            .enumerate()
-            .filter_map(|(i, line)| {
-                let far = |k: usize| (line[k].contact - p).norm_squared();
-                let k = (0..line.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
-                Some((far(k), i, k))
-            })
-            .collect();
-        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut least = f64::INFINITY;
-        for (_, i, start) in nearest.into_iter().take(3) {
-            let line = lines[i];
-            // Descend from the nearest contact.
-            let (mut k, mut value) = (start, gap(&line[start]));
-            loop {
-                let next = [k.checked_sub(1), Some(k + 1).filter(|n| *n < line.len())]
-                    .into_iter()
-                    .flatten()
-                    .map(|n| (n, gap(&line[n])))
-                    .min_by(|a, b| a.1.total_cmp(&b.1));
-                match next {
-                    Some((n, g)) if g < value => (k, value) = (n, g),
-                    _ => break,
-                }
-            }
-            if k > 0 && k + 1 < line.len() {
-                let (before, after) = (gap(&line[k - 1]) - value, gap(&line[k + 1]) - value);
-                let arc_radius = before + after;
-                if arc_radius > 0.0 {
-                    value -= (after - before).powi(2) / (8.0 * arc_radius);
-                }
-            }
-            least = least.min(value);
-        }
-        least
+        CutterPose::at(&self.cutter, (*x, p), axis)
     }
 }
 
@@ -289,21 +195,9 @@ impl DriveSurface for VaneSurface<'_> {
     }
 
     fn highest_ridge(&self, lines: &[SurfaceLine]) -> Option<f64> {
-        let poses: Vec<Vec<CutterPose>> =
-            lines.iter().map(|line| line.on_surface.iter().filter_map(|p| self.pose(p)).collect()).collect();
-        let rows = RIDGES * lines.len().max(2);
-        let columns: Vec<f64> = (0..=COLUMNS).map(|i| i as f64 / COLUMNS as f64).collect();
-        let highest = |x: &f64| {
-            let (low, height) = self.walls(*x);
-            // Neighbours of a row: the lines around it, and the next lines where lines begin.
-            let near: Vec<&[CutterPose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
-            let left = |row: f64| self.left_at(&near, &self.chart.place(*x, low + height * row / rows as f64).position);
-            let values: Vec<f64> = (0..=rows).map(|j| left(j as f64)).collect();
-            // A ridge is a local maximum between two rows.
-            let tops = values.windows(3).enumerate().filter(|(_, v)| v[1] > v[0] && v[1] >= v[2]);
-            tops.map(|(j, _)| top(&left, j as f64, j as f64 + 2.0)).fold(0.0, f64::max)
-        };
-        columns.par_iter().map(highest).collect::<Vec<f64>>().into_iter().reduce(f64::max)
+        let poses = |line: &SurfaceLine| line.on_surface.iter().filter_map(|p| self.pose(p)).collect();
+        let place = |x: f64, y: f64| self.chart.place(x, y).position;
+        highest_ridge(&self.cutter, lines, poses, |x| self.walls(x), place)
     }
 
     fn least_length(&self, height: f64) -> f64 {
