@@ -177,10 +177,12 @@ pub enum AxisMethod {
     Xu,
     /// Along the ruling, without smoothing: the comparison method of Xu 2013.
     Ruling,
+    /// Ahead of the normal of the floor, by one angle. No job chooses it: the only method for a bull nose on a floor.
+    Lead,
 }
 
 impl AxisMethod {
-    /// All of them, in the order in which messages list them.
+    /// Those that a job chooses, in the order in which messages list them.
     pub const ALL: [Self; 4] = [Self::Corridor, Self::Blend, Self::Xu, Self::Ruling];
 
     /// Name in the job language.
@@ -190,6 +192,7 @@ impl AxisMethod {
             Self::Blend => "blend",
             Self::Xu => "xu",
             Self::Ruling => "ruling",
+            Self::Lead => "lead",
         }
     }
 }

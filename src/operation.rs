@@ -151,7 +151,7 @@ pub enum OperationKind {
         lines: Lines,
         /// How tool axes are chosen.
         method: AxisMethod,
-        /// For a larger ball, which finishes the middle of the floor only: what it leaves beside vanes and fillets.
+        /// For a larger tool, which finishes the middle of the floor only: what it leaves beside vanes and fillets.
         /// `None` for the ball that finishes the floor up to the fillets.
         allowance_vane: Option<Mm>,
     },
@@ -223,8 +223,8 @@ impl OperationKind {
         matches!(self, Self::Rough { .. } | Self::Plunge { .. })
     }
 
-    /// What the larger ball of a channel floor leaves beside vanes and fillets; `None` for all other operations.
-    pub fn of_larger_ball(&self) -> Option<Mm> {
+    /// What the larger tool of a channel floor leaves beside vanes and fillets; `None` for all other operations.
+    pub fn of_larger_tool(&self) -> Option<Mm> {
         match self {
             Self::Channel { allowance_vane, .. } => *allowance_vane,
             _ => None,

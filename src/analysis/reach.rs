@@ -177,7 +177,7 @@ pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> 
     // A larger ball of the floor leaves to the next one what it does not reach.
     let must_fit = |r: &&Reach| {
         let kind = &program.operations[r.operation].kind;
-        kind.finishes() && kind.of_larger_ball().is_none()
+        kind.finishes() && kind.of_larger_tool().is_none()
     };
     for reach in reaches.iter().filter(must_fit).filter(|r| !r.fits) {
         sink.push(too_large(program, throat, &[reach], "finish the channel"));

@@ -49,8 +49,10 @@ pub enum Drive {
         /// Strip.
         strip: u32,
     },
-    /// The hub.
+    /// The hub, under a ball.
     Hub,
+    /// The hub, under a bull nose: its axis leans ahead of the normal by this angle, radians, along the channel.
+    HubWithLead(f64),
     /// A face, fillet or edge of a vane, by its contact points.
     Contact(SurfaceKind),
     /// A vane, by contact points round it.

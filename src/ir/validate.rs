@@ -107,7 +107,7 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
                     | OperationKind::Plunge { .. },
                     Drive::Channel,
                 )
-                | (OperationKind::Channel { .. }, Drive::Hub)
+                | (OperationKind::Channel { .. }, Drive::Hub | Drive::HubWithLead(_))
                 | (OperationKind::Point { .. }, Drive::Round) => true,
                 (OperationKind::Flank { faces, .. }, Drive::Face { side, .. }) => faces.contains(&side),
                 (OperationKind::Point { surfaces, .. }, Drive::Contact(kind)) => surfaces.contains(&kind),

@@ -8,15 +8,17 @@ use super::quantity::Dimension;
 use super::rough::each;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
-use crate::method::Spacing;
+use crate::method::{AxisMethod, Spacing};
 use crate::syntax::ast::{Block, Entry, Item, ItemKind, Name};
 use crate::units::Mm;
 
-/// Default of what larger balls leave beside vanes and fillets: a usual allowance of roughing, so that they do not cut the
+/// Default of what larger tools leave beside vanes and fillets: a usual allowance of roughing, so that they do not cut the
 /// vanes.
 const VANE: Mm = Mm(0.2);
 
 const TOOLS: &str = "tools";
+
+const BULL: &str = "bull";
 
 /// The tools of a `channel` item, where it has a list of them.
 fn list(body: &Block) -> Option<&Entry> {
@@ -42,7 +44,7 @@ impl OperationReader<'_> {
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
         let words = p.words(TOOLS, "tools t1, t2")?;
         let tools: Option<Vec<usize>> =
-            words.iter().map(|word| self.named_tool(kind, word, &mut p).map(|found| found.0)).collect();
+            words.iter().enumerate().map(|(k, word)| self.floor_tool(kind, (word, k + 1 < count), &mut p)).collect();
         let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
         let feeds = each(&mut p, "feed", count, "feed 250 mm/min", true);
         let link_feed = self.link_feed(&mut p);
@@ -63,10 +65,13 @@ impl OperationReader<'_> {
             let speed = self.speed_of(speeds.get(k).copied().flatten()?, spec, &mut p);
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
             let mut kind = of_last.clone()?;
-            if let OperationKind::Channel { allowance_vane, .. } = &mut kind
+            if let OperationKind::Channel { allowance_vane, method, .. } = &mut kind
                 && k + 1 < count
             {
                 *allowance_vane = Some(vane?);
+                if spec.is_some_and(|tool| tool.kind.keyword() == BULL) {
+                    *method = AxisMethod::Lead;
+                }
             }
             operations.push(OperationSpec {
                 name: self.name.clone(),
@@ -85,6 +90,16 @@ impl OperationReader<'_> {
         Some(operations)
     }
 
+    /// A tool of the list. Larger ones, which finish the middle of the floor, may be bull noses.
+    fn floor_tool(&self, kind: &Name, (word, is_larger): (&Name, bool), p: &mut Properties<'_, '_>) -> Option<usize> {
+        let found = if is_larger {
+            self.tool_of_kind(word, ("the middle of the floor", &["ball", "lollipop", BULL]), p)
+        } else {
+            self.named_tool(kind, word, p)
+        };
+        found.map(|tool| tool.0)
+    }
+
     /// Refuses tools that do not get smaller, and a spacing that several tools cannot share.
     fn list_holds(&self, words: &[&Name], specs: &[Option<&ToolSpec>], p: &mut Properties<'_, '_>) -> Option<()> {
         let mut holds = Some(());
@@ -94,11 +109,11 @@ impl OperationReader<'_> {
                 continue;
             }
             p.sink.push(
-                Diag::error(codes::WRONG_TOOL, format!("the balls of operation {} do not get smaller", self.name))
+                Diag::error(codes::WRONG_TOOL, format!("the tools of operation {} do not get smaller", self.name))
                     .label(names[0].span, format!("{} in diameter", first.diameter))
                     .label(names[1].span, format!("{} in diameter", second.diameter))
                     .help(
-                        "name the largest ball first: it finishes the middle of the floor, and each smaller one what is \
+                        "name the largest tool first: it finishes the middle of the floor, and each smaller one what is \
                          left beside it",
                     ),
             );
@@ -118,7 +133,7 @@ impl OperationReader<'_> {
     }
 }
 
-/// What larger balls leave beside vanes and fillets.
+/// What larger tools leave beside vanes and fillets.
 fn allowance_vane(p: &mut Properties<'_, '_>) -> Option<Mm> {
     if !p.has("allowance") {
         return Some(VANE);

@@ -238,6 +238,29 @@ impl OperationReader<'_> {
 
     /// The declared tool with this name, if its kind suits the operation.
     pub(super) fn named_tool(&self, kind: &Name, word: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+        let needed: &[&str] = match kind.text.as_str() {
+            // Offsets of rulings assume a cylinder that ends in a ball.
+            "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
+            "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
+            "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
+            // A ball only touches fillet, edge and the floor beside the walls.
+            "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
+            "channel" => &["ball", "lollipop"],
+            "rough" => &ROUGHS,
+            _ => &["flat", "ball", "bull"],
+        };
+        // In a list of tools, bull noses may finish the middle.
+        let place = if kind.text == "channel" { ", beside the walls," } else { "" };
+        self.tool_of_kind(word, (&format!("operation {}{place}", kind.text), needed), p)
+    }
+
+    /// The declared tool with this name, if it has one of the kinds that its user needs.
+    pub(super) fn tool_of_kind(
+        &self,
+        word: &Name,
+        (user, needed): (&str, &[&str]),
+        p: &mut Properties<'_, '_>,
+    ) -> Option<(usize, Span)> {
         let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
             if !p.scope.damaged {
                 let known = self.tools.iter().map(|t| t.name.text.as_str());
@@ -247,24 +270,13 @@ impl OperationReader<'_> {
         };
         let declared = self.tools.get(at)?;
         let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
-        let needed: &[&str] = match kind.text.as_str() {
-            // Offsets of rulings assume a cylinder that ends in a ball.
-            "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
-            "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
-            "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
-            // Fillet, edge and floor are touched by a ball only.
-            "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
-            "channel" => &["ball", "lollipop"],
-            "rough" => &ROUGHS,
-            _ => &["flat", "ball", "bull"],
-        };
         if !suits(needed) {
             let has = declared.spec.as_ref().map_or("", |s| s.kind.keyword());
             p.sink.push(
                 Diag::error(codes::WRONG_TOOL, format!("operation {} cannot use a {has} tool", self.name))
                     .label(word.span, format!("`{}` is a {has} tool", word.text))
                     .label(declared.name.span, "declared here")
-                    .help(format!("operation {} needs a tool of the kind {}", kind.text, needed.join(", "))),
+                    .help(format!("{user} needs a tool of the kind {}", needed.join(", "))),
             );
             return None;
         }

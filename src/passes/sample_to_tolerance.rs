@@ -32,7 +32,7 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
                 vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
             }
             // Barrel and bull nose touch beside the axis, so that a turn of the axis moves the contact.
-            OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
+            OperationKind::Channel { .. } | OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
                 vec![(0.0, fine), (solid.flute_length, fine)]
             }
             OperationKind::Channel { .. } | OperationKind::Point { .. } => {

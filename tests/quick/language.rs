@@ -121,7 +121,8 @@ fn expand_takes_the_layers_of_the_groove_before_it() {
 /// The main job with these properties of `channel` in place of its tool, its speed, its feed and its spacing.
 fn floor(properties: &str) -> String {
     let text = changed("tool t3  speed 8000 rpm  feed 250 mm/min  spacing constant-scallop", properties);
-    let larger = "tool t9 = ball { diameter 10 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n";
+    let larger = "tool t9 = ball { diameter 10 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n\
+                  tool t8 = bull { diameter 8 mm  corner 1 mm  flutes 4  flute 30 mm  reach 50 mm  holder \"er16-mini\" }\n";
     text.replacen("operation groove", &format!("{larger}operation groove"), 1)
 }
 
@@ -134,14 +135,18 @@ fn a_channel_with_tools_is_an_operation_for_each() {
     assert_eq!([larger, last].map(|o| o.feed.get()), [300.0; 2]);
     assert_eq!([larger, last].map(|o| job.tools[o.tool].diameter.get()), [10.0, 6.0]);
     // The larger ball leaves a default, which is printed; the last one leaves nothing.
-    assert_eq!(larger.kind.of_larger_ball(), Some(impellerc::units::Mm(0.2)));
-    assert_eq!(last.kind.of_larger_ball(), None);
+    assert_eq!(larger.kind.of_larger_tool(), Some(impellerc::units::Mm(0.2)));
+    assert_eq!(last.kind.of_larger_tool(), None);
     let printed = job::print::print(&job);
     let of_larger = printed.split("operation channel channel\n").nth(1).unwrap().split("operation").next().unwrap();
     assert!(of_larger.contains("  allowance vane 0.2 mm\n"), "{of_larger}");
     assert!(!printed.split("operation channel channel2").nth(1).unwrap().contains("allowance"), "{printed}");
     let given = read(&floor("tools t9, t3  speed 8000 rpm  feed 300 mm/min  allowance vane 0.35 mm")).job.unwrap();
-    assert_eq!(given.operations[5].kind.of_larger_ball(), Some(impellerc::units::Mm(0.35)));
+    assert_eq!(given.operations[5].kind.of_larger_tool(), Some(impellerc::units::Mm(0.35)));
+    // A bull nose has a method of its own for its axis.
+    let bull = read(&floor("tools t8, t3  speed 8000 rpm  feed 300 mm/min")).job.unwrap();
+    let methods = [5, 6].map(|k: usize| bull.operations[k].kind.axis_method());
+    assert_eq!(methods, [Some(AxisMethod::Lead), last.kind.axis_method()]);
     // A list of one tool is that tool.
     let one = read(&floor("tools t3  speed 8000 rpm  feed 250 mm/min  spacing constant-scallop")).job.unwrap();
     let plain = read(JOB).job.unwrap();
@@ -156,6 +161,8 @@ fn lists_of_balls_that_mean_nothing_are_refused() {
         (format!("tools t3, t9  {tail}"), codes::job::WRONG_TOOL, "do not get smaller"),
         (format!("tools t9, t9  {tail}"), codes::job::WRONG_TOOL, "do not get smaller"),
         (format!("tools t1, t3  {tail}"), codes::job::WRONG_TOOL, "cannot use a flat tool"),
+        (format!("tools t9, t8  {tail}"), codes::job::WRONG_TOOL, "cannot use a bull tool"),
+        (format!("tools t8  {tail}"), codes::job::WRONG_TOOL, "cannot use a bull tool"),
         (format!("tools t9, t3  {tail}  spacing equal-division"), codes::job::WRONG_FORM, "needs one tool"),
         (format!("tools t9, t3  {tail}, 3 mm/min, 4 mm/min"), codes::job::WRONG_FORM, "one for each of the 2 tools"),
         (format!("tools t9, t3  {tail}  allowance hub 1 mm"), codes::job::UNKNOWN_PROPERTY, "no part `hub`"),

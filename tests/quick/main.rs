@@ -11,6 +11,7 @@ mod support;
 
 mod bad_input;
 mod bad_nc;
+mod bull_noses;
 mod carried;
 mod channel_floor;
 mod circles;

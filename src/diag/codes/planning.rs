@@ -48,12 +48,13 @@ point milling.";
 than the fillet. This part declares no fillet, or the ball of the fillet radius does not fit between face and \
 hub.\n\nExample: `operation fillet` on a part with a sharp root.\n\nRemedy: declare the fillet, `fillet 3 mm`, or \
 remove the operation.";
-    NO_ROOM_ON_FLOOR = "IMP0411", "a larger ball fits nowhere on the floor",
-        "A remark. `channel` with a list of tools finishes the middle of the floor with the larger balls and the rest with \
-the last one. Along its outer lines a larger ball keeps `allowance vane` from vanes and fillets, and shank, holder and \
-the side of its cutter need a tool axis with the required clearance. Nowhere along the channel is there room for this \
-ball over a length of more than its diameter. So the program changes to this tool and \
-cuts nothing with it, and the next tool finishes its part of the floor.\n\nExample: a ball of 12 mm diameter between vanes that are 11 mm apart.\n\nRemedy: use a smaller ball, a longer \
+    NO_ROOM_ON_FLOOR = "IMP0411", "a larger tool fits nowhere on the floor",
+        "A remark. `channel` with a list of tools finishes the middle of the floor with the larger tools and the rest with \
+the last one. Along its outer lines a larger tool keeps `allowance vane` from vanes and fillets, and shank, holder and \
+the side of its cutter need a tool axis with the required clearance. A bull nose also needs a lead angle of at most 45 deg \
+that keeps its heel out of the hub. Nowhere along the channel is there room for this tool over a length of more than its \
+diameter. So the program changes to this tool and cuts nothing with it, and the next tool finishes its part of the \
+floor.\n\nExample: a ball of 12 mm diameter between vanes that are 11 mm apart.\n\nRemedy: use a smaller tool, a longer \
 reach or a slimmer holder, or leave the tool out of the list.";
     OVER_MEMORY = "IMP0420", "the plan needs too much memory", include_str!("pages/IMP0420.md");
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");

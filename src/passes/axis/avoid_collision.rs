@@ -179,7 +179,11 @@ fn clearing_tilt(
         // A ball on an edge: nothing of the part is near the side of the cutter.
         let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
         let beside = on_vane && !(ball && edge);
-        let inside = if beside { obstacles.cutter_inside(solid, &p.tip, &p.axis) } else { None };
+        let inside = if beside || matches!(cc.drive, Drive::HubWithLead(_)) {
+            obstacles.cutter_inside(solid, &p.tip, &p.axis)
+        } else {
+            None
+        };
         let side = (tilts_away_here && ball).then_some(SIDE_CLEARANCE);
         let body = obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), side);
         inside.into_iter().chain(body).reduce(f64::min)

@@ -1,8 +1,8 @@
-//! Where the larger ball of a `channel` operation finds room: between the walls, and with clear tool axes.
+//! Where the larger tool of a `channel` operation finds room: between the walls, and with clear tool axes.
 //!
-//! At places along the floor the ball stands on both outer lines and half way between them. It has room where it is clear
-//! of the part on all of them, and where the method of the operation finds a clear axis on each. Smaller balls finish all
-//! other places, so that a larger ball without room is a remark and no error.
+//! At places along the floor the tool stands on both outer lines and half way between them. It has room where it is clear
+//! of the part on all of them, and where the method of the operation finds a clear axis on each. Smaller tools finish all
+//! other places, so that a larger tool without room is a remark and no error.
 
 use super::avoid_collision::TILTS;
 use super::clear_axes::ClearAxes;
@@ -10,16 +10,17 @@ use super::orient_tool::{Middle, Middles};
 use super::sequence::MARGIN;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::planning};
-use crate::ir::Operation;
+use crate::ir::{ClPoint, Operation};
 use crate::method::AxisMethod;
-use crate::passes::context::{AxisTilt, PassContext};
+use crate::operation::VaneAllowance;
+use crate::passes::context::{AxisTilt, Keep, PassContext};
 use crate::units::Mm;
 use rayon::prelude::*;
 
 /// Shares of the way from the first outer line to the second at which the tool is looked at.
 const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// Finds the room of all larger balls.
+/// Finds the room of all larger tools.
 ///
 /// # Errors
 /// None of its own; a cancelled run ends.
@@ -27,9 +28,9 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
     let program = cx.program;
     let mut middles = Middles::new();
     for (id, operation) in program.operations.iter() {
-        let Some(allowance) = operation.kind.of_larger_ball() else { continue };
+        let Some(allowance) = operation.kind.of_larger_tool() else { continue };
         cx.go_on()?;
-        let middle = Middle::new(program, operation).map(|middle| with_room(cx, operation, middle));
+        let middle = widest(cx, operation, allowance).map(|middle| with_room(cx, operation, (middle, allowance)));
         if !middle.as_ref().is_some_and(Middle::fits) {
             let diag = fits_nowhere(cx, operation, allowance);
             cx.sink.push(diag);
@@ -39,12 +40,51 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
     Ok(middles)
 }
 
+/// The middle of the floor between the outer lines that leave most room: each tool on its line keeps its distances.
+fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, allowance: Mm) -> Option<Middle<'a>> {
+    let program = cx.program;
+    let mut all = Middle::all(program, operation);
+    if all.len() < 2 {
+        return all.pop();
+    }
+    let places = all[0].places(operation);
+    let clear = |middle: &Middle<'_>, share: f64| -> Vec<bool> {
+        let at = |u: &f64| {
+            let tool = middle.tool_at(program, operation, (*u, share), AxisTilt::Along);
+            tool.is_some_and(|p| is_clear(cx, operation, (&p, allowance)))
+        };
+        places.par_iter().map(at).collect()
+    };
+    let each = |share: f64| -> Vec<Vec<bool>> { all.iter().map(|middle| clear(middle, share)).collect() };
+    let (first, second) = (each(0.0), each(1.0));
+    let width = |(i, j): (usize, usize), k: usize| {
+        if first[i][k] && second[j][k] { all[i].width_to(&all[j], places[k]).max(0.0) } else { 0.0 }
+    };
+    let pairs = (0..all.len()).flat_map(|i| (0..all.len()).map(move |j| (i, j)));
+    let area = |pair: (usize, usize)| (0..places.len()).map(|k| width(pair, k)).sum::<f64>();
+    let (i, j) = pairs.map(|pair| (pair, area(pair))).reduce(|a, b| if b.1 > a.1 { b } else { a })?.0;
+    let other = all.swap_remove(j);
+    let one = if i == j { return Some(other) } else { all.into_iter().nth(i) };
+    one.map(|middle| middle.between(&other))
+}
+
+/// True where a bull nose keeps the allowance from vanes and fillets, its end is out of the hub, and shank and holder keep
+/// their clearance.
+fn is_clear(cx: &PassContext<'_>, operation: &Operation, (at, allowance): (&ClPoint, Mm)) -> bool {
+    let solid = &cx.program.tools[operation.tool].solid;
+    let clearance = cx.program.clearance.get();
+    let keep = Keep { vane: VaneAllowance::even(allowance), hub: 0.0, clearance };
+    cx.obstacles.walls_clear(solid, &at.tip, &at.axis, &keep)
+        && cx.obstacles.cutter_inside(solid, &at.tip, &at.axis).is_none()
+        && cx.obstacles.body_lack(solid, &at.tip, &at.axis, clearance, None).is_none()
+}
+
 /// The middle of the floor with the stretches on which the tool has room. Where lines keep one tilt each, the tilt that
-/// gives the ball most places decides.
-fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, mut middle: Middle<'a>) -> Middle<'a> {
+/// gives the tool most places decides.
+fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allowance): (Middle<'a>, Mm)) -> Middle<'a> {
     let (program, obstacles) = (cx.program, cx.obstacles);
     let places = middle.places(operation);
-    let work = cx.progress.begin(format!("{}, room of the ball", operation.name), places.len());
+    let work = cx.progress.begin(format!("{}, room of the tool", operation.name), places.len());
     let room: Vec<bool> = places.par_iter().map(|u| work.step(middle.has_room(obstacles, *u))).collect();
     let clear = ClearAxes::new(program, obstacles, operation);
     let solid = &program.tools[operation.tool].solid;
@@ -53,6 +93,9 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, mut middle: Middle
     let fits = |u: f64, tilt: AxisTilt| {
         SHARES.iter().all(|share| {
             let Some(p) = middle.tool_at(program, operation, (u, *share), tilt) else { return false };
+            if operation.kind.axis_method() == Some(AxisMethod::Lead) {
+                return is_clear(cx, operation, (&p, allowance));
+            }
             if turns {
                 return clear.has_candidate(&(p.tip + p.axis * radius), &p.axis, MARGIN);
             }
@@ -81,7 +124,7 @@ fn fits_nowhere(cx: &PassContext<'_>, operation: &Operation, allowance: Mm) -> D
         planning::NO_ROOM_ON_FLOOR,
         format!("`{}` cuts nothing: {} fits nowhere between the vanes", operation.name, tool.name),
     )
-    .label(operation.span, "smaller balls of this operation finish the floor")
+    .label(operation.span, "smaller tools of this operation finish the floor")
     .label(tool.span, format!("this tool has to stay {allowance} off vanes and fillets, with a clear axis"))
-    .help("use a smaller ball, a longer reach or a slimmer holder; or leave this tool out")
+    .help("use a smaller tool, a longer reach or a slimmer holder; or leave this tool out")
 }

@@ -47,7 +47,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),
                 },
-                Drive::Hub | Drive::Contact(_) | Drive::Round => {
+                Drive::Hub | Drive::HubWithLead(_) | Drive::Contact(_) | Drive::Round => {
                     tilted_points(program, operation, pass, tilt(operation))
                 }
             },

@@ -1,26 +1,28 @@
 //! Tip and axis at the stations of a pass along the floor.
 
-use crate::ir::{CcPass, ClPoint, Operation, Program};
+use super::lead;
+use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, Program};
 use crate::passes::context::{AxisTilt, ChannelChart};
 use nalgebra::{Point3, Vector3};
 
-/// Channel finishing: the ball stands on the hub. The axis blends the rulings of both walls, and tilts away from the
-/// nearer wall: by `tilt` at the wall, less towards the middle.
+/// Channel finishing: the tool stands on the hub. The axis of a ball blends the rulings of both walls, and tilts away from
+/// the nearer wall: by `tilt` at the wall, less towards the middle. That of a bull nose has its lead.
 pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
     let part = &program.part;
-    let radius = program.tools[operation.tool].solid.cutter.tip_radius();
+    let cutter = &program.tools[operation.tool].solid.cutter;
     let chart = ChannelChart::new(part);
-    pass.points
-        .iter()
-        .map(|p| {
-            // On the leads the axis is constant, so that the ball moves straight along the tangent of the hub.
-            let u = p.u.clamp(0.0, 1.0);
-            let at = if u == p.u { p.position } else { edge(program, pass, u) };
-            let axis = hub_axis(&chart, u, p.w, &at, tilt);
-            let centre = p.position + p.normal * radius;
-            ClPoint { tip: centre - axis * radius, axis, contact: Some(p.position) }
-        })
-        .collect()
+    let at = |p: &CcPoint| {
+        // On the leads the axis is constant, so that the tool moves straight along the tangent of the hub.
+        let u = p.u.clamp(0.0, 1.0);
+        let at = if u == p.u { p.position } else { edge(program, pass, u) };
+        let axis = match pass.drive {
+            Drive::HubWithLead(angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
+            _ => hub_axis(&chart, u, p.w, &at, tilt),
+        };
+        let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
+        Some(ClPoint { tip, axis, contact: Some(p.position) })
+    };
+    pass.points.iter().filter_map(at).collect()
 }
 
 /// Contact of a pass at inlet or outlet.

@@ -15,7 +15,7 @@ pub(super) type Contact = Vec<[f64; 2]>;
 /// The machined surface: the hub of channel 0 between two contact lines.
 pub(super) struct ChannelFloor<'a> {
     pub(super) part: &'a Part,
-    /// Radius of the ball of the tool.
+    /// Radius of the tool.
     pub(super) radius: f64,
     pub(super) walls: [Contact; 2],
     /// What larger balls have finished.
@@ -35,23 +35,33 @@ impl ChannelFloor<'_> {
         CcPoint { u, v: 0.0, w, position: hub.point(u, azimuth), normal: hub.normal(u, azimuth) }
     }
 
-    /// Steps along and across the meridian that leave ridges of a given height.
+    /// Steps of a ball along and across the meridian that leave ridges of a given height.
     pub(super) fn steps(&self, u: f64, height: f64) -> [f64; 2] {
         let hub = &self.part.hub;
         [hub.meridian_curvature(u), hub.ring_curvature(u)].map(|k| scallop::curved_step(self.radius, height, k))
     }
 
-    /// Lower bound of the length of lines over a stretch of u, beside what is finished.
-    pub(super) fn least_length_over(&self, [from, to]: [f64; 2], height: f64, finished: &[Finished]) -> f64 {
+    /// The larger one of both steps of a ball.
+    pub(super) fn largest_step(&self, u: f64, height: f64) -> f64 {
+        let [along, across] = self.steps(u, height);
+        along.max(across)
+    }
+
+    /// Lower bound of the length of lines over a stretch of u, beside what is finished, for the largest step at each u.
+    pub(super) fn least_length_over(
+        &self,
+        [from, to]: [f64; 2],
+        finished: &[Finished],
+        largest_step: impl Fn(f64) -> f64,
+    ) -> f64 {
         (0..STATIONS)
             .map(|i| {
                 let u = from + (to - from) * (i as f64 + 0.5) / STATIONS as f64;
                 let m = self.part.hub.meridian(u);
-                let [along, across] = self.steps(u, height);
                 let (first, angle) = self.walls(u);
                 let done = edges(finished, u, first)
                     .map_or(0.0, |[low, high]| (high.min(first + angle) - low.max(first)).max(0.0));
-                m.first.norm() * m.point.x * (angle - done) / along.max(across) * (to - from) / STATIONS as f64
+                m.first.norm() * m.point.x * (angle - done) / largest_step(u) * (to - from) / STATIONS as f64
             })
             .sum()
     }
@@ -95,7 +105,7 @@ impl DriveSurface for ChannelFloor<'_> {
     }
 
     fn least_length(&self, height: f64) -> f64 {
-        self.least_length_over([0.0, 1.0], height, &self.finished)
+        self.least_length_over([0.0, 1.0], &self.finished, |u| self.largest_step(u, height))
     }
 }
 

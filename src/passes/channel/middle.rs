@@ -1,21 +1,23 @@
-//! The middle of the floor, which a ball larger than that of the fillets finishes.
+//! The middle of the floor, which a ball larger than that of the fillets finishes, or a bull nose.
 //!
-//! Its outer lines keep the allowance of the job from vanes and fillets. Where walls or tool leave no room for the ball,
+//! Its outer lines keep the allowance of the job from vanes and fillets. Where walls or tool leave no room for the tool,
 //! lines end: they come down and rise on arcs along the direction of the channel, in which the walls go apart least.
 
 use super::axes::hub_points;
 use super::finished::{Finished, edges};
 use super::floor::{ChannelFloor, contact};
+use super::lead::BullNose;
 use crate::collide::{Cutter, ToolSolid};
 use crate::geom::BandMetric;
+use crate::geom::angle::nearest_turn;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, OperationId, Program};
-use crate::part::Part;
 use crate::passes::context::{AxisTilt, ChannelChart, Obstacles, maximal_ranges};
-use crate::passes::lines::{DriveSurface, METRIC_STATIONS, arc_radius, both_walls};
+use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine, arc_radius, both_walls, highest_ridge};
+use crate::units::Mm;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Places along the floor and its leads where the room of the ball is looked at.
+/// Places along the floor and its leads where the room of the tool is looked at.
 const PLACES: usize = 240;
 
 /// Height of the place beside a wall, as a share of the vane, up to which a wall counts as continued. A ball may be
@@ -25,7 +27,13 @@ const TOP: f64 = 2.0;
 /// Least width of a stretch at its widest place, mm. Less is a single line.
 const LEAST_WIDTH: f64 = 0.1;
 
-/// A part of the floor along which the ball fits.
+/// Layers of the metric of a bull nose, from the first outer line to the second.
+const LAYERS: usize = 25;
+
+/// Places along a stretch at which the range of azimuths is looked at, minus one.
+const LOOKS: usize = 60;
+
+/// A part of the floor along which the tool fits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FloorStretch {
     /// u of both ends.
@@ -34,40 +42,66 @@ pub(super) struct FloorStretch {
     open: [bool; 2],
 }
 
-/// Where the larger ball of an operation finishes the floor.
+/// Where the larger tool of an operation finishes the floor.
 pub(crate) struct Middle<'a> {
     pub(super) floor: ChannelFloor<'a>,
     pub(super) stretches: Vec<FloorStretch>,
     chart: ChannelChart<'a>,
+    /// `None` for a ball.
+    bull_nose: Option<BullNose>,
 }
 
-/// The larger balls of a program, by operation. One that touches vane and hub nowhere is missing.
+/// How far the outer lines of a bull nose lie from the place where its corner is beside the fillet, as shares of its radius:
+/// the side of the tool does not lean with the walls as that of a ball does. The least one is for the errors of samples.
+const BESIDE_CORNER: [f64; 11] = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+/// The larger tools of a program, by operation. One that touches vane and hub nowhere is missing.
 pub(crate) type Middles<'a> = BTreeMap<OperationId, Middle<'a>>;
 
-/// The operations of larger balls that come before an operation in its item, the last first.
+/// The operations of larger tools that come before an operation in its item, the last first.
 pub(super) fn before(program: &Program, id: OperationId) -> impl Iterator<Item = OperationId> {
     let earlier: Vec<_> = program.operations.iter().take_while(|(other, _)| *other != id).collect();
-    earlier.into_iter().rev().take_while(|(_, o)| o.kind.of_larger_ball().is_some()).map(|(id, _)| id)
+    earlier.into_iter().rev().take_while(|(_, o)| o.kind.of_larger_tool().is_some()).map(|(id, _)| id)
 }
 
 impl<'a> Middle<'a> {
-    /// The floor between the outer lines of a ball, without stretches. `None` for operations without a larger ball, and
-    /// where a ruling has no place for the ball.
-    pub(crate) fn new(program: &'a Program, operation: &Operation) -> Option<Self> {
-        let radius = program.tools[operation.tool].solid.cutter.tip_radius();
-        Self::of_ball(&program.part, radius, operation.kind.of_larger_ball()?.get())
+    /// The floor between the outer lines of the tool, without stretches, with the outer lines at each of the distances that
+    /// come into question. Nothing for operations without a larger tool, and where a ruling has no place for the tool or no
+    /// lead keeps its heel out of the hub.
+    pub(crate) fn all(program: &'a Program, operation: &Operation) -> Vec<Self> {
+        let cutter = program.tools[operation.tool].solid.cutter;
+        let (part, radius) = (&program.part, cutter.nominal_radius());
+        let Some(allowance) = operation.kind.of_larger_tool().map(Mm::get) else { return Vec::new() };
+        // A rounding smaller than the fillet stands where the fillet ends.
+        let rolling = part.main().fillet.map_or(cutter.tip_radius(), |f| f.get().max(cutter.tip_radius()));
+        let bull_nose = if cutter.ends_in_ball() { None } else { Some(BullNose::new(part, cutter)) };
+        let beyond = match bull_nose {
+            None => vec![0.0],
+            Some(None) => Vec::new(),
+            Some(Some(_)) => BESIDE_CORNER.map(|share| radius - cutter.tip_radius() + share * radius).to_vec(),
+        };
+        let at = |beyond: f64| {
+            let side = |side| contact(part, side, [rolling + beyond + allowance, rolling], TOP);
+            let [first, second] = part.first_passage().walls.map(side);
+            let floor = ChannelFloor { part, radius, walls: [first?, second?], finished: Vec::new() };
+            let (stretches, chart) = (Vec::new(), ChannelChart::new(part));
+            Some(Self { floor, stretches, chart, bull_nose: bull_nose.flatten() })
+        };
+        beyond.into_iter().filter_map(at).collect()
     }
 
-    fn of_ball(part: &'a Part, radius: f64, allowance: f64) -> Option<Self> {
-        // A ball smaller than the fillet stands where the fillet ends.
-        let rolling = part.main().fillet.map_or(radius, |f| f.get().max(radius));
-        let [first, second] =
-            part.first_passage().walls.map(|side| contact(part, side, [rolling + allowance, rolling], TOP));
-        let floor = ChannelFloor { part, radius, walls: [first?, second?], finished: Vec::new() };
-        Some(Self { floor, stretches: Vec::new(), chart: ChannelChart::new(part) })
+    /// The first outer line of one middle and the second of another.
+    pub(crate) fn between(mut self, other: &Self) -> Self {
+        self.floor.walls[1].clone_from(&other.floor.walls[1]);
+        self
     }
 
-    /// Places along the floor and its leads where the ball has to fit.
+    /// What drives the tool of lines in the middle.
+    pub(super) fn drive(&self) -> Drive {
+        self.bull_nose.map_or(Drive::Hub, |tool| Drive::HubWithLead(tool.lead))
+    }
+
+    /// Places along the floor and its leads where the tool has to fit.
     pub(crate) fn places(&self, operation: &Operation) -> Vec<f64> {
         let lead = operation.lead_in.get().max(operation.lead_out.get());
         let [from, to] = [0.0, 1.0].map(|u| lead / self.speed(u));
@@ -88,7 +122,7 @@ impl<'a> Middle<'a> {
     ) -> Option<ClPoint> {
         // Axes on the leads are those of the edge.
         let points = vec![self.contact_at(u.clamp(0.0, 1.0), share), self.contact_at(u, share)];
-        let pass = CcPass { label: String::new(), drive: Drive::Hub, points, path: None };
+        let pass = CcPass { label: String::new(), drive: self.drive(), points, path: None };
         hub_points(program, operation, &pass, tilt).pop()
     }
 
@@ -97,7 +131,19 @@ impl<'a> Middle<'a> {
         self.floor.point(u, share, first + angle * share)
     }
 
-    /// True where the ball fits between both outer lines and is clear of the part on them.
+    /// Width of the floor between both outer lines, mm; negative where they have crossed.
+    fn width(&self, u: f64) -> f64 {
+        self.width_to(self, u)
+    }
+
+    /// Width from the first outer line to the second one of another middle, mm; negative where they have crossed.
+    pub(crate) fn width_to(&self, other: &Self, u: f64) -> f64 {
+        let (first, (of_other, across)) = (self.floor.walls(u).0, other.floor.walls(u));
+        (nearest_turn(of_other, first) - first + across) * self.floor.part.hub.meridian(u).point.x
+    }
+
+    /// True where the outer lines of a ball leave floor between them, and the ball is clear of the part on both. A bull nose
+    /// is looked at with its axis.
     pub(crate) fn has_room(&self, obstacles: &Obstacles, u: f64) -> bool {
         let radius = self.floor.radius;
         let ball = ToolSolid {
@@ -110,11 +156,11 @@ impl<'a> Middle<'a> {
             let p = self.contact_at(u, share);
             obstacles.cutter_inside(&ball, &p.position, &p.normal).is_none()
         };
-        self.floor.walls(u).1 > 0.0 && [0.0, 1.0].into_iter().all(clear)
+        self.width(u) > 0.0 && (self.bull_nose.is_some() || [0.0, 1.0].into_iter().all(clear))
     }
 
-    /// Keeps the stretches along which the ball fits; `fits` is given at `places`. Of an end inside of the floor it keeps
-    /// off by the arc on which lines come down, and it leaves out stretches shorter than the ball.
+    /// Keeps the stretches along which the tool fits; `fits` is given at `places`. Of an end inside of the floor it keeps
+    /// off by the arc on which lines come down, and it leaves out stretches shorter than the tool is wide.
     pub(crate) fn keep(&mut self, operation: &Operation, places: &[f64], fits: &[bool]) {
         let leads = [operation.lead_in, operation.lead_out];
         let arc = leads.map(|lead| arc_radius(lead.get(), self.floor.radius)).into_iter().fold(0.0, f64::max);
@@ -140,26 +186,32 @@ impl<'a> Middle<'a> {
     }
 
     fn widest(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
-        let width = |u: f64| self.floor.walls(u).1 * self.floor.part.hub.meridian(u).point.x;
-        (0..=PLACES).map(|i| width(from + (to - from) * i as f64 / PLACES as f64)).fold(0.0, f64::max)
+        (0..=PLACES).map(|i| self.width(from + (to - from) * i as f64 / PLACES as f64)).fold(0.0, f64::max)
     }
 
-    /// True where the ball fits somewhere.
+    /// True where the tool fits somewhere.
     pub(crate) fn fits(&self) -> bool {
         !self.stretches.is_empty()
     }
 
-    /// What the plan says about the room of the ball.
+    /// What the plan says about the room of the tool.
     pub(super) fn note(&self, allowance: f64) -> String {
         let whole = self.length(FloorStretch { ends: [0.0, 1.0], open: [true; 2] });
         let fits: f64 = self.stretches.iter().map(|s| self.length(*s)).sum();
         let radius = self.floor.radius;
+        let tool = match self.bull_nose {
+            None => format!("a ball of radius {radius} mm"),
+            Some(tool) => format!(
+                "a bull nose of radius {radius} mm with a lead angle of {:.1} deg, from inlet to outlet on all lines",
+                tool.lead.to_degrees()
+            ),
+        };
         format!(
-            "middle of the floor: a ball of radius {radius} mm, {allowance} mm off vanes and fillets, fits on {fits:.1} of {whole:.1} mm from inlet to outlet"
+            "middle of the floor: {tool}, {allowance} mm off vanes and fillets, fits on {fits:.1} of {whole:.1} mm from inlet to outlet"
         )
     }
 
-    /// What the lines of this ball finish, for ridges of a height.
+    /// What the lines of this tool finish, for ridges of a height.
     pub(super) fn finished(&self, height: f64) -> impl Iterator<Item = Finished> {
         self.stretches.iter().map(move |stretch| {
             let surface = StretchFloor { middle: self, stretch: *stretch, finished: &[] };
@@ -174,7 +226,7 @@ impl<'a> Middle<'a> {
 pub(super) struct StretchFloor<'a> {
     pub(super) middle: &'a Middle<'a>,
     pub(super) stretch: FloorStretch,
-    /// What larger balls have finished.
+    /// What larger tools have finished.
     pub(super) finished: &'a [Finished],
 }
 
@@ -223,19 +275,55 @@ impl DriveSurface for StretchFloor<'_> {
     fn metric(&self, height: f64) -> BandMetric {
         let hub = &self.middle.floor.part.hub;
         let length = self.length();
-        // Until the ball has passed the ends, but well before the axis.
+        // Until the tool has passed the ends, but well before the axis.
         let beyond = [0.0, 1.0].map(|x| {
             let m = hub.meridian(self.u(x));
             self.middle.floor.radius.min(0.5 * m.point.x) / (m.first.norm() * length)
         });
-        BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |x| {
-            let m = hub.meridian(self.u(x));
-            let [along, across] = self.middle.floor.steps(self.u(x), height);
-            [m.first.norm() * length / along, m.point.x / across]
+        let (range, count) = ([-beyond[0], 1.0 + beyond[1]], METRIC_STATIONS + 1);
+        // Along and around, mm per unit of x and of y.
+        let speeds = |u: f64| {
+            let m = hub.meridian(u);
+            [m.first.norm() * length, m.point.x]
+        };
+        let Some(tool) = self.middle.bull_nose else {
+            return BandMetric::new(range[0], range[1], count, |x| {
+                let u = self.u(x);
+                let (speeds, steps) = (speeds(u), self.middle.floor.steps(u, height));
+                [speeds[0] / steps[0], speeds[1] / steps[1]]
+            });
+        };
+        let [first, second] = both_walls(self, (0..=LOOKS).map(|i| i as f64 / LOOKS as f64));
+        let (low, high) = (first.into_iter().reduce(f64::min), second.into_iter().reduce(f64::max));
+        let layers = ([low.unwrap_or_default(), high.unwrap_or_default()], LAYERS);
+        BandMetric::over((range, count), layers, |x, y| {
+            let u = self.u(x);
+            let [along, around] = speeds(u);
+            let (first, across) = self.walls(x.clamp(0.0, 1.0));
+            let w = ((y - first) / across).clamp(0.0, 1.0);
+            let form = tool.ridges(&self.middle.chart, (u, w), height);
+            let skew = form[(0, 1)] / form[(1, 1)];
+            let square = form[(0, 0)] - skew * form[(0, 1)];
+            [along * square.max(0.0).sqrt(), around * form[(1, 1)].max(0.0).sqrt(), skew * along / around]
         })
     }
 
+    /// The metric of a ball is exact enough.
+    fn highest_ridge(&self, lines: &[SurfaceLine]) -> Option<f64> {
+        let tool = self.middle.bull_nose.filter(|_| self.finished.is_empty())?;
+        let chart = &self.middle.chart;
+        // The lines with their leads: the ridge at an end is cut from beyond it.
+        let x = |p: &CcPoint| (p.u - self.stretch.ends[0]) / self.length();
+        let poses = |line: &SurfaceLine| line.points.iter().filter_map(|p| tool.pose(chart, (x(p), p))).collect();
+        let place = |x: f64, y: f64| self.middle.floor.part.hub.point(self.u(x), y);
+        highest_ridge(tool.cutter(), lines, poses, |x| self.walls(x), place)
+    }
+
     fn least_length(&self, height: f64) -> f64 {
-        self.middle.floor.least_length_over(self.stretch.ends, height, self.finished)
+        let floor = &self.middle.floor;
+        floor.least_length_over(self.stretch.ends, self.finished, |u| match self.middle.bull_nose {
+            None => floor.largest_step(u, height),
+            Some(tool) => tool.largest_step(&self.middle.chart, u, height),
+        })
     }
 }

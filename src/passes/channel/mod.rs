@@ -3,6 +3,7 @@
 mod axes;
 mod finished;
 mod floor;
+mod lead;
 pub(crate) mod middle;
 pub(crate) mod plan;
 

@@ -11,7 +11,7 @@ use super::floor::{ChannelFloor, azimuth, contact};
 use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
-use crate::method::Spacing;
+use crate::method::{Lines, Spacing};
 use crate::part::{Part, Surface};
 use crate::passes::context::{
     PassContext, STATIONS,
@@ -33,7 +33,12 @@ pub(crate) fn plan(
         return Err(Aborted);
     };
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
-    check_hollow(cx, operation, radius)?;
+    let cutter = &cx.program.tools[operation.tool].solid.cutter;
+    // The lead angle of a bull nose is looked for where its room is.
+    if cutter.ends_in_ball() {
+        check_hollow(cx, operation, radius)?;
+    }
+    let drive = middles.get(&id).map_or(Drive::Hub, Middle::drive);
     let ridges = left_to_ridges(cx, height.get());
     let larger = before(cx.program, id).filter_map(|id| middles.get(&id));
     let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
@@ -53,7 +58,7 @@ pub(crate) fn plan(
             }
         }
     };
-    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive: Drive::Hub, points };
+    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive, points };
     Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
 }
 
@@ -83,7 +88,7 @@ fn whole_floor<'a>(
     Ok(floor)
 }
 
-/// Lines of a larger ball, stretch by stretch; none where the ball fits nowhere.
+/// Lines of a larger tool, stretch by stretch; none where the tool fits nowhere.
 fn middle_lines(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -93,10 +98,12 @@ fn middle_lines(
     let OperationKind::Channel { lines: order, .. } = operation.kind else { return Err(Aborted) };
     let mut all = LaidLines { lines: Vec::new(), notes: Vec::new() };
     let Some(middle) = middle.filter(|m| m.fits()) else {
-        all.notes.push("the ball fits nowhere between the vanes: smaller balls finish the floor".to_owned());
+        all.notes.push("the tool fits nowhere between the vanes: smaller tools finish the floor".to_owned());
         return Ok(all);
     };
     all.notes.push(middle.note(allowance));
+    // In the other direction the heel would cut first.
+    let order = if matches!(middle.drive(), Drive::Hub) { order } else { Lines::OneWay };
     let radius = middle.floor.radius;
     for stretch in &middle.stretches {
         let surface = StretchFloor { middle, stretch: *stretch, finished };
@@ -136,7 +143,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(operation.span, "this operation finishes the hub")
         .label(tool.span, "this ball would gouge the hub beside its line")
         .place(format!("hub at u = {worst:.3}"), at)
-        .help(match (part.main().fillet, operation.kind.of_larger_ball()) {
+        .help(match (part.main().fillet, operation.kind.of_larger_tool()) {
             (_, Some(_)) => less_than(hollow_radius),
             (Some(f), None) => less_than(hollow_radius.min(f.get())),
             (None, None) => what_would_do(part, radius),

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
 /// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
 /// have to turn through.
-const LEAST_OUTWARD: f64 = 0.2;
+pub(crate) const LEAST_OUTWARD: f64 = 0.2;
 
 /// Share of the opposite wall's ruling in the axis at a wall. If the axis were parallel to the ruling, the side of the
 /// cutter would rest on the twisted wall far above the tip, and the tip could not reach the root.
@@ -77,6 +77,19 @@ impl<'a> ChannelChart<'a> {
         let along = self.point(u + STEP, v, 0.5) - middle;
         let across = (self.point(u, v, 0.5 + STEP) - middle).normalize();
         self.width(u, v) * across.cross(&along).norm() / along.norm()
+    }
+
+    /// Direction of the channel on the hub at (u, w), from inlet to outlet: its parts along the meridian and around Z, of unit
+    /// length together.
+    pub(crate) fn direction(&self, u: f64, w: f64) -> [f64; 2] {
+        const STEP: f64 = 1e-3;
+        let [a, b] = [u - STEP, u + STEP].map(|u| self.point(u, 0.0, w));
+        let [from, to] = [a, b].map(|p| libm::hypot(p.x, p.y));
+        let along = libm::hypot(to - from, b.z - a.z);
+        let turn = nearest_turn(libm::atan2(b.y, b.x) - libm::atan2(a.y, a.x), 0.0);
+        let around = 0.5 * (from + to) * turn;
+        let length = libm::hypot(along, around);
+        [along / length, around / length]
     }
 
     /// Direction from hub to shroud: the rulings of both neighbouring vanes, blended by `blend` from the first (0) to

@@ -99,8 +99,8 @@ pub(crate) fn both_walls(surface: &dyn DriveSurface, places: impl Iterator<Item 
 pub(crate) struct SurfaceLine {
     /// True when it is cut towards smaller x.
     back: bool,
-    /// Contacts on the surface, on the leads and on the arcs.
-    points: Vec<CcPoint>,
+    /// Contacts on the surface, on the leads and on the arcs, by ascending x until the line is cut.
+    pub(crate) points: Vec<CcPoint>,
     /// Contacts on the surface with their x, ascending.
     pub(crate) on_surface: Vec<(f64, CcPoint)>,
     /// True when the line begins or ends inside of the surface.
