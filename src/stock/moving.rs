@@ -150,8 +150,42 @@ impl Moving {
         [a.max(self.low[2]), b.min(self.high[2])]
     }
 
+    /// True when no point of an interval of a line lies deeper inside the sweep than `least`, by looks that end as soon as
+    /// they show that.
+    fn shallow(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> bool {
+        // A look may be this much too low.
+        let limit = GAP - least;
+        let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, limit);
+        let mut low = (a, look(a, *guess));
+        *guess = low.1.t;
+        if low.1.f <= limit || low.1.rise >= 0.0 {
+            return low.1.f > limit;
+        }
+        let mut high = (b, look(b, *guess));
+        for _ in 0..MOST_NEWTON {
+            let (da, db) = (low.1.rise, high.1.rise);
+            if high.1.f <= limit || low.1.f <= limit {
+                return false;
+            }
+            if da >= 0.0 || db <= 0.0 {
+                return true;
+            }
+            let share = db / (db - da);
+            if (low.1.f - da * low.0) * share + (high.1.f - db * high.0) * (1.0 - share) > limit {
+                return true;
+            }
+            let x = (high.1.f - low.1.f + da * low.0 - db * high.0) / (da - db);
+            let middle = (x.clamp(low.0, high.0), look(x.clamp(low.0, high.0), low.1.t));
+            if middle.1.rise > 0.0 { high = middle } else { low = middle }
+        }
+        false
+    }
+
     /// Place of the deepest point inside the sweep on an interval, and its depth; `None` when no depth exceeds `least`.
     pub(super) fn deepest(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> Option<(f64, f64)> {
+        if self.shallow(line, [a, b], least, guess) {
+            return None;
+        }
         let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, f64::INFINITY);
         let (mut low, mut high) = ((a, look(a, *guess)), (b, look(b, *guess)));
         *guess = low.1.t;

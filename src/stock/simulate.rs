@@ -243,17 +243,18 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
         let near: Vec<(Touched, SolidShape)> = run
             .forbidden
             .iter()
-            .filter(|(_, m)| tile.meets(&m.low, &m.high) && tile.overlap(m, CONTACT - m.error()).is_some())
+            .filter(|(_, m)| tile.meets(&m.low, &m.high) && tile.touches(m, CONTACT - m.error()))
             .map(|(what, m)| (*what, m.shape))
             .collect();
-        let touches = run.sweeps.iter().any(|s| near.iter().any(|(_, shape)| touch(tile, s, shape).is_some()));
+        let touches = run.sweeps.iter().any(|s| near.iter().any(|(_, shape)| touches(tile, s, shape)));
         if !touches {
             said.remove(tile, (run, 0..run.steps.len()), slices, &mut work);
             continue;
         }
         for (k, (sweep, ordinal)) in run.sweeps.iter().zip(&run.ordinals).enumerate() {
             for (what, shape) in &near {
-                if let Some(overlap) = touch(tile, sweep, shape) {
+                let least = said.deepest(*ordinal, *what).map_or(CONTACT, |o| o.depth);
+                if let Some(overlap) = touch(tile, sweep, shape, least) {
                     said.overlap(*ordinal, *what, overlap);
                 }
             }
@@ -265,24 +266,40 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
     said
 }
 
-/// The deepest place of stock inside a part that must not touch, over a step. The step is divided until the depth is
-/// exact to [`FORBIDDEN_ERROR`].
-fn touch(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape) -> Option<Overlap> {
+/// The deepest place of stock inside a part that must not touch, over a step; `None` when it is no deeper than `least`. The
+/// step is divided until the depth is exact to [`FORBIDDEN_ERROR`].
+fn touch(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape, least: f64) -> Option<Overlap> {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
     if error <= FORBIDDEN_ERROR {
-        return tile.overlap(&moving, CONTACT);
+        return tile.overlap(&moving, least);
     }
-    tile.overlap(&moving, CONTACT - error)?;
-    let halves = [sweep.part(0.0, 0.5), sweep.part(0.5, 1.0)].map(|half| touch(tile, &half, shape));
-    halves.into_iter().flatten().reduce(|a, b| if b.depth > a.depth { b } else { a })
+    if !tile.touches(&moving, least - error) {
+        return None;
+    }
+    let first = touch(tile, &sweep.part(0.0, 0.5), shape, least);
+    touch(tile, &sweep.part(0.5, 1.0), shape, first.map_or(least, |o| o.depth)).or(first)
+}
+
+/// True when [`touch`] would find a place.
+fn touches(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape) -> bool {
+    let moving = Moving::new(*sweep, *shape, 0.0);
+    let error = moving.error();
+    let exact = error <= FORBIDDEN_ERROR;
+    tile.touches(&moving, if exact { CONTACT } else { CONTACT - error })
+        && (exact || [sweep.part(0.0, 0.5), sweep.part(0.5, 1.0)].iter().any(|half| touches(tile, half, shape)))
 }
 
 impl Said {
-    fn overlap(&mut self, ordinal: u32, what: Touched, overlap: Overlap) {
+    /// The deepest place of a block and a part so far.
+    fn deepest(&mut self, ordinal: u32, what: Touched) -> Option<&mut Overlap> {
         let before = self.overlaps.iter_mut().rev().take_while(|o| o.0 == ordinal);
-        match before.into_iter().find(|o| o.1 == what) {
-            Some(o) if o.2.depth < overlap.depth => o.2 = overlap,
+        before.into_iter().find(|o| o.1 == what).map(|o| &mut o.2)
+    }
+
+    fn overlap(&mut self, ordinal: u32, what: Touched, overlap: Overlap) {
+        match self.deepest(ordinal, what) {
+            Some(deepest) if deepest.depth < overlap.depth => *deepest = overlap,
             Some(_) => {}
             None => self.overlaps.push((ordinal, what, overlap)),
         }

@@ -238,8 +238,8 @@ impl Tile {
         }
     }
 
-    /// Visits the groups of rays that a moving body may meet; the visitor returns whether it changed them.
-    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &RayGroup) -> bool) {
+    /// Visits the groups of rays that a moving body may meet.
+    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &RayGroup) -> Visited) {
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize| {
             let first = ((moving.low[k] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
@@ -273,9 +273,13 @@ impl Tile {
                             continue;
                         }
                         let group = RayGroup { first, cell, middle, lateral: lateral_fine, window };
-                        if visitor(&mut self.rays[number * MEMBERS..(number + 1) * MEMBERS], &group) {
-                            self.map_fine(number);
-                            changed = true;
+                        match visitor(&mut self.rays[number * MEMBERS..(number + 1) * MEMBERS], &group) {
+                            Visited::Unchanged => {}
+                            Visited::Changed => {
+                                self.map_fine(number);
+                                changed = true;
+                            }
+                            Visited::Enough => return,
                         }
                     }
                 }
@@ -296,7 +300,7 @@ impl Tile {
                 work.sift(run.whole);
             }
             if work.is_empty() {
-                return false;
+                return Visited::Unchanged;
             }
             for (step, removal) in steps.iter().zip(removals.iter_mut()) {
                 let first = work.chips.len();
@@ -310,7 +314,7 @@ impl Tile {
             for chips in chips.chunk_by(|a, b| a.ray == b.ray) {
                 rays[usize::from(chips[0].ray)].subtract(chips.iter().map(|c| [c.from, c.to]));
             }
-            !chips.is_empty()
+            if chips.is_empty() { Visited::Unchanged } else { Visited::Changed }
         });
     }
 
@@ -320,7 +324,7 @@ impl Tile {
         let mut guess = 1.0;
         self.visit(moving, |rays, group| {
             if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
-                return false;
+                return Visited::Unchanged;
             }
             group.intervals(rays, |_, line, part| {
                 let least = worst.map_or(least, |w| w.depth);
@@ -330,10 +334,33 @@ impl Tile {
                     worst = Some(Overlap { depth, point: [p.x, p.y, p.z], height });
                 }
             });
-            false
+            Visited::Unchanged
         });
         worst
     }
+
+    /// True when [`Self::overlap`] would find a place: the search ends at the first one.
+    pub(super) fn touches(&mut self, moving: &Moving, least: f64) -> bool {
+        let mut found = false;
+        let mut guess = 1.0;
+        self.visit(moving, |rays, group| {
+            if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
+                return Visited::Unchanged;
+            }
+            group.intervals(rays, |_, line, part| {
+                found = found || moving.deepest(line, part, least, &mut guess).is_some();
+            });
+            if found { Visited::Enough } else { Visited::Unchanged }
+        });
+        found
+    }
+}
+
+/// What a visitor did to a group of rays, or that it needs no more of them.
+enum Visited {
+    Unchanged,
+    Changed,
+    Enough,
 }
 
 /// A run of steps of a cutter.
