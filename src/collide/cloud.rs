@@ -86,11 +86,7 @@ impl Cloud {
         value: impl Fn(usize, &Point3<f64>) -> f64,
         cutoff: f64,
     ) -> Option<(f64, usize)> {
-        let bound = |node: &BvhNode, _: f64| {
-            let centre = (node.mins() + node.maxs()) * 0.5;
-            let half = (node.maxs() - node.mins()) * 0.5;
-            low(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
-        };
+        let bound = |node: &BvhNode, _: f64| bound(node, &low);
         let leaf = |chunk: u32, _: f64| {
             let start = chunk as usize * LEAF;
             let end = (start + LEAF).min(self.points.len());
@@ -105,6 +101,38 @@ impl Cloud {
         };
         self.tree.find_best(cutoff, bound, leaf).map(|(_, found)| (found.cost, found.index))
     }
+
+    /// True when [`Self::least`] would find a sample: the search ends at the first one.
+    pub fn any_below(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> bool {
+        self.any_below_of(&value, |_, p| value(p), cutoff)
+    }
+
+    /// True when [`Self::least_of`] would find a sample: the search ends at the first one.
+    pub fn any_below_of(
+        &self,
+        low: impl Fn(&Point3<f64>) -> f64,
+        value: impl Fn(usize, &Point3<f64>) -> f64,
+        cutoff: f64,
+    ) -> bool {
+        let bound = |node: &BvhNode, best: f64| if best < cutoff { f64::INFINITY } else { bound(node, &low) };
+        let leaf = |chunk: u32, best: f64| {
+            let start = chunk as usize * LEAF;
+            let mut points = self.points[start..].iter().take(LEAF).zip(start..);
+            let below = |(p, index): (&CloudPoint, usize)| {
+                let cost = value(index, &p.position);
+                (cost < cutoff).then_some(NearestSample { cost, index })
+            };
+            if best < cutoff { None } else { points.find_map(below) }
+        };
+        self.tree.find_best(cutoff, bound, leaf).is_some()
+    }
+}
+
+/// Lower bound of a value over a box; the value changes no faster than the position.
+fn bound(node: &BvhNode, value: impl Fn(&Point3<f64>) -> f64) -> f64 {
+    let centre = (node.mins() + node.maxs()) * 0.5;
+    let half = (node.maxs() - node.mins()) * 0.5;
+    value(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
 }
 
 struct NearestSample {
@@ -173,6 +201,13 @@ mod tests {
                 .fold(f64::INFINITY, f64::min);
             let found = cloud.nearest(&tip, &axis, ball, f64::INFINITY).unwrap();
             assert_eq!(found.0, brute);
+            let value = |p: &Point3<f64>| {
+                let (rho, s) = tool_coordinates(p, &tip, &axis);
+                ball(rho, s)
+            };
+            for cutoff in [brute - 1.0, brute, brute + 1e-9, brute + 1.0, f64::INFINITY] {
+                assert_eq!(cloud.any_below(value, cutoff), brute < cutoff);
+            }
         }
         let far = Point3::new(0.0, 0.0, 500.0);
         assert!(cloud.nearest(&far, &Vector3::z(), ball, 1.0).is_none());

@@ -6,6 +6,9 @@
 use super::cutter::{Cutter, Slope, norm};
 use nalgebra::{Point3, Vector3};
 
+/// Share by which squares of distances are off by rounding, at most.
+const ROUNDING: f64 = 1e-9;
+
 /// A frustum of the non-cutting part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
@@ -20,13 +23,30 @@ pub struct Section {
 }
 
 impl Section {
+    /// Least of the signed distances to closed frustums; infinite without any.
+    pub fn least_distance<'a>(sections: impl IntoIterator<Item = &'a Self>, rho: f64, s: f64) -> f64 {
+        let (mut outside, mut inside) = (f64::INFINITY, None::<f64>);
+        // One root for all: planner and verifier call this function most often.
+        for section in sections {
+            let beyond = (section.from - s).max(s - section.to);
+            // A frustum that ends farther above or below is no nearer.
+            if beyond > 0.0 && beyond * beyond * (1.0 - ROUNDING) > outside {
+                continue;
+            }
+            let [bottom, top, side] = section.offsets(rho, s).map(|(r, h)| r * r + h * h);
+            let square = bottom.min(top).min(side);
+            if section.holds(rho, s) {
+                inside = Some(inside.map_or(square, |most| most.max(square)));
+            } else {
+                outside = outside.min(square);
+            }
+        }
+        inside.map_or_else(|| outside.sqrt(), |most| -most.sqrt())
+    }
+
     /// Signed distance to the closed frustum.
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
-        let square = |(r, h): (f64, f64)| r * r + h * h;
-        let [bottom, top, side] = self.offsets(rho, s).map(square);
-        // One root for all three: planner and verifier call this function most often.
-        let gap = bottom.min(top).min(side).sqrt();
-        if self.holds(rho, s) { -gap } else { gap }
+        Self::least_distance([self], rho, s)
     }
 
     /// [`Self::distance`] with its gradient; at a kink the gradient of one side.
@@ -110,7 +130,7 @@ impl ToolSolid {
 
     /// Signed distance to shank and holder.
     pub fn body_distance(&self, rho: f64, s: f64) -> f64 {
-        self.shank.iter().chain(&self.holder).map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min)
+        Section::least_distance(self.shank.iter().chain(&self.holder), rho, s)
     }
 
     /// Signed distance to the whole tool.

@@ -44,7 +44,7 @@ pub mod vane_allowance;
 
 pub use certificate::Certificate;
 
-use crate::collide::{Cloud, ToolSolid, revolved};
+use crate::collide::{Cloud, Section, ToolSolid, revolved};
 use crate::contract::Guarded;
 use crate::diag::{Aborted, Diag, Sink, codes::verification};
 use crate::ir::{ContractKind, Motion, MoveKind, Program};
@@ -266,11 +266,11 @@ impl measure::NarrowMeasure for Narrower<'_> {
 const HALF_SPACING: f64 = SPACING * std::f64::consts::FRAC_1_SQRT_2;
 
 fn shank_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
-    s.shank.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
+    Section::least_distance(&s.shank, rho, h)
 }
 
 fn holder_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
-    s.holder.iter().map(|x| x.distance(rho, h)).fold(f64::INFINITY, f64::min)
+    Section::least_distance(&s.holder, rho, h)
 }
 
 /// Least distance over pieces, in parallel over groups of pieces; of equal distances the earlier group wins.

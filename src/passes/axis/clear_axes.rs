@@ -72,7 +72,7 @@ impl<'a> ClearAxes<'a> {
     fn slack(&self, rho: f64, s: f64) -> f64 {
         let from = 2.0 * self.radius();
         let [side, shank, holder] = self.asked;
-        let least = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+        let least = |sections: &[Section]| Section::least_distance(sections, rho, s);
         let cutter = if s >= from {
             self.solid.cutter_distance(rho, s)
         } else {

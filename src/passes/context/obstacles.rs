@@ -155,9 +155,9 @@ impl Obstacles {
         };
         let of_part = |p: &Point3<f64>, kept: f64| value(p, kept, self.edge_margin());
         let of_walls = |i: usize, p: &Point3<f64>| of_part(p, self.allowance(kept.vane, i));
-        self.walls.least_of(|p| of_part(p, kept.vane.root().get()), of_walls, 0.0).is_none()
-            && self.hub.least(|p| of_part(p, kept.hub.get()), 0.0).is_none()
-            && self.carried.iter().all(|(cloud, beside)| cloud.least(|p| value(p, 0.0, *beside), 0.0).is_none())
+        !self.walls.any_below_of(|p| of_part(p, kept.vane.root().get()), of_walls, 0.0)
+            && !self.hub.any_below(|p| of_part(p, kept.hub.get()), 0.0)
+            && !self.carried.iter().any(|(cloud, beside)| cloud.any_below(|p| value(p, 0.0, *beside), 0.0))
     }
 
     /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion in which the tip
@@ -188,8 +188,11 @@ impl Obstacles {
     /// True when the tool keeps its distances to the hub.
     pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
         let (hub, body) = (keep.hub + self.margin(solid), keep.clearance + self.edge_margin());
-        let slack = |rho: f64, s: f64| (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body);
-        self.hub.nearest(tip, axis, slack, 0.0).is_none()
+        let slack = |p: &Point3<f64>| {
+            let (rho, s) = tool_coordinates(p, tip, axis);
+            (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body)
+        };
+        !self.hub.any_below(slack, 0.0)
     }
 
     /// True when the tool keeps its distances to vanes and fillets.
@@ -200,7 +203,7 @@ impl Obstacles {
             (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body)
         };
         let at_sample = |i: usize, p: &Point3<f64>| slack(p, self.allowance(vane, i));
-        self.walls.least_of(|p| slack(p, vane.root().get()), at_sample, 0.0).is_none()
+        !self.walls.any_below_of(|p| slack(p, vane.root().get()), at_sample, 0.0)
     }
 
     /// Allowance at a sample of the walls, mm.

@@ -134,7 +134,7 @@ impl<'a> DirectLinks<'a> {
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.
     fn slack(&self, rho: f64, s: f64, least: f64) -> f64 {
         let [cutter, shank, holder] = self.asked.map(|asked| asked.max(least));
-        let of = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+        let of = |sections: &[Section]| Section::least_distance(sections, rho, s);
         (self.solid.cutter_distance(rho, s) - cutter)
             .min(of(&self.solid.shank) - shank)
             .min(of(&self.solid.holder) - holder)

@@ -104,7 +104,7 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
     let count = found.len();
     let ((violation, at, point), label) = found.into_iter().reduce(|a, b| if b.0.0 < a.0.0 { b } else { a })?;
     let (rho, s) = tool_coordinates(&at, &point.tip, &point.axis);
-    let nearest = |sections: &[Section]| sections.iter().map(|x| x.distance(rho, s)).fold(f64::INFINITY, f64::min);
+    let nearest = |sections: &[Section]| Section::least_distance(sections, rho, s);
     let body = if nearest(&tool.solid.holder) < nearest(&tool.solid.shank) { "holder" } else { "shank" };
     // Lines depend on the cutter, so that a longer reach changes none.
     let known = RefCell::new((tool.solid.flute_length, lines.clone()));
