@@ -3,6 +3,7 @@
 
 use super::proof::piece::{At, Piece};
 use crate::collide::{Cloud, ToolSolid};
+use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 /// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
@@ -12,6 +13,26 @@ const RESOLUTION: f64 = 1e-3;
 /// Allowed error of the depth of a tool that is inside of a surface by more than this, mm: the exact depth of a
 /// collision does not matter.
 const INSIDE: f64 = 0.1;
+
+/// Distance beyond the one asked for up to which samples are searched, mm: what is found excludes the next poses.
+const AHEAD: f64 = 1.0;
+
+/// Reserve for rounding, mm.
+const ROUNDING: f64 = 1e-9;
+
+/// A pose for which no sample is nearer than `least`, mm.
+struct Known {
+    tip: Point3<f64>,
+    axis: Vector3<f64>,
+    least: f64,
+}
+
+impl Known {
+    /// Lower bound of the distance in another pose; no point of the tool is farther than `arm` from its tip.
+    fn at(&self, tip: &Point3<f64>, axis: &Vector3<f64>, arm: f64) -> f64 {
+        self.least - (tip - self.tip).norm() - arm * (axis - self.axis).norm() - ROUNDING
+    }
+}
 
 /// Least distance of a part of a tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,12 +62,15 @@ pub fn least(
     half_spacing: f64,
     cutoff: f64,
 ) -> Option<Clearance> {
-    let arm = solid.length() + solid.holder.iter().map(|s| s.radius_to).fold(0.0, f64::max);
+    let sections = solid.shank.iter().chain(&solid.holder);
+    let widest = sections.map(|s| s.radius_from.max(s.radius_to)).fold(solid.radius(), f64::max);
+    let arm = solid.length() + widest;
     let mut best: Option<Clearance> = None;
     let mut bound = cutoff;
     // Lower bound over pieces that were not halved down to the resolution.
     let mut unseen = f64::INFINITY;
     let mut stack: Vec<Piece> = Vec::new();
+    let mut known: Option<Known> = None;
     for piece in pieces {
         stack.push(*piece);
         while let Some(piece) = stack.pop() {
@@ -55,7 +79,15 @@ pub fn least(
             // Places that are deeper by less than this are not searched.
             let enough = if bound < -INSIDE { INSIDE } else { 0.0 };
             let cutoff = bound - enough + moved;
-            let Some((found, index)) = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff) else {
+            let found = if known.as_ref().is_some_and(|known| known.at(tip, axis, arm) >= cutoff) {
+                None
+            } else {
+                let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + AHEAD);
+                let least = found.map_or(cutoff + AHEAD, |f| f.0);
+                known = Some(Known { tip: *tip, axis: *axis, least });
+                found.filter(|f| f.0 < cutoff)
+            };
+            let Some((found, index)) = found else {
                 unseen = unseen.min(bound - enough);
                 continue;
             };
