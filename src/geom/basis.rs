@@ -23,10 +23,12 @@ pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
     degree + inner.partition_point(|k| *k <= u).saturating_sub(1)
 }
 
-/// Functions of one degree at `u` in span `i`: entry j weights control point i - degree + j.
-fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [f64; MAX_DEGREE + 1] {
+/// Functions at `u` in span `i` of a degree and of the two degrees below, the highest last: entry j of degree d weights
+/// control point i - d + j.
+fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
     let mut n = [0.0; MAX_DEGREE + 1];
     n[0] = 1.0;
+    let mut all = [[0.0; MAX_DEGREE + 1], [0.0; MAX_DEGREE + 1], n];
     for d in 1..=degree {
         let mut saved = 0.0;
         for j in 0..d {
@@ -38,8 +40,9 @@ fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [f64; MAX_DEGREE
             saved = (u - left) * term;
         }
         n[d] = saved;
+        all = [all[1], all[2], n];
     }
-    n
+    all
 }
 
 /// One differentiation step: from functions of `degree - 1` to the derivative of those of `degree`.
@@ -62,13 +65,13 @@ fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1])
 pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     let i = span(knots, degree, u);
     let mut values = [[0.0; MAX_DEGREE + 1]; 3];
-    values[0] = functions(knots, degree, i, u);
+    let [two_below, below, own] = functions(knots, degree, i, u);
+    values[0] = own;
     if order >= 1 && degree >= 1 {
-        values[1] = derive(knots, degree, i, &functions(knots, degree - 1, i, u));
+        values[1] = derive(knots, degree, i, &below);
     }
     if order >= 2 && degree >= 2 {
-        let lower = derive(knots, degree - 1, i, &functions(knots, degree - 2, i, u));
-        values[2] = derive(knots, degree, i, &lower);
+        values[2] = derive(knots, degree, i, &derive(knots, degree - 1, i, &two_below));
     }
     Basis { first: i - degree, values }
 }

@@ -158,6 +158,12 @@ impl NurbsCurve {
         CurveDerivatives { point: Point3::from(point), first, second }
     }
 
+    /// As [`Self::point`], continued along the end tangents outside of the domain.
+    pub fn point_extended(&self, u: f64) -> Point3<f64> {
+        let [lo, hi] = self.domain();
+        if (lo..=hi).contains(&u) { self.point(u) } else { self.derivatives_extended(u).point }
+    }
+
     /// As [`Self::derivatives`], continued along the end tangents outside of the domain.
     pub fn derivatives_extended(&self, u: f64) -> CurveDerivatives {
         let [lo, hi] = self.domain();

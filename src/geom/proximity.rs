@@ -61,8 +61,8 @@ fn at(range: [f64; 2], i: usize, steps: usize) -> f64 {
 impl RuledSurface {
     /// Closest point of the ruling at u.
     fn on_ruling(&self, p: &Point3<f64>, u: f64, v_range: [f64; 2]) -> Projection {
-        let root = self.root.derivatives_extended(u).point;
-        let ruling = self.tip.derivatives_extended(u).point - root;
+        let root = self.root.point_extended(u);
+        let ruling = self.tip.point_extended(u) - root;
         let square = ruling.norm_squared();
         let v =
             if square > 0.0 { ((p - root).dot(&ruling) / square).clamp(v_range[0], v_range[1]) } else { v_range[0] };

@@ -14,6 +14,8 @@ pub struct Revolution {
     orientation: f64,
     /// Meridian points at equal steps of u: seeds of the closest point search.
     seeds: Vec<Vector2<f64>>,
+    /// Meridian at both ends, for the same search.
+    ends: [Meridian; 2],
 }
 
 /// Point of the meridian with derivatives by u.
@@ -27,6 +29,34 @@ pub struct Meridian {
     pub second: Vector2<f64>,
 }
 
+impl Meridian {
+    /// Meridian of a curve at u; outside of [0, 1] it continues along its tangent.
+    fn of(generator: &NurbsCurve, u: f64) -> Self {
+        let [lo, hi] = generator.domain();
+        let inside = u.clamp(lo, hi);
+        let d = generator.derivatives(inside);
+        let r = libm::hypot(d.point.x, d.point.y);
+        let (dr, ddr) = if r > 0.0 {
+            let dr = (d.point.x * d.first.x + d.point.y * d.first.y) / r;
+            let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
+            (dr, (along - dr * dr) / r)
+        } else {
+            // On the axis the derivative of the radius is the speed across the axis.
+            (libm::hypot(d.first.x, d.first.y), 0.0)
+        };
+        let mut m = Self {
+            point: Vector2::new(r, d.point.z),
+            first: Vector2::new(dr, d.first.z),
+            second: Vector2::new(ddr, d.second.z),
+        };
+        if u != inside {
+            m.point += m.first * (u - inside);
+            m.second = Vector2::zeros();
+        }
+        m
+    }
+}
+
 /// Seeds of the closest point search. The meridian of a blade turns by about a right angle. Each of 64 pieces turns by
 /// 1 or 2 deg, and contains no second minimum.
 const SEEDS: usize = 64;
@@ -34,8 +64,9 @@ const SEEDS: usize = 64;
 impl Revolution {
     /// The surface of a generating curve. `outside` is a point (r, z) on the side to which the normal points.
     pub fn new(generator: NurbsCurve, outside: Vector2<f64>) -> Self {
-        let mut surface = Self { generator, orientation: 1.0, seeds: Vec::new() };
-        surface.seeds = (0..=SEEDS).map(|i| surface.meridian(i as f64 / SEEDS as f64).point).collect();
+        let seeds = (0..=SEEDS).map(|i| Meridian::of(&generator, i as f64 / SEEDS as f64).point).collect();
+        let ends = [0.0, 1.0].map(|u| Meridian::of(&generator, u));
+        let mut surface = Self { generator, orientation: 1.0, seeds, ends };
         let (u, _) = surface.closest(outside);
         let here = surface.meridian(u);
         if (outside - here.point).dot(&surface.normal_2d(&here)) < 0.0 {
@@ -51,28 +82,7 @@ impl Revolution {
 
     /// Meridian at u; outside of [0, 1] it continues along its tangent.
     pub fn meridian(&self, u: f64) -> Meridian {
-        let [lo, hi] = self.generator.domain();
-        let inside = u.clamp(lo, hi);
-        let d = self.generator.derivatives(inside);
-        let r = libm::hypot(d.point.x, d.point.y);
-        let (dr, ddr) = if r > 0.0 {
-            let dr = (d.point.x * d.first.x + d.point.y * d.first.y) / r;
-            let along = d.first.x * d.first.x + d.first.y * d.first.y + d.point.x * d.second.x + d.point.y * d.second.y;
-            (dr, (along - dr * dr) / r)
-        } else {
-            // On the axis the derivative of the radius is the speed across the axis.
-            (libm::hypot(d.first.x, d.first.y), 0.0)
-        };
-        let mut m = Meridian {
-            point: Vector2::new(r, d.point.z),
-            first: Vector2::new(dr, d.first.z),
-            second: Vector2::new(ddr, d.second.z),
-        };
-        if u != inside {
-            m.point += m.first * (u - inside);
-            m.second = Vector2::zeros();
-        }
-        m
+        Meridian::of(&self.generator, u)
     }
 
     fn normal_2d(&self, m: &Meridian) -> Vector2<f64> {
@@ -113,11 +123,12 @@ impl Revolution {
     /// distance, positive out of the material.
     pub fn closest(&self, at: Vector2<f64>) -> (f64, f64) {
         let square = |i: usize| (at - self.seeds[i]).norm_squared();
-        let mut best = (0.0, f64::INFINITY);
+        let mut best = (0.0, f64::INFINITY, self.ends[0]);
         let mut take = |u: f64| {
-            let d = (at - self.meridian(u).point).norm_squared();
+            let m = self.meridian(u);
+            let d = (at - m.point).norm_squared();
             if d < best.1 {
-                best = (u, d);
+                best = (u, d, m);
             }
         };
         // Each seed that is nearer than its neighbours starts a search between these neighbours.
@@ -131,17 +142,16 @@ impl Revolution {
             (before, here) = (here, after);
         }
         // The feet on both tangents beyond the ends.
-        for end in [0.0, 1.0] {
-            let m = self.meridian(end);
+        for (end, m) in [0.0, 1.0].into_iter().zip(&self.ends) {
             let foot = end + (at - m.point).dot(&m.first) / m.first.norm_squared();
             if (end == 0.0 && foot < 0.0) || (end == 1.0 && foot > 1.0) {
                 take(foot);
             }
         }
-        let m = self.meridian(best.0);
+        let (u, _, m) = best;
         let gap = at - m.point;
         let side = gap.dot(&self.normal_2d(&m));
-        (best.0, gap.norm() * if side < 0.0 { -1.0 } else { 1.0 })
+        (u, gap.norm() * if side < 0.0 { -1.0 } else { 1.0 })
     }
 
     /// Parameter near a seed where the vector to a point is perpendicular to the meridian, or the end of the curve.

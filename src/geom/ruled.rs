@@ -22,14 +22,13 @@ impl RuledSurface {
     /// Point; outside of u in [0, 1] the guides continue along their tangents, outside of v in [0, 1] the ruling
     /// continues.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        let root = self.root.derivatives_extended(u).point;
-        let tip = self.tip.derivatives_extended(u).point;
-        root + (tip - root) * v
+        let root = self.root.point_extended(u);
+        root + (self.tip.point_extended(u) - root) * v
     }
 
     /// Unit vector of the ruling at u, from root to tip (Wei 10).
     pub fn ruling(&self, u: f64) -> Vector3<f64> {
-        (self.tip.derivatives_extended(u).point - self.root.derivatives_extended(u).point).normalize()
+        (self.tip.point_extended(u) - self.root.point_extended(u)).normalize()
     }
 
     /// Point, S_u and S_v.

@@ -40,4 +40,4 @@ pub use rolling_ball::hub_normal;
 pub use row::{BladeRow, Part, Passage};
 pub use sample::{Sample, sample};
 pub use stock::{Clamping, Stock, profile_distance};
-pub use surface::{FaceSurface, Surface};
+pub use surface::{FaceLine, FaceSurface, Surface};

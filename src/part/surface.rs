@@ -107,7 +107,37 @@ impl Surface for FaceSurface {
     }
 }
 
+/// A face at one u, for many places along v.
+#[derive(Clone, Copy, Debug)]
+pub enum FaceLine<'a> {
+    /// Root and vector to the tip.
+    Ruled(Point3<f64>, Vector3<f64>),
+    /// The surface and u.
+    Lofted(&'a LoftedSurface, f64),
+}
+
+impl FaceLine<'_> {
+    /// Point at v, as [`Surface::point`].
+    pub fn point(&self, v: f64) -> Point3<f64> {
+        match self {
+            Self::Ruled(root, ruling) => root + ruling * v,
+            Self::Lofted(surface, u) => Surface::point(*surface, *u, v),
+        }
+    }
+}
+
 impl FaceSurface {
+    /// The line of equal u.
+    pub fn line(&self, u: f64) -> FaceLine<'_> {
+        match self {
+            Self::Ruled(s) => {
+                let root = s.root.point_extended(u);
+                FaceLine::Ruled(root, s.tip.point_extended(u) - root)
+            }
+            Self::Lofted(s) => FaceLine::Lofted(s, u),
+        }
+    }
+
     /// Name of the kind in the job language.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -1,8 +1,9 @@
 //! Coordinates of a channel: u from inlet to outlet, v from hub to shroud, w from its first wall to its second.
 
 use crate::geom::angle::nearest_turn;
-use crate::part::{Face, Part, Surface};
+use crate::part::{Face, FaceLine, Part, Surface as _};
 use nalgebra::{Point3, Vector3};
+use std::cell::OnceCell;
 
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
 /// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
@@ -44,39 +45,30 @@ impl<'a> ChannelChart<'a> {
         self.part
     }
 
-    /// Points on both walls at the same (u, v). Their azimuths are such that the second wall follows the first.
-    fn walls(&self, u: f64, v: f64) -> (Cylindrical, Cylindrical) {
-        let cylindrical =
-            |p: Point3<f64>| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z };
-        let first = cylindrical(self.first.surface.point(u, v));
-        let mut second = cylindrical(self.second.surface.point(u, v));
-        // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
-        let ahead = nearest_turn(second.azimuth - first.azimuth, 0.0);
-        second.azimuth = first.azimuth + ahead + self.part.pitch();
-        (first, second)
+    /// The channel at u.
+    pub(crate) fn crossing(&self, u: f64) -> Crossing<'a> {
+        let lines = [self.first, self.second].map(|wall| wall.surface.line(u));
+        Crossing { chart: *self, u, lines, middle: OnceCell::new() }
     }
 
     /// Point at (u, v, w).
     pub(crate) fn point(&self, u: f64, v: f64, w: f64) -> Point3<f64> {
-        let (a, b) = self.walls(u, v);
-        let mix = |x: f64, y: f64| x + (y - x) * w;
-        let (r, azimuth) = (mix(a.r, b.r), mix(a.azimuth, b.azimuth));
-        Point3::new(r * libm::cos(azimuth), r * libm::sin(azimuth), mix(a.z, b.z))
+        self.crossing(u).point(v, w)
     }
 
     /// Length of the arc between the walls at (u, v).
     pub(crate) fn width(&self, u: f64, v: f64) -> f64 {
-        let (a, b) = self.walls(u, v);
-        0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
+        self.crossing(u).width(v)
     }
 
     /// Distance of the walls square to the direction of the channel at (u, v).
     pub(crate) fn across(&self, u: f64, v: f64) -> f64 {
         const STEP: f64 = 1e-3;
-        let middle = self.point(u, v, 0.5);
+        let at = self.crossing(u);
+        let middle = at.point(v, 0.5);
         let along = self.point(u + STEP, v, 0.5) - middle;
-        let across = (self.point(u, v, 0.5 + STEP) - middle).normalize();
-        self.width(u, v) * across.cross(&along).norm() / along.norm()
+        let across = (at.point(v, 0.5 + STEP) - middle).normalize();
+        at.width(v) * across.cross(&along).norm() / along.norm()
     }
 
     /// Direction of the channel on the hub at (u, w), from inlet to outlet: its parts along the meridian and around Z, of unit
@@ -95,38 +87,17 @@ impl<'a> ChannelChart<'a> {
     /// Direction from hub to shroud: the rulings of both neighbouring vanes, blended by `blend` from the first (0) to
     /// the second (1).
     pub(crate) fn ruling(&self, u: f64, blend: f64) -> Vector3<f64> {
-        let second = self.part.sector_rotation(1) * self.second.surface.ruling(u);
-        (self.first.surface.ruling(u) * (1.0 - blend) + second * blend).normalize()
+        blended(&self.rulings(u), blend)
     }
 
-    /// Tool axis at (u, v, w) for a tool whose axis is `edge` away from a wall that it touches. At a wall the axis is
-    /// parallel to its ruling except for the share [`AWAY_FROM_WALL`]; between the walls it is blended.
-    ///
-    /// At each wall the axis leans away from it by an angle more, `tilts`; in the middle it does not.
-    pub(crate) fn axis(&self, u: f64, v: f64, w: f64, edge: f64, tilts: [f64; 2]) -> Vector3<f64> {
-        // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
-        let e = (edge / self.width(u, v)).min(0.49);
-        let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
-        let axis = self.tilted_ruling(u, w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across);
-        let [first, second] = tilts.map(libm::tan);
-        let step = 1e-3;
-        let to_second = self.point(u, 0.5, w + step) - self.point(u, 0.5, w - step);
-        let to_second = (to_second - axis * axis.dot(&to_second)).normalize();
-        (axis + to_second * (first * (1.0 - across) - second * across)).normalize()
+    /// Rulings of both walls.
+    fn rulings(&self, u: f64) -> [Vector3<f64>; 2] {
+        [self.first.surface.ruling(u), self.part.sector_rotation(1) * self.second.surface.ruling(u)]
     }
 
-    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_OUTWARD`].
+    /// Blended ruling with an outward tilt, see [`Crossing::axis`].
     pub(crate) fn tilted_ruling(&self, u: f64, w: f64, blend: f64) -> Vector3<f64> {
-        let ruling = self.ruling(u, blend);
-        let at = self.point(u, 0.5, w);
-        let outward = Vector3::new(at.x, at.y, 0.0).normalize();
-        let step = 1e-3;
-        let along = (self.point(u + step, 0.5, w) - self.point(u - step, 0.5, w)).normalize();
-        let along = (along - ruling * along.dot(&ruling)).normalize();
-        let missing = LEAST_OUTWARD - ruling.dot(&outward);
-        let soft = 0.5 * (missing + libm::hypot(missing, TILT_SOFTNESS));
-        // At the inlet the channel does not run outward, but there the tilt is large enough.
-        (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
+        self.crossing(u).tilted_ruling(w, blend)
     }
 
     /// Largest length of a ruling of either wall.
@@ -141,5 +112,116 @@ impl<'a> ChannelChart<'a> {
     pub(crate) fn lead(&self, u: f64, v: f64, length: f64) -> f64 {
         let step = 1e-3;
         length * step / (self.point(u + step, v, 0.5) - self.point(u, v, 0.5)).norm()
+    }
+}
+
+/// The channel at one u. What places at this u share is computed once.
+pub(crate) struct Crossing<'a> {
+    chart: ChannelChart<'a>,
+    u: f64,
+    /// Both walls.
+    lines: [FaceLine<'a>; 2],
+    middle: OnceCell<Middle>,
+}
+
+/// What the tool axes at one u depend on.
+struct Middle {
+    /// Walls at half height here, and a step before and behind.
+    walls: Walls,
+    before: Walls,
+    behind: Walls,
+    rulings: [Vector3<f64>; 2],
+}
+
+/// Step of differences along and across the channel.
+const AXIS_STEP: f64 = 1e-3;
+
+impl Crossing<'_> {
+    pub(crate) fn u(&self) -> f64 {
+        self.u
+    }
+
+    pub(crate) fn part(&self) -> &Part {
+        self.chart.part
+    }
+
+    /// Point at (v, w).
+    pub(crate) fn point(&self, v: f64, w: f64) -> Point3<f64> {
+        self.walls(v).point(w)
+    }
+
+    /// Length of the arc between the walls at v.
+    pub(crate) fn width(&self, v: f64) -> f64 {
+        let Walls([a, b]) = self.walls(v);
+        0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
+    }
+
+    fn walls(&self, v: f64) -> Walls {
+        Walls::facing(self.lines.map(|line| line.point(v)), self.chart.part.pitch())
+    }
+
+    fn middle(&self) -> &Middle {
+        self.middle.get_or_init(|| {
+            let walls = |u: f64| self.chart.crossing(u).walls(0.5);
+            let [before, behind] = [self.u - AXIS_STEP, self.u + AXIS_STEP].map(walls);
+            Middle { walls: self.walls(0.5), before, behind, rulings: self.chart.rulings(self.u) }
+        })
+    }
+
+    /// Tool axis at (v, w) for a tool whose axis is `edge` away from a wall that it touches. At a wall the axis is
+    /// parallel to its ruling except for the share [`AWAY_FROM_WALL`]; between the walls it is blended.
+    ///
+    /// At each wall the axis leans away from it by an angle more, `tilts`; in the middle it does not.
+    pub(crate) fn axis(&self, v: f64, w: f64, edge: f64, tilts: [f64; 2]) -> Vector3<f64> {
+        // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
+        let e = (edge / self.width(v)).min(0.49);
+        let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
+        let axis = self.tilted_ruling(w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across);
+        let [first, second] = tilts.map(libm::tan);
+        let walls = &self.middle().walls;
+        let to_second = walls.point(w + AXIS_STEP) - walls.point(w - AXIS_STEP);
+        let to_second = (to_second - axis * axis.dot(&to_second)).normalize();
+        (axis + to_second * (first * (1.0 - across) - second * across)).normalize()
+    }
+
+    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_OUTWARD`].
+    fn tilted_ruling(&self, w: f64, blend: f64) -> Vector3<f64> {
+        let middle = self.middle();
+        let ruling = blended(&middle.rulings, blend);
+        let at = middle.walls.point(w);
+        let outward = Vector3::new(at.x, at.y, 0.0).normalize();
+        let along = (middle.behind.point(w) - middle.before.point(w)).normalize();
+        let along = (along - ruling * along.dot(&ruling)).normalize();
+        let missing = LEAST_OUTWARD - ruling.dot(&outward);
+        let soft = 0.5 * (missing + libm::hypot(missing, TILT_SOFTNESS));
+        // At the inlet the channel does not run outward, but there the tilt is large enough.
+        (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()
+    }
+}
+
+fn blended([first, second]: &[Vector3<f64>; 2], blend: f64) -> Vector3<f64> {
+    (first * (1.0 - blend) + second * blend).normalize()
+}
+
+/// Points on both walls at the same (u, v). Their azimuths are such that the second wall follows the first.
+#[derive(Clone, Copy)]
+struct Walls([Cylindrical; 2]);
+
+impl Walls {
+    fn facing(points: [Point3<f64>; 2], pitch: f64) -> Self {
+        let [first, mut second] =
+            points.map(|p| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z });
+        // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
+        let ahead = nearest_turn(second.azimuth - first.azimuth, 0.0);
+        second.azimuth = first.azimuth + ahead + pitch;
+        Self([first, second])
+    }
+
+    /// Point between the walls.
+    fn point(&self, w: f64) -> Point3<f64> {
+        let Self([a, b]) = self;
+        let mix = |x: f64, y: f64| x + (y - x) * w;
+        let (r, azimuth) = (mix(a.r, b.r), mix(a.azimuth, b.azimuth));
+        Point3::new(r * libm::cos(azimuth), r * libm::sin(azimuth), mix(a.z, b.z))
     }
 }

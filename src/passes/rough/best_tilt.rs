@@ -5,7 +5,7 @@
 //! is near, it costs reach instead. The planner therefore measures the reach at the lowest levels for some tilts, place by
 //! place, and takes the least tilt that reaches as far as the best one.
 
-use super::layers::{Level, Roughing};
+use super::layers::{Level, Roughing, StationPlace};
 use super::wall_tilt::WallTilt;
 use rayon::prelude::*;
 
@@ -29,7 +29,8 @@ impl Roughing<'_> {
             .into_par_iter()
             .map(|i| {
                 let u = i as f64 / PLACES as f64;
-                let missed = trials.each_ref().map(|trial| trial.missed(u));
+                let place = StationPlace::new(&self.chart, u);
+                let missed = trials.each_ref().map(|trial| trial.missed(&place));
                 [0, 1].map(|side: usize| {
                     let best = missed.iter().map(|m| m[side]).fold(f64::INFINITY, f64::min);
                     let enough = best + LOWEST as f64 * SAME_REACH * self.radius();
@@ -42,16 +43,16 @@ impl Roughing<'_> {
     }
 
     /// Distance that the tool keeps from each wall at the lowest levels, mm, in sum; infinite where it does not fit.
-    fn missed(&self, u: f64) -> [f64; 2] {
+    fn missed(&self, place: &StationPlace<'_>) -> [f64; 2] {
         let mut missed = [0.0; 2];
         for k in 0..LOWEST {
             let level = Level::OverHub(self.hub_allowance() + k as f64 * self.depth);
-            let v = level.v(&self.chart, u, 0.5);
+            let v = place.v(level, 0.5);
             if v >= 1.0 {
                 continue;
             }
-            let width = self.chart.width(u, v);
-            let room = self.room(u, level).unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            let width = place.width(v);
+            let room = self.room_at(place, level).unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
             missed = [missed[0] + room[0] * width, missed[1] + (1.0 - room[1]) * width];
         }
         missed

@@ -5,10 +5,11 @@ use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, Program};
 use crate::operation::Allowances;
-use crate::passes::context::{ChannelChart, Keep, Obstacles};
+use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use std::cell::RefCell;
 
 /// Share of a layer that rounding may add to a whole number of layers.
 const WHOLE: f64 = 1e-9;
@@ -71,18 +72,58 @@ impl Level {
     /// Share of the height from hub to shroud at a place of the chart; over 1 above the shroud. On the leads it is that
     /// of the inlet or the outlet.
     pub(crate) fn v(self, chart: &ChannelChart<'_>, u: f64, w: f64) -> f64 {
-        let u = u.clamp(0.0, 1.0);
+        self.v_at(&chart.crossing(u.clamp(0.0, 1.0)), w)
+    }
+
+    /// The same at a u from inlet to outlet.
+    fn v_at(self, crossing: &Crossing<'_>, w: f64) -> f64 {
         match self {
             Self::Share(v) => v,
             Self::OverHub(over) => {
-                let hub = &chart.part().hub;
-                at_height(over, [0.0, 1.0], |v| hub.distance(&chart.point(u, v, w)))
+                let hub = &crossing.part().hub;
+                at_height(over, [0.0, 1.0], |v| hub.distance(&crossing.point(v, w)))
             }
             Self::UnderShroud(depth) => {
-                let shroud = &chart.part().shroud;
-                at_height(-depth, [1.0, 0.0], |v| shroud.distance(&chart.point(u, v, w))).max(0.0)
+                let shroud = &crossing.part().shroud;
+                at_height(-depth, [1.0, 0.0], |v| shroud.distance(&crossing.point(v, w))).max(0.0)
             }
         }
+    }
+}
+
+/// The channel at the u of a station. Tilts, levels and places across the channel are tried there by the hundred.
+pub(super) struct StationPlace<'a> {
+    at: Crossing<'a>,
+    /// The inlet or the outlet, for a station on a lead.
+    end: Option<Crossing<'a>>,
+    /// Heights of levels that are known: level, w and share of the height.
+    known: RefCell<Vec<(Level, f64, f64)>>,
+}
+
+impl<'a> StationPlace<'a> {
+    pub(super) fn new(chart: &ChannelChart<'a>, u: f64) -> Self {
+        let end = u.clamp(0.0, 1.0);
+        let end = (u != end).then(|| chart.crossing(end));
+        Self { at: chart.crossing(u), end, known: RefCell::default() }
+    }
+
+    fn inside(&self) -> &Crossing<'a> {
+        self.end.as_ref().unwrap_or(&self.at)
+    }
+
+    /// Length of the arc between the walls at a share of the height.
+    pub(super) fn width(&self, v: f64) -> f64 {
+        self.at.width(v)
+    }
+
+    /// [`Level::v`].
+    pub(super) fn v(&self, level: Level, w: f64) -> f64 {
+        let known = self.known.borrow().iter().find(|k| (k.0, k.1) == (level, w)).map(|k| k.2);
+        known.unwrap_or_else(|| {
+            let v = level.v_at(self.inside(), w);
+            self.known.borrow_mut().push((level, w, v));
+            v
+        })
     }
 }
 
@@ -194,15 +235,20 @@ impl<'a> Roughing<'a> {
 
     /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
     pub(crate) fn axis(&self, u: f64, v: f64, w: f64) -> Vector3<f64> {
-        let u = if self.straight_leads { u.clamp(0.0, 1.0) } else { u };
-        self.chart.axis(u, v, w, self.edge(v), self.tilt.at(u))
+        self.axis_at(&StationPlace::new(&self.chart, u), v, w)
+    }
+
+    fn axis_at(&self, place: &StationPlace<'_>, v: f64, w: f64) -> Vector3<f64> {
+        let at = if self.straight_leads { place.inside() } else { &place.at };
+        at.axis(v, w, self.edge(v), self.tilt.at(at.u()))
     }
 
     /// Station of a line in the chart, sector 0.
     pub(crate) fn cc_point(&self, u: f64, level: Level, w: f64) -> CcPoint {
-        let v = level.v(&self.chart, u, w);
-        let v = self.lifted(u, v, w).unwrap_or(v);
-        CcPoint { u, v, w, position: self.chart.point(u, v, w), normal: self.axis(u, v, w) }
+        let place = StationPlace::new(&self.chart, u);
+        let v = place.v(level, w);
+        let v = self.lifted(&place, v, w).unwrap_or(v);
+        CcPoint { u, v, w, position: place.at.point(v, w), normal: self.axis_at(&place, v, w) }
     }
 
     /// True when the tool keeps all allowances on the walls.
@@ -263,9 +309,9 @@ impl<'a> Roughing<'a> {
 
     /// Height of the tip at (u, w) of a level, as a share. A tool with a rounded tip, and every tool of `rough`, is lifted
     /// until it keeps the allowance on the hub. `None` when the lift exceeds the step to the layer above.
-    fn lifted(&self, u: f64, level: f64, w: f64) -> Option<f64> {
+    fn lifted(&self, place: &StationPlace<'_>, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
-            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+            let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
             self.obstacles.hub_clear(self.solid, &tip, &axis, &self.keep)
         };
         if clear(level) {
@@ -274,7 +320,7 @@ impl<'a> Roughing<'a> {
         if !self.lifts {
             return None;
         }
-        let ruling = (self.chart.point(u, 1.0, w) - self.chart.point(u, 0.0, w)).norm();
+        let ruling = (place.at.point(1.0, w) - place.at.point(0.0, w)).norm();
         let (mut low, mut high) = (level, level + (self.depth + self.keep.hub) / ruling);
         if !clear(high) {
             return None;
@@ -286,9 +332,9 @@ impl<'a> Roughing<'a> {
         Some(high)
     }
 
-    fn clear(&self, u: f64, level: Level, w: f64) -> bool {
-        self.lifted(u, level.v(&self.chart, u, w), w).is_some_and(|v| {
-            let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+    fn clear(&self, place: &StationPlace<'_>, level: Level, w: f64) -> bool {
+        self.lifted(place, place.v(level, w), w).is_some_and(|v| {
+            let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
         })
     }
@@ -307,14 +353,19 @@ impl<'a> Roughing<'a> {
 
     /// Free space between the walls at u of a level.
     pub(super) fn room(&self, u: f64, level: Level) -> Option<[f64; 2]> {
+        self.room_at(&StationPlace::new(&self.chart, u), level)
+    }
+
+    /// The same at a place that is known.
+    pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<[f64; 2]> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
-        let seed = SEEDS.into_iter().find(|w| self.clear(u, level, *w))?;
+        let seed = SEEDS.into_iter().find(|w| self.clear(place, level, *w))?;
         let boundary = |mut blocked: f64| {
             let mut free = seed;
             for _ in 0..BISECTIONS {
                 let w = 0.5 * (free + blocked);
-                if self.clear(u, level, w) { free = w } else { blocked = w }
+                if self.clear(place, level, w) { free = w } else { blocked = w }
             }
             free
         };
