@@ -1,6 +1,6 @@
 //! Channel floors of constant scallop.
 
-use crate::support;
+use crate::support::{self, jobs};
 use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
@@ -10,7 +10,6 @@ use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::part::{FaceId, Surface};
 use impellerc::passes::pipeline;
 use impellerc::units::Mm;
-use impellerc::verify::certify;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
@@ -53,7 +52,7 @@ fn scallop_holds_as_proved_and_the_path_is_near_its_lower_bound() {
     println!("planned in {:?}", start.elapsed());
     let note = &plan.cc.operations[0].notes[1];
     println!("{note}");
-    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let certificate = jobs::certified(&program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
     println!("left {} mm found, {} mm proved, {:?}", hub.excess.value, hub.excess_bound, hub.excess.point);
     let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);

@@ -8,7 +8,7 @@ use impellerc::ir::{Motion, MoveKind, OperationKind, Program};
 use impellerc::method::{Flank, FlankMethod};
 use impellerc::part::{FaceId, Surface};
 use impellerc::passes::pipeline;
-use impellerc::verify::{Certificate, certify};
+use impellerc::verify::Certificate;
 use nalgebra::{Point3, Vector3};
 use std::sync::LazyLock;
 
@@ -20,7 +20,7 @@ fn planned(program: &Program) -> Motion {
 }
 
 fn measured(program: &Program, motion: &Motion) -> Certificate {
-    certify(program, motion, &mut Sink::default()).expect("a well formed motion")
+    jobs::certified(program, motion)
 }
 
 fn surface<'a>(certificate: &'a Certificate, name: &str) -> &'a impellerc::verify::surface::SurfaceReport {

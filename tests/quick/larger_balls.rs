@@ -1,7 +1,7 @@
 //! Channel floors with a larger ball in the middle and the ball of the fillets beside the walls.
 
 use crate::channel_floor::{Ways, azimuth, contact_length, on_hub};
-use crate::support;
+use crate::support::{self, jobs};
 use impellerc::collide::Cutter;
 use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
@@ -11,7 +11,6 @@ use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::part::Surface;
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
-use impellerc::verify::certify;
 
 const ALLOWANCE: f64 = 0.2;
 
@@ -83,7 +82,7 @@ fn the_verifier_proves_scallop_and_gouge_over_the_blend() {
     let mut program = with_axes(&[5.0, 3.0], 0.012, ALLOWANCE, AxisMethod::Corridor);
     program.contracts.push(Contract::whole(ContractKind::Excess, 0.012));
     let plan = plan(&program);
-    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let certificate = jobs::certified(&program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
     let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
     println!("left {} mm found, {} mm proved; deepest cut {deepest} mm", hub.excess.value, hub.excess_bound);
@@ -135,7 +134,7 @@ fn a_larger_ball_that_fits_nowhere_is_a_remark_and_the_next_one_does_all() {
     let alone = plan(&balls(&[3.0], 0.1, 0.0));
     let points = |passes: &[CcPass]| passes.iter().flat_map(|p| p.points.clone()).collect::<Vec<_>>();
     assert_eq!(points(passes(&planned, 1)), points(passes(&alone, 0)));
-    let certificate = certify(&program, &planned.motion, &mut Sink::default()).expect("a certificate");
+    let certificate = jobs::certified(&program, &planned.motion);
     assert!(certificate.surfaces.iter().all(|s| s.gouge_bound < 0.002));
 }
 

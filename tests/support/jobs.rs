@@ -7,7 +7,7 @@ use impellerc::passes::pipeline::{self, Plan};
 use impellerc::progress::Progress;
 use impellerc::stock::Field;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
-use impellerc::verify::{Certificate, Verified, verify};
+use impellerc::verify::{Certificate, Verified, certify_with, verify};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -117,6 +117,13 @@ pub fn reduced(dialect: &str) -> &'static Compiled {
 pub fn flank() -> &'static Compiled {
     static FLANK: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(super::flank_only(&[0])));
     &FLANK
+}
+
+/// The certificate of a motion for a look at surfaces alone: the cells of the stock are the largest ones, since proofs of
+/// surfaces do not see them.
+pub fn certified(program: &Program, motion: &Motion) -> Certificate {
+    let mut settings = Settings { cell: Some(1.0), after: None };
+    certify_with(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a certificate")
 }
 
 /// The stock after the last operation of a motion in cells of this edge, mm, and the report.
