@@ -212,23 +212,29 @@ fn lines_keep_their_sense() {
     }
 }
 
-/// All forms of levels reach the floor.
+/// The tool of an operation.
+fn tool_of<'a>(program: &'a Program, name: &str) -> &'a Tool {
+    let operation = program.operations.iter().find(|(_, o)| o.name == name).expect("an operation").1;
+    &program.tools[operation.tool]
+}
+
+/// All forms of levels reach the floor, and load no tool beyond its default limit.
 #[test]
 fn each_form_of_levels_reaches_the_floor() {
     for form in Levels::ALL {
-        let mut program = changed(|o| {
+        let program = changed(|o| {
             o.sectors = (0..8).collect();
             if let OperationKind::Rough { levels, .. } = &mut o.kind {
                 *levels = form;
             }
         });
-        // Levels from the shroud begin with a thicker layer than the default limit of these long tools.
-        let mut tools = PrimaryMap::new();
-        for (_, tool) in program.tools.iter() {
-            tools.push(Tool { max_depth: Mm(1.5), ..tool.clone() });
-        }
-        program.tools = tools;
         let compiled = Compiled::new(program);
+        for operation in &compiled.certificate.stock.as_ref().expect("a stock").operations {
+            let limit = tool_of(&compiled.program, &operation.name).max_depth.get();
+            let load = operation.slot_depth.expect("a cut");
+            println!("{}, {}: load of a slot {:.3} mm deep of {limit:.2} mm", form.name(), operation.name, load.value);
+            assert!(load.value <= limit, "{}: {load:?}", form.name());
+        }
         let rest = &compiled.certificate.contracts.iter().find(|c| c.name() == "rest").unwrap();
         println!("{}: rest {:.3} mm", form.name(), rest.found);
         assert!(rest.holds, "{}: {}", form.name(), rest.found);

@@ -5,6 +5,7 @@ use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, Program};
 use crate::operation::Allowances;
+use crate::part::Stock;
 use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
@@ -29,6 +30,8 @@ pub(crate) struct Roughing<'a> {
     pub(crate) chart: ChannelChart<'a>,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
+    /// The turned blank.
+    pub(super) blank: &'a Stock,
     /// Distances to keep at the stations, and between them.
     keep: Keep,
     between: Keep,
@@ -64,7 +67,7 @@ pub(crate) enum Level {
     Share(f64),
     /// At this distance from the hub, mm.
     OverHub(f64),
-    /// At this distance from the shroud, mm; nowhere below the hub.
+    /// At this distance from the shroud, mm, negative above it; nowhere below the hub.
     UnderShroud(f64),
 }
 
@@ -190,6 +193,7 @@ impl<'a> Roughing<'a> {
             chart: ChannelChart::new(&program.part),
             obstacles,
             solid: &program.tools[operation.tool].solid,
+            blank: &program.stock,
             // The interpolated motion of the machine differs from the planned stations by up to the chord tolerance.
             keep: Keep {
                 vane: vane.plus(program.tolerances.chord_rough.get()),
@@ -226,6 +230,11 @@ impl<'a> Roughing<'a> {
     /// Radius of the tool, mm.
     pub(super) fn radius(&self) -> f64 {
         self.solid.radius()
+    }
+
+    /// Height over the tip up to which the tool cuts, mm.
+    pub(super) fn flute_length(&self) -> f64 {
+        self.solid.flute_length
     }
 
     /// True when the end of the cutter is flat.

@@ -7,8 +7,9 @@ use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::method::Levels;
 use crate::passes::context::maximal_ranges;
 use crate::progress::Progress;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Part of a level in which the tool fits.
@@ -34,6 +35,18 @@ pub(crate) struct RoughLevel {
 /// Places along the channel at which its height is measured.
 const PLACES: usize = 40;
 
+/// Places across the channel at which its first level is measured.
+const ACROSS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Points on half of the rim of the cutter.
+const HALF_RIM: usize = 12;
+
+/// Distance to the blank at which a place counts as on it, mm.
+const AT_BLANK: f64 = 1e-3;
+
+/// Share of a step down to which the first level is found.
+const FOUND_TO: f64 = 0.01;
+
 /// Share of a step down that rounding may add to a whole number of levels.
 const WHOLE: f64 = 1e-9;
 
@@ -44,28 +57,42 @@ const STEEPEST: f64 = 2.0;
 impl Roughing<'_> {
     /// The levels from the shroud down to the hub.
     pub(crate) fn levels(&self, form: Levels, name: &str, progress: &Progress) -> Vec<RoughLevel> {
-        // The lowest level lies on the allowance of the hub.
-        let height = self.highest();
-        let lowest = self.hub_allowance().min(0.5 * height);
-        let count = ((height - lowest) / self.depth - WHOLE).ceil().max(1.0) as usize;
-        let work = progress.begin(format!("{name}, levels"), count);
-        let level = |k: usize| {
-            let below = k as f64 * self.depth;
-            match form {
-                Levels::Hub => Level::OverHub(lowest + (count - k) as f64 * self.depth),
-                Levels::Shroud if k == count => Level::OverHub(lowest),
-                Levels::Shroud => Level::UnderShroud(below),
-                Levels::Morph => Level::Share(1.0 - k as f64 / count as f64),
-            }
-        };
+        let surfaces = self.surfaces(form);
+        let work = progress.begin(format!("{name}, levels"), surfaces.len());
         let mut levels = Vec::new();
-        for number in 1..=count {
+        for (k, level) in surfaces.iter().enumerate() {
             if progress.is_cancelled() {
                 break;
             }
-            levels.push(work.step(self.runs(number, level(number), number == count)));
+            levels.push(work.step(self.runs(k + 1, *level, k + 1 == surfaces.len())));
         }
         levels
+    }
+
+    /// Where the levels lie, from the shroud down to the hub. The lowest one lies on the allowance of the hub.
+    fn surfaces(&self, form: Levels) -> Vec<Level> {
+        let height = self.highest();
+        let lowest = self.hub_allowance().min(0.5 * height);
+        let steps = |way: f64| (way / self.depth - WHOLE).ceil().max(0.0) as usize;
+        match form {
+            Levels::Hub => {
+                let count = steps(height - lowest).max(1);
+                (0..count).rev().map(|k| Level::OverHub(lowest + k as f64 * self.depth)).collect()
+            }
+            Levels::Shroud => {
+                let first = self.first(self.depth, Level::UnderShroud);
+                let more = steps(height - lowest - first);
+                let under = |k: usize| Level::UnderShroud(first + k as f64 * self.depth);
+                (0..more).map(under).chain([Level::OverHub(lowest)]).collect()
+            }
+            Levels::Morph => {
+                let share = |under: f64| Level::Share(1.0 - under / height);
+                let first = self.first(height / steps(height - lowest).max(1) as f64, share);
+                let more = steps(height - lowest - first);
+                let under = |k: usize| share(first + (height - first) * k as f64 / more as f64);
+                (0..more).map(under).chain([Level::Share(0.0)]).collect()
+            }
+        }
     }
 
     /// Largest distance of the shroud from the hub, mm.
@@ -74,10 +101,64 @@ impl Roughing<'_> {
         (0..=PLACES).flat_map(|i| [0.0, 0.5, 1.0].map(|w| over(i as f64 / PLACES as f64, w))).fold(0.0, f64::max)
     }
 
+    /// Distance of the first level from the shroud, mm, at most `largest`, at which the blank nowhere loads the tool more
+    /// than a slot as deep as a step down; negative where the level lies above the shroud.
+    fn first(&self, largest: f64, level: impl Fn(f64) -> Level + Sync) -> f64 {
+        let most = |under: f64| {
+            let load = |u: f64, w: f64| self.load_in_blank(level(under), u, w);
+            let places = (0..=PLACES).into_par_iter().map(|i| i as f64 / PLACES as f64);
+            places.map(|u| ACROSS.iter().map(|w| load(u, *w)).fold(0.0, f64::max)).reduce(|| 0.0, f64::max)
+        };
+        if most(largest) <= self.depth {
+            return largest;
+        }
+        // Where the blank slants against the axis, the rim is in it before the tip is.
+        let (mut shallow, mut deep) = (-self.blank.over_shroud.get() - self.radius(), largest);
+        while deep - shallow > FOUND_TO * self.depth {
+            let under = 0.5 * (shallow + deep);
+            if most(under) <= self.depth { shallow = under } else { deep = under }
+        }
+        shallow
+    }
+
+    /// Depth of a slot that loads the tool as much as the whole blank does in a cut in the worst direction, mm: the mean
+    /// depth of the front half of the rim. Depths are measured along the tool axis, from the plane of the tip to the
+    /// outside of the blank.
+    fn load_in_blank(&self, level: Level, u: f64, w: f64) -> f64 {
+        let v = level.v(&self.chart, u, w);
+        let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
+        let across = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
+        let beside = axis.cross(&across);
+        let depths: [f64; 2 * HALF_RIM] = std::array::from_fn(|k| {
+            let (sin, cos) = libm::sincos(PI * k as f64 / HALF_RIM as f64);
+            self.depth_in_blank(tip + (across * cos + beside * sin) * self.radius(), &axis)
+        });
+        let half = |first: usize| (first..first + HALF_RIM).map(|k| depths[k % depths.len()]).sum::<f64>();
+        (0..depths.len()).map(half).fold(0.0, f64::max) / HALF_RIM as f64
+    }
+
+    /// Distance from a place along the tool axis to the outside of the blank, mm, at most the length of the flutes.
+    fn depth_in_blank(&self, place: Point3<f64>, axis: &Vector3<f64>) -> f64 {
+        // Down along the axis to the last place outside of the blank: no step is longer than the distance to it.
+        let mut height = self.flute_length();
+        while height > 0.0 {
+            let distance = self.blank.distance(&(place + axis * height));
+            if distance <= AT_BLANK {
+                return height;
+            }
+            height -= distance;
+        }
+        0.0
+    }
+
     /// True where a level lies in the stock; the last level may lie on the hub.
     fn in_stock(&self, level: Level, u: f64, last: bool) -> bool {
         let v = level.v(&self.chart, u, 0.5);
-        (0.0..=1.0).contains(&u) && v < 1.0 && (last || v > 0.0)
+        let below_top = match level {
+            Level::OverHub(_) => v < 1.0,
+            _ => self.load_in_blank(level, u, 0.5) > 0.0,
+        };
+        (0.0..=1.0).contains(&u) && below_top && (last || v > 0.0)
     }
 
     /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually, and the
