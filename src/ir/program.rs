@@ -10,7 +10,7 @@ use crate::kin::Machine;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::source::Span;
-use crate::units::{Mm, Mm3PerMin, MmPerMin, Rpm};
+use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
 use nalgebra::Point3;
 
 entity_id!(
@@ -107,6 +107,8 @@ pub struct Tool {
     /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis. The radius for a
     /// tool that cuts at its centre; `None` for other shapes than flat, ball and bull.
     pub plunge_width: Option<Mm>,
+    /// Largest angle against the plane of its end at which it goes down while it moves sideways through material.
+    pub ramp: Rad,
     /// Its declaration.
     pub span: Span,
 }

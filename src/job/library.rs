@@ -176,6 +176,7 @@ struct ToolTable {
     max_rate: Option<SpannedText>,
     #[serde(rename = "plunge-width")]
     plunge_width: Option<SpannedText>,
+    ramp: Option<SpannedText>,
 }
 
 /// Holders and tools of all tool files of a job.
@@ -564,6 +565,8 @@ fn library_tool(
     let (reach, diameter) = (size(&tool.reach, limits::LENGTH), size(&tool.diameter, limits::DIAMETER));
     let [least, most] = limits::RATE;
     let max_rate = tool.max_rate.as_ref().map(|t| Mm3PerMin(reader.quantity(t, Dimension::REMOVAL_RATE, least, most)));
+    let [least, steepest] = limits::RAMP;
+    let ramp = tool.ramp.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, least, steepest)));
     let [least, steepest] = limits::TAPER;
     let angle = tool.angle.as_ref().map(|t| Rad(reader.quantity(t, Dimension::ANGLE, least, steepest)));
     let own = (corner, angle, (barrel, tip), (neck, neck_end));
@@ -611,7 +614,7 @@ fn library_tool(
         shank: shank.unwrap_or(diameter),
         reach,
         holder,
-        limits: LoadLimits { chip: max_chip, depth: max_depth, rate: max_rate, plunge },
+        limits: LoadLimits { chip: max_chip, depth: max_depth, rate: max_rate, plunge, ramp },
         span,
     };
     if let Some(fault) = shape_fault(&spec) {

@@ -32,6 +32,10 @@ pub(super) const POWER: [f64; 2] = [0.01, 1000.0];
 /// than 45 deg to the axis would be a point mill, which the contact search does not support.
 pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];
 
+/// Angles at which a tool may go down while it moves sideways, rad: from 0.1 deg, since paths keep their tolerance only, to
+/// straight down.
+pub(super) const RAMP: [f64; 2] = [0.001_745, std::f64::consts::FRAC_PI_2];
+
 /// Numbers of flutes.
 pub(super) const FLUTES: [u32; 2] = [1, 20];
 

@@ -9,6 +9,7 @@ use crate::part::{FaceId, RulingEnd};
 use crate::source::Span;
 use crate::stock::Mesh;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// The whole job.
@@ -438,7 +439,12 @@ pub struct LoadLimits {
     pub rate: Option<Mm3PerMin>,
     /// `plunge-width`: width from the rim towards the axis that the teeth of its end cut.
     pub plunge: Option<Mm>,
+    /// `ramp`: largest angle against the plane of its end at which it goes down through material.
+    pub ramp: Option<Rad>,
 }
+
+/// Depth of the hollow in the middle of an end without teeth there, as a share of the radius of the flat part of the end.
+const HOLLOW: f64 = 0.5;
 
 impl ToolSpec {
     /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis: the stated one, or
@@ -457,6 +463,18 @@ impl ToolSpec {
         let (radius, width) = (0.5 * self.diameter.get(), self.plunge_width()?.get());
         let corner = self.kind.corner(radius)?;
         Some(if width >= radius { radius } else { width - corner })
+    }
+
+    /// Largest angle against the plane of its end at which the tool may go down while it moves sideways through material: the
+    /// stated one, or what the middle of the end without teeth permits. Over the width of the middle, 2 c, the tool goes
+    /// down by 2 c tan a; material as high as that fills the hollow of the middle at most. So a tool that cuts at its centre
+    /// may go straight down.
+    pub fn largest_ramp(&self) -> Rad {
+        let radius = 0.5 * self.diameter.get();
+        let middle = radius - self.plunge_width().map_or(radius, Mm::get);
+        let flat = (radius - self.kind.corner(radius).unwrap_or(radius)).max(middle);
+        let by_middle = if middle > 0.0 { libm::atan2(HOLLOW * flat, 2.0 * middle) } else { FRAC_PI_2 };
+        self.limits.ramp.unwrap_or(Rad(by_middle))
     }
 
     /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out, less in a

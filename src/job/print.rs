@@ -126,6 +126,7 @@ fn tools(out: &mut String, job: &Job) {
         if let Some(width) = t.plunge_width() {
             let _ = writeln!(out, "  plunge-width {width}");
         }
+        let _ = writeln!(out, "  ramp {}", t.largest_ramp());
         let Some((name, sections)) = &t.holder else { continue };
         let _ = writeln!(out, "  holder {name}");
         for [length, lower, upper] in sections {

@@ -110,7 +110,7 @@ const fn range([least, largest]: [f64; 2]) -> Range {
 /// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
     let mut known =
-        vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth", "max-rate"];
+        vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth", "max-rate", "ramp"];
     known.extend_from_slice(match kind {
         "flat" | "ball" => &["flute", "plunge-width"],
         "bull" => &["flute", "corner", "plunge-width"],
@@ -198,6 +198,7 @@ fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
         .then(|| p.number("max-rate", Dimension::REMOVAL_RATE, range(limits::RATE), "max-rate 120 cm3/min"));
     let plunge =
         p.has("plunge-width").then(|| p.number("plunge-width", Dimension::LENGTH, LENGTH, "plunge-width 1.5 mm"));
+    let ramp = p.has("ramp").then(|| p.number("ramp", Dimension::ANGLE, range(limits::RAMP), "ramp 3 deg"));
     let stated = |x: Option<Option<(f64, Span)>>| match x {
         Some(found) => found.map(|f| Some(f.0)),
         None => Some(None),
@@ -207,6 +208,7 @@ fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
         depth: stated(depth)?.map(Mm),
         rate: stated(rate)?.map(Mm3PerMin),
         plunge: stated(plunge)?.map(Mm),
+        ramp: stated(ramp)?.map(Rad),
     })
 }
 

@@ -225,6 +225,7 @@ fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
         max_depth: spec.largest_depth(material),
         max_rate: spec.limits.rate,
         plunge_width: spec.plunge_width(),
+        ramp: spec.largest_ramp(),
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,
     }

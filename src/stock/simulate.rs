@@ -38,6 +38,8 @@ pub struct BlockCut {
     pub sides: Sides,
     /// Extent of the removed material about the axis, for steps along it.
     pub lune: Option<Box<Lune>>,
+    /// Least distance from the axis, at the time of the cut, at which material is removed, mm; infinity without any.
+    pub nearest: f64,
 }
 
 /// Stock inside a part of the tool that must not touch it: the deepest place for each block and part.
@@ -187,6 +189,7 @@ fn gather(said: Vec<Said>, blocks: &[u32], area: f64, outcome: &mut Outcome) {
                     height: r.height,
                     sides: r.sides,
                     lune: r.lune.clone(),
+                    nearest: r.nearest,
                 },
             );
         }
@@ -219,6 +222,7 @@ fn push_cut(outcome: &mut Outcome, cut: BlockCut) {
             last.height = [last.height[0].min(cut.height[0]), last.height[1].max(cut.height[1])];
             last.sides.join(&cut.sides);
             lune::join(&mut last.lune, cut.lune.as_deref());
+            last.nearest = last.nearest.min(cut.nearest);
         }
         _ => outcome.cuts.push(cut),
     }

@@ -43,25 +43,37 @@ pub(super) struct Removal {
     pub(super) sides: Sides,
     /// Extent about the axis, for steps along it.
     pub(super) lune: Option<Box<Lune>>,
+    /// Least distance from the axis at which material is cut, mm; infinity without any.
+    pub(super) nearest: f64,
 }
 
 impl Removal {
-    pub(super) const NONE: Self =
-        Self { length: 0.0, height: [f64::INFINITY, f64::NEG_INFINITY], sides: Sides::NONE, lune: None };
+    pub(super) const NONE: Self = Self {
+        length: 0.0,
+        height: [f64::INFINITY, f64::NEG_INFINITY],
+        sides: Sides::NONE,
+        lune: None,
+        nearest: f64::INFINITY,
+    };
 
     /// Adds the part that a step removes from a line.
     fn take(&mut self, step: &Moving, slices: &Slices, chip: &Chip) {
         self.length += chip.to - chip.from;
         let [least, most] = NOTABLE_WITHIN;
-        if chip.to - chip.from < (NOTABLE * step.sweep.way().norm()).clamp(least, most) {
+        if chip.to - chip.from < least {
             return;
         }
         let ends = [(chip.from, chip.times[0]), (chip.to, chip.times[1])].map(|(x, t)| {
             let (tip, axis) = step.sweep.pose(t);
             let d = chip.line.point(x) - tip;
             let height = d.dot(&axis);
-            [height, (d - axis * height).dot(&step.side)]
+            let across = d - axis * height;
+            self.nearest = self.nearest.min(across.norm());
+            [height, across.dot(&step.side)]
         });
+        if chip.to - chip.from < (NOTABLE * step.sweep.way().norm()).clamp(least, most) {
+            return;
+        }
         for [height, _] in ends {
             self.height = [self.height[0].min(height), self.height[1].max(height)];
         }
@@ -78,6 +90,7 @@ impl Removal {
         self.height = [self.height[0].min(other.height[0]), self.height[1].max(other.height[1])];
         self.sides.join(&other.sides);
         lune::join(&mut self.lune, other.lune.as_deref());
+        self.nearest = self.nearest.min(other.nearest);
     }
 }
 

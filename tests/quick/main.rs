@@ -51,6 +51,7 @@ mod platform;
 mod plunge;
 mod posts;
 mod progress;
+mod ramp;
 mod refused_roughing;
 mod removal;
 mod report;

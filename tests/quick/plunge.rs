@@ -119,7 +119,7 @@ fn strokes_have_an_arc_about_the_axis_and_a_radial_width() {
 }
 
 /// A cylinder of material about Z, 12 mm across and 8 mm high, and a flat tool.
-fn block(radius: f64, plunge_width: f64) -> Program {
+pub(crate) fn block(radius: f64, plunge_width: f64) -> Program {
     let mut program = support::channel_only(0.01);
     let solid =
         ToolSolid { cutter: Cutter::Flat { radius }, flute_length: 30.0, shank: Vec::new(), holder: Vec::new() };
@@ -159,7 +159,7 @@ fn strokes(program: &Program, tilt: f64, places: &[f64]) -> Motion {
     of_one_operation(program, moves)
 }
 
-fn of_one_operation(program: &Program, moves: Vec<JointMove>) -> Motion {
+pub(crate) fn of_one_operation(program: &Program, moves: Vec<JointMove>) -> Motion {
     let operation = program.operations.ids().next().unwrap();
     Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves }] }
 }
@@ -176,7 +176,7 @@ fn stroke_beside_a_slot(program: &Program, tilt: f64, step: f64, cell: f64) -> O
 }
 
 /// What the verifier says of the stock of a motion: its first operation, and the codes of its errors.
-fn judged(program: &Program, motion: &Motion, cell: f64) -> (OperationStock, Vec<&'static str>) {
+pub(crate) fn judged(program: &Program, motion: &Motion, cell: f64) -> (OperationStock, Vec<&'static str>) {
     let (mut settings, mut sink) = (Settings { cell: Some(cell), after: None }, Sink::default());
     let found = simulate(program, motion, &mut settings, &Progress::default(), &mut sink).expect("a stock");
     report(program, motion, &found, &mut sink);

@@ -21,7 +21,7 @@ use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing
 use impellerc::operation::VaneAllowance;
 use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Stock};
 use impellerc::source::Span;
-use impellerc::units::{Mm, MmPerMin, Rpm};
+use impellerc::units::{Mm, MmPerMin, Rad, Rpm};
 use nalgebra::{Point3, Vector3};
 
 /// Wei et al. 2021, tables 1 and 2, mm.
@@ -169,6 +169,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         max_depth: Mm(f64::INFINITY),
         max_rate: None,
         plunge_width: Some(Mm(radius)),
+        ramp: Rad(std::f64::consts::FRAC_PI_2),
         solid: ToolSolid {
             cutter,
             flute_length: flute,

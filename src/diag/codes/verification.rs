@@ -128,7 +128,8 @@ than the sum of the tolerance and the chord error of the path, or a smaller tole
     TOOL_LOAD = "IMP0739", "feed and spindle load the tool beyond its size",
         "The feed per tooth follows from feed, spindle speed and number of teeth. The simulated stock shows how much \
 of the cutter is engaged. These cases are reported: a motion down along the axis with material in the middle of the \
-end, which has no teeth (`plunge-width`), a cut deeper than `max-depth` of the tool, a feed per tooth above \
+end, which has no teeth (`plunge-width`), a way down with material under this middle that is steeper than `ramp` \
+of the tool, a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
 a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but the last are \
 errors. The last is an error if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \

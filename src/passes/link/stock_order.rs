@@ -25,6 +25,7 @@ use crate::operation::Allowances;
 use crate::passes::context::maximal_ranges;
 use crate::progress::Work;
 use crate::stock::{self, Field, StepKind};
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Least way at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
@@ -39,7 +40,7 @@ const LEAST_PAUSE: f64 = 8.0;
 /// Way over a thin rest to the air that the tool takes rather than a ramp, mm.
 const NEAR_AIR: f64 = 2.0;
 
-/// Length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
+/// Least length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
 const RAMP: f64 = 1.0;
 const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
 
@@ -293,7 +294,7 @@ impl Reduction<'_> {
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
-            && let Some(place) = self.ramp_end(line, &steps, station, beyond, field)
+            && let Some(place) = self.ramp_end(line, &steps, (station, at_end), beyond, field)
             && (at_end || self.holds(sector, &place))
         {
             let here = ClPoint { contact: None, ..line[station].point };
@@ -334,40 +335,56 @@ impl Reduction<'_> {
     }
 
     /// A place in air, over or beside a station some way before the first or behind the last of a cut, from which or to
-    /// which the tool goes straight, clear of the part.
+    /// which the tool goes straight, clear of the part, and down no more steeply than it may.
     fn ramp_end(
         &self,
         line: &[PathPoint],
         steps: &[usize],
-        station: usize,
+        (station, at_end): (usize, bool),
         beyond: impl Fn(usize) -> usize,
         field: &mut Field,
     ) -> Option<ClPoint> {
-        let mut run = 0.0;
-        let before = steps.iter().find(|i| {
-            run += length(line, **i);
-            run >= RAMP
-        });
-        let beyond = beyond(*before.or(steps.last())?);
-        let from = line[beyond].point;
-        let along = (line[station].point.tip - from.tip).normalize();
-        let side = from.axis.cross(&along);
+        let here = &line[station].point;
+        let steepest = self.program.tools[self.operation.tool].ramp.get();
+        let may = |place: &ClPoint| at_end || descent(place, here) <= steepest;
         let kept = self.operation.kind.roughing().unwrap_or(Allowances::NONE);
         let kept = kept.plus(-RESERVE * self.direct.scale());
         for lift in RAMP_LIFTS {
+            let over = |i: usize| {
+                let from = line[beyond(i)].point;
+                ClPoint { tip: from.tip + from.axis * lift, axis: from.axis, contact: None }
+            };
+            let mut run = 0.0;
+            let long = steps.iter().filter(|i| {
+                run += length(line, **i);
+                run >= RAMP
+            });
+            let Some(top) = long.chain(steps.last()).map(|i| (*i, over(*i))).find(|(_, place)| may(place)) else {
+                continue;
+            };
+            let along = (here.tip - line[beyond(top.0)].point.tip).normalize();
+            let side = top.1.axis.cross(&along);
             for beside in [0.0, lift, -lift] {
-                let tip = from.tip + from.axis * lift + side * beside;
-                let place = ClPoint { tip, axis: from.axis, contact: None };
-                let over = ClPoint { tip: tip + from.axis * self.sphere.exit(&tip, &from.axis), ..place };
-                if self.air.is_free(&[over, place], 0.0, field)
-                    && self.direct.straight(&place, &line[station].point, kept)
-                {
+                let place = ClPoint { tip: top.1.tip + side * beside, ..top.1 };
+                let above =
+                    ClPoint { tip: place.tip + place.axis * self.sphere.exit(&place.tip, &place.axis), ..place };
+                if self.air.is_free(&[above, place], 0.0, field) && self.direct.straight(&place, here, kept) {
                     return Some(place);
                 }
             }
         }
         None
     }
+}
+
+/// Angle at which a tool goes down from one place to another, against the plane of its end; the larger one of both ends.
+fn descent(from: &ClPoint, to: &ClPoint) -> f64 {
+    let way = to.tip - from.tip;
+    let angle = |axis: &Vector3<f64>| {
+        let down = -way.dot(axis);
+        libm::atan2(down, (way + axis * down).norm())
+    };
+    angle(&from.axis).max(angle(&to.axis))
 }
 
 /// The steps from a station on to the end of a pass of `count` steps, or back to its start.

@@ -24,7 +24,7 @@ const THICK_CHIP: f64 = 0.03;
 /// Depth of material in the middle of the end that counts as rubbing on the floor of the stroke before, mm.
 const INTO_MIDDLE: f64 = 0.05;
 
-/// Excess over the largest chip that rounding of the feed may add, as a share.
+/// Excess over the largest chip or the largest angle of a ramp that rounding may add, as a share.
 const ROUNDING: f64 = 1e-3;
 
 /// Findings of one operation.
@@ -33,6 +33,7 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sin
     report_depth(program, motion, o, sink);
     report_removal(program, motion, o, sink);
     report_middle(program, motion, o, sink);
+    report_ramp(program, motion, o, sink);
     report_link(program, motion, o, sink);
 }
 
@@ -59,6 +60,37 @@ fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &
         .note(format!("layers of less than {} on the floor do not count", length(RIDGE)))
         .help(
             "enter from beside the stock, use a smaller `stepover`, or state `plunge-width` of a tool that cuts at its centre",
+        ),
+    );
+}
+
+/// Finding on a way down with material under the middle of the end that is steeper than the tool permits.
+fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some((ramp, operation)) = o.ramp.zip(motion.operations.get(o.operation as usize)) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let limit = tool.ramp.deg();
+    if ramp.value <= limit * (1.0 + ROUNDING) {
+        return;
+    }
+    sink.push(
+        Diag::error(
+            verification::TOOL_LOAD,
+            format!(
+                "{} goes down at {} deg with material under the middle of its end; its limit is {} deg",
+                tool.name,
+                trim(ramp.value, 2),
+                trim(limit, 2)
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .label(tool.span, "`ramp` of this tool")
+        .place(describe(program, motion, Some(ramp.at)), Point3::from(ramp.tip))
+        .block(ramp.at.operation, ramp.at.index)
+        .note("the angle is that against the plane square to the tool axis, over the width of the middle")
+        .help(
+            "use a ball or another tool that cuts at its centre, levels or tool axes along which the tool goes down less, \
+             or, where the maker of the tool allows it, `ramp` or `plunge-width` of the tool",
         ),
     );
 }

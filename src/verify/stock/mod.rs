@@ -4,6 +4,8 @@
 pub mod arcs;
 mod cells;
 mod load;
+mod ramp;
+mod removal;
 mod report;
 
 pub use arcs::{ArcBound, ArcTimes};
@@ -13,7 +15,7 @@ pub use report::report;
 use super::proof::piece::At;
 use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
+use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::between;
 use crate::progress::{Progress, Work};
 use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, StepKind, Touched};
@@ -23,6 +25,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 
 use arcs::{Circle, StepArc};
+use removal::Removal;
 
 /// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
 const STEP_LENGTH: f64 = 2.0;
@@ -35,9 +38,6 @@ const WINDOW_CELLS: f64 = 4.0;
 
 /// Volume from which a link counts as cutting, mm3: less comes from rubbing beside a wall that was cut before.
 const LINK_VOLUME: f64 = 1.0;
-
-/// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
-const CHIP_SECTION: f64 = 1e-3;
 
 /// Arc of engagement from which a cutter counts as in full material, degrees. In a slot the arc is 180, but rays at the
 /// distance of a cell seldom meet all of it.
@@ -144,6 +144,8 @@ pub struct OperationStock {
     /// Largest depth of cut at full width that loads the cutter as much, mm: the sum over the heights of the share of the
     /// arc in half a turn.
     pub slot_depth: Option<SlotDepth>,
+    /// Steepest angle against the plane of the end, degrees, at which the tool goes down with material under its middle.
+    pub ramp: Option<Peak>,
     /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis, mm.
     #[serde(skip)]
     pub middle: Option<Peak>,
@@ -155,6 +157,10 @@ pub struct OperationStock {
     /// Engagement in each move, for plots.
     #[serde(skip)]
     pub moves: Vec<Engagement>,
+    /// For each move its feed as a share of the feed at which the removal rate reaches `max-rate` of the tool, or the power at
+    /// the cutter that of the spindle. Empty where neither is limited.
+    #[serde(skip)]
+    pub removal: Vec<f64>,
 }
 
 /// Engagement of the cutter during a move.
@@ -491,22 +497,16 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         arc_bound: milled.arc_bound(&arcs, |_| true),
         arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
         slot_depth: milled.slot_depth(&arcs),
+        ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
+            .and_then(|(value, step)| milled.peak_at(value, step)),
         middle: milled.peak(&into_middle).filter(|p| p.value > 0.0),
         full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
-        power: power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
+        power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
         collisions: milled.collisions(),
         moves: engagement(operation.moves.len(), places, &removal, &arcs),
+        removal: removal.shares(program, declared, places, (window, operation.moves.len())),
     }
-}
-
-/// Largest power at the cutter, kW, and its step; `None` without the material.
-fn power(program: &Program, operation: &Operation, removal: &Removal) -> Option<(f64, u32)> {
-    let material = program.stock.material?;
-    let teeth = operation.speed.get() * f64::from(program.tools[operation.tool].flutes);
-    let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
-    let powers = powers.map(|((rate, speed), step)| (material.power(rate / speed, speed * 60.0, teeth), step));
-    powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Largest removal rate of a link, mm3/s, and a step of this link; only links that remove more than `least`, mm3,
@@ -564,6 +564,8 @@ struct StepPlace {
     step: Vector3<f64>,
     /// Length of the tip motion, mm.
     way: f64,
+    /// Part of the tip motion along the axis, mm, positive towards the tip.
+    down: f64,
     /// Time, s.
     time: f64,
 }
@@ -586,74 +588,16 @@ fn steps<'a>(
         let ends = [tips[0] + way * a, tips[0] + way * b];
         let index = u32::try_from(index).unwrap_or(u32::MAX);
         let (step, time) = (way / count, time / count);
-        let place = StepPlace { index, kind, tip: ends[1], step, way: step.norm(), time };
+        let axes = [axis(a), axis(0.5 * (a + b)), axis(b)];
+        let down = -step.dot(&axes[1]);
+        let place = StepPlace { index, kind, tip: ends[1], step, way: step.norm(), down, time };
         let kind = match kind {
             MoveKind::Cut => StepKind::Cut,
             MoveKind::Link => StepKind::Link,
             MoveKind::Rapid => StepKind::Rapid,
         };
-        (place, Step { block: 0, kind, tips: ends, axes: [axis(a), axis(0.5 * (a + b)), axis(b)] })
+        (place, Step { block: 0, kind, tips: ends, axes })
     })
-}
-
-/// Removal averaged over a tip motion of some cells around each step.
-struct Removal {
-    /// Whether the tool cuts in each step.
-    cuts: Vec<bool>,
-    /// Rate of each step, mm3/s, over the window that ends with the step.
-    rates: Vec<f64>,
-    /// Speed of the tip over this window, mm/s; zero where the window is not full.
-    speeds: Vec<f64>,
-    /// Largest rate, mm3/s, and its step.
-    rate: Option<(f64, usize)>,
-}
-
-impl Removal {
-    fn new(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Self {
-        let mut volume = vec![0.0; places.len()];
-        for c in cuts {
-            if let Some(v) = volume.get_mut(c.block as usize) {
-                *v += c.volume;
-            }
-        }
-        let mut found = Self {
-            cuts: vec![false; places.len()],
-            rates: vec![0.0; places.len()],
-            speeds: vec![0.0; places.len()],
-            rate: None,
-        };
-        let mut start = 0;
-        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
-        for end in 0..places.len() {
-            way += places[end].way;
-            time += places[end].time;
-            sum += volume[end];
-            // The shortest sequence of steps that covers the window.
-            while start < end && way - places[start].way >= window {
-                way -= places[start].way;
-                time -= places[start].time;
-                sum -= volume[start];
-                start += 1;
-            }
-            // Differences of sums contain rounding errors.
-            if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
-                // Steps without removal between steps with removal count as cutting; steps before and after do not.
-                let first = (start..=end).find(|i| volume[*i] > 0.0).unwrap_or(end);
-                let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
-                found.cuts[first..=last].fill(true);
-                let rate = sum / time;
-                found.rates[end] = if time > 0.0 { rate } else { 0.0 };
-                if way >= window && time > 0.0 {
-                    found.speeds[end] = way / time;
-                }
-                if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
-                    let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
-                    found.rate = Some((rate, largest));
-                }
-            }
-        }
-        found
-    }
 }
 
 fn refusal(error: FieldError, cell: f64) -> Diag {

@@ -1,0 +1,113 @@
+//! Removal of the steps, averaged over a tip motion of some cells, and what it is of the limits of tool and spindle.
+
+use super::StepPlace;
+use crate::ir::{Operation, Program};
+use crate::stock::BlockCut;
+
+/// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
+const CHIP_SECTION: f64 = 1e-3;
+
+/// Removal averaged over a tip motion of some cells around each step.
+pub(super) struct Removal {
+    /// Whether the tool cuts in each step.
+    pub(super) cuts: Vec<bool>,
+    /// Rate of each step, mm3/s, over the window that ends with the step.
+    pub(super) rates: Vec<f64>,
+    /// Speed of the tip over this window, mm/s; zero where the window is not full.
+    pub(super) speeds: Vec<f64>,
+    /// Largest rate, mm3/s, and its step.
+    pub(super) rate: Option<(f64, usize)>,
+}
+
+impl Removal {
+    pub(super) fn new(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Self {
+        let mut volume = vec![0.0; places.len()];
+        for c in cuts {
+            if let Some(v) = volume.get_mut(c.block as usize) {
+                *v += c.volume;
+            }
+        }
+        let mut found = Self {
+            cuts: vec![false; places.len()],
+            rates: vec![0.0; places.len()],
+            speeds: vec![0.0; places.len()],
+            rate: None,
+        };
+        let mut start = 0;
+        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
+        for end in 0..places.len() {
+            way += places[end].way;
+            time += places[end].time;
+            sum += volume[end];
+            // The shortest sequence of steps that covers the window.
+            while start < end && way - places[start].way >= window {
+                way -= places[start].way;
+                time -= places[start].time;
+                sum -= volume[start];
+                start += 1;
+            }
+            // Differences of sums contain rounding errors.
+            if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
+                // Steps without removal between steps with removal count as cutting; steps before and after do not.
+                let first = (start..=end).find(|i| volume[*i] > 0.0).unwrap_or(end);
+                let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
+                found.cuts[first..=last].fill(true);
+                let rate = sum / time;
+                found.rates[end] = if time > 0.0 { rate } else { 0.0 };
+                if way >= window && time > 0.0 {
+                    found.speeds[end] = way / time;
+                }
+                if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
+                    let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
+                    found.rate = Some((rate, largest));
+                }
+            }
+        }
+        found
+    }
+
+    /// For each of `count` moves its feed as a share of the feed at which tool or spindle reach a limit; empty without a limit.
+    /// The largest section of the windows that a move touches decides.
+    pub(super) fn shares(
+        &self,
+        program: &Program,
+        operation: &Operation,
+        places: &[StepPlace],
+        (window, count): (f64, usize),
+    ) -> Vec<f64> {
+        let tool = &program.tools[operation.tool];
+        let (rate, power) = (tool.max_rate, program.stock.material.zip(program.machine.power));
+        if rate.is_none() && power.is_none() {
+            return Vec::new();
+        }
+        let teeth = operation.speed.get() * f64::from(tool.flutes);
+        let largest_feed = |section: f64| {
+            let by_rate = rate.map_or(f64::INFINITY, |rate| rate.get() / section);
+            by_rate.min(power.map_or(f64::INFINITY, |(material, power)| material.feed_at(power, section, teeth)))
+        };
+        let mut shares = vec![0.0_f64; count];
+        for end in (0..places.len()).filter(|end| self.speeds[*end] > 0.0 && self.rates[*end] > 0.0) {
+            let largest = largest_feed(self.rates[end] / self.speeds[end]);
+            let mut way = 0.0;
+            for place in places[..=end].iter().rev().filter(|p| p.time > 0.0) {
+                if let Some(share) = shares.get_mut(place.index as usize) {
+                    *share = share.max(60.0 * place.way / place.time / largest);
+                }
+                way += place.way;
+                if way >= window {
+                    break;
+                }
+            }
+        }
+        shares
+    }
+}
+
+/// Largest power at the cutter, kW, and its step; `None` without the material.
+pub(super) fn power(program: &Program, operation: &Operation, removal: &Removal) -> Option<(f64, u32)> {
+    let material = program.stock.material?;
+    let teeth = operation.speed.get() * f64::from(program.tools[operation.tool].flutes);
+    let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
+    let powers = powers.map(|((rate, speed), step)| (material.power(rate / speed, speed * 60.0, teeth), step));
+    powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+}

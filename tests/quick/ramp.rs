@@ -1,0 +1,178 @@
+//! `ramp` of a tool: what the language means by it, ramps of the planner, and what the verifier finds in motions made by hand.
+
+use crate::plunge::{block, judged, of_one_operation, planned};
+use impellerc::diag::{Sink, codes};
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{JointMove, Motion, MoveKind, Program, Tool};
+use impellerc::job::{self, InMemory};
+use impellerc::source::SourceMap;
+use impellerc::syntax;
+use impellerc::units::Rad;
+use nalgebra::{Point3, Vector3};
+
+const JOB: &str = include_str!("../../jobs/small/rough.imp");
+
+/// The angle of the first tool, degrees, and the job as it is printed, with the tool replaced; or the codes of its faults.
+fn read(tool: &str) -> Result<(f64, String), Vec<&'static str>> {
+    const FIRST: &str = "flat { diameter 2 mm";
+    assert!(JOB.contains(FIRST));
+    let mut files = InMemory::default();
+    files.curves.insert("vane_curves.csv".to_owned(), include_str!("../../jobs/small/vane_curves.csv").to_owned());
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let text = JOB.replacen(FIRST, tool, 1);
+    let source = sources.add("ramp.imp", &text);
+    let ast = syntax::parse(&text, source, &mut sink);
+    let partial = job::understand(&ast, &mut files, &mut sources, &mut sink);
+    let found = partial.job().map(|job| (job.tools[0].largest_ramp().deg(), job::print::print(&job)));
+    found.ok_or_else(|| sink.diags().iter().map(|d| d.code.id()).collect())
+}
+
+#[test]
+fn the_angle_follows_from_the_end_of_the_tool() {
+    // A hollow half as deep as the radius of the flat part, over the width of the middle.
+    let by = |hollow: f64, middle: f64| (hollow / middle).atan().to_degrees();
+    for (tool, angle) in [
+        ("flat { diameter 2 mm", by(0.5, 1.0)),
+        ("flat { diameter 2 mm  plunge-width 0.3 mm", by(0.5, 1.4)),
+        ("flat { diameter 2 mm  plunge-width 0.8 mm", by(0.5, 0.4)),
+        ("flat { diameter 2 mm  plunge-width 1 mm", 90.0),
+        ("bull { diameter 2 mm  corner 0.5 mm", by(0.25, 0.5)),
+        ("bull { diameter 2 mm  corner 0.5 mm  plunge-width 0.6 mm", by(0.25, 0.8)),
+        ("ball { diameter 2 mm", 90.0),
+        ("ball { diameter 2 mm  plunge-width 0.9 mm", by(0.05, 0.2)),
+        ("tapered-ball { angle 3 deg  diameter 2 mm", 90.0),
+        ("flat { diameter 2 mm  ramp 3 deg", 3.0),
+        ("ball { diameter 2 mm  ramp 12.5 deg", 12.5),
+    ] {
+        let (found, printed) = read(tool).unwrap();
+        assert!((found - angle).abs() < 1e-9, "{tool}: {found} {angle}");
+        // What is printed reads back.
+        let line = printed.lines().find(|l| l.starts_with("  ramp ")).unwrap().trim();
+        let plain = tool.split("  ramp").next().unwrap();
+        let (again, printed) = read(&format!("{plain}  {line}")).unwrap();
+        assert!((again - angle).abs() < 1e-6 && printed.contains(line), "{tool}: {line} {again}");
+    }
+}
+
+#[test]
+fn faults_of_the_angle_are_named() {
+    for (angle, code) in [
+        ("0 deg", codes::job::OUT_OF_RANGE),
+        ("-3 deg", codes::job::OUT_OF_RANGE),
+        ("90.1 deg", codes::job::OUT_OF_RANGE),
+        ("3", codes::job::NO_UNIT),
+        ("3 mm", codes::job::WRONG_DIMENSION),
+    ] {
+        let found = read(&format!("flat {{ diameter 2 mm  ramp {angle}")).map(|f| f.0);
+        assert!(found.as_ref().is_err_and(|f| f.contains(&code.id())), "{angle}: {found:?}");
+    }
+}
+
+/// A flat tool of 4 mm with an end whose teeth cut 1.4 mm from the rim, in a block.
+fn ramping(angle: f64) -> Program {
+    let program = block(2.0, 1.4);
+    let mut tools = PrimaryMap::new();
+    for (_, tool) in program.tools.iter() {
+        tools.push(Tool { ramp: Rad::from_deg(angle), ..tool.clone() });
+    }
+    Program { tools, ..program }
+}
+
+/// Cuts along a line from beside the block into it that goes down by an angle, in a number of moves, once and again, under
+/// a tilted axis.
+fn line(program: &Program, tilt: f64, angle: f64, count: usize, times: usize) -> Motion {
+    let rotary = [tilt, 0.0];
+    let axis = program.machine.chain.tool_axis(rotary);
+    let across = axis.cross(&Vector3::x()).normalize();
+    let end = Point3::new(0.0, 0.0, -2.0) + across * 3.0;
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let at = |t: f64, up: f64| {
+        let tip = end - (across * cos - axis * sin) * (13.0 * (1.0 - t)) + axis * up;
+        program.machine.joints(&tip, rotary)
+    };
+    let to = |kind, joints| JointMove { kind, joints, feed: Some(1.0), time: 1.0, pass: 0, stop: false };
+    let mut moves = Vec::new();
+    for _ in 0..times {
+        moves.extend([to(MoveKind::Rapid, at(0.0, 15.0)), to(MoveKind::Link, at(0.0, 0.0))]);
+        moves.extend((1..=count).map(|k| to(MoveKind::Cut, at(k as f64 / count as f64, 0.0))));
+        moves.push(to(MoveKind::Rapid, at(1.0, 15.0)));
+    }
+    of_one_operation(program, moves)
+}
+
+#[test]
+fn the_verifier_measures_how_steeply_a_tool_goes_down() {
+    for tilt in [0.0, 0.4] {
+        for (angle, count) in [(2.0, 1), (10.0, 1), (10.0, 25), (26.0, 4), (40.0, 7)] {
+            for (limit, fails) in [(0.9 * angle, true), (1.1 * angle, false)] {
+                let program = ramping(limit);
+                let (found, codes) = judged(&program, &line(&program, tilt, angle, count, 1), 0.2);
+                let ramp = found.ramp.expect("a ramp").value;
+                println!("{angle} deg in {count} moves, tilted by {tilt}: {ramp:.4} deg");
+                assert!((ramp - angle).abs() < 1e-3, "{tilt} {angle} {count}: {ramp}");
+                let load = codes.contains(&codes::verification::TOOL_LOAD.id());
+                assert_eq!(load, fails, "{tilt} {angle} {limit}: {codes:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_ways_down_with_material_under_the_middle_are_ramps() {
+    let program = ramping(1.0);
+    for angle in [0.0, -10.0] {
+        let (found, _) = judged(&program, &line(&program, 0.0, angle, 5, 1), 0.2);
+        assert!(found.ramp.is_none(), "{angle}: {:?}", found.ramp);
+    }
+    // The second time the material is gone.
+    let (once, twice) = (line(&program, 0.2, 10.0, 5, 1), line(&program, 0.2, 10.0, 5, 2));
+    let [once, twice] = [once, twice].map(|motion| judged(&program, &motion, 0.2).0.ramp.expect("a ramp"));
+    assert_eq!((once.value, once.at), (twice.value, twice.at));
+    // A short way down counts over the width of the middle, 1.2 mm.
+    let rotary = [0.0; 2];
+    let at = |x: f64, z: f64| program.machine.joints(&Point3::new(x, 0.0, z), rotary);
+    let to = |kind, joints| JointMove { kind, joints, feed: Some(1.0), time: 1.0, pass: 0, stop: false };
+    let places = [(-9.0, -1.0), (0.0, -1.0), (0.3, -1.3), (2.0, -1.3)];
+    let cuts = places.map(|(x, z)| to(MoveKind::Cut, at(x, z)));
+    let moves = [to(MoveKind::Rapid, at(-9.0, 9.0))].into_iter().chain(cuts).collect();
+    let (found, _) = judged(&program, &of_one_operation(&program, moves), 0.1);
+    let short = (0.3_f64 / 1.2).atan().to_degrees();
+    assert!((found.ramp.expect("a ramp").value - short).abs() < 1e-6, "{:?} {short}", found.ramp);
+}
+
+/// Angles at which the tool goes down in the first cut of each pass of the second operation, degrees.
+fn entries(program: &Program, motion: &Motion) -> Vec<f64> {
+    let moves = &motion.operations[1].moves;
+    let first = moves.windows(2).filter(|w| w[1].kind == MoveKind::Cut && w[0].kind != MoveKind::Cut);
+    let angle = |w: &[JointMove]| {
+        let [from, to] = [0, 1].map(|k: usize| program.machine.forward(&w[k].joints));
+        let way = to.tip - from.tip;
+        let down = -way.dot(&from.axis);
+        down.atan2((way + from.axis * down).norm()).to_degrees()
+    };
+    first.map(angle).collect()
+}
+
+/// The ramps of a ball onto what a flat tool has left keep the angle of the ball.
+#[test]
+fn ramps_of_the_planner_keep_the_angle() {
+    let plan = |ramp: &str| {
+        let (program, motion) = planned(
+            JOB,
+            &[
+                ("tools t1, t2 ", "tools t1, t2  sectors 1 "),
+                ("ball { diameter 2 mm", &format!("ball {{ diameter 2 mm {ramp}")),
+                ("require rest      <= 0.8 mm", ""),
+            ],
+        );
+        let mut found = entries(&program, &motion);
+        found.sort_by(f64::total_cmp);
+        println!("{ramp}: {found:.2?}");
+        found
+    };
+    // Lines of the levels themselves go down by up to 23 deg where they begin.
+    let steep = |angles: &[f64]| angles.iter().filter(|a| **a > 24.0).count();
+    assert!(steep(&plan("")) > 3);
+    let limited = plan("ramp 24 deg");
+    assert!(steep(&limited) == 0 && limited.len() > 10, "{limited:?}");
+}
