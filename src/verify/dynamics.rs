@@ -152,6 +152,8 @@ pub(super) struct MotionCell {
     width: f64,
     /// Programmed speed of the tip as a share of the feed of the job for this kind of move.
     feed: f64,
+    /// Programmed speed of the tip as a share of the feed at which tool or spindle reach a limit of removal.
+    removal: f64,
     /// Largest |q'| and |q''|, the latter with the curvature that is divided into chords.
     rate: [f64; 5],
     second: [f64; 5],
@@ -310,8 +312,9 @@ fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> 
     }
 }
 
-/// Run of one operation of a motion.
-pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
+/// Run of one operation of a motion. `removal`: for each move its feed as a share of the feed at which tool or spindle reach a
+/// limit of removal; moves without an entry reach none.
+pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]) -> Run {
     let mut report = Run::NONE;
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
@@ -325,7 +328,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
         chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
         height: program.tools[declared.tool].solid.flute_length,
     };
-    let cells = cells(machine, &limits, &moves.moves);
+    let cells = cells(machine, &limits, &moves.moves, removal);
     let trapezoids = trapezoids(&limits, &cells);
     for part in &trapezoids {
         report.within_accelerations[number(cells[part.cell].kind)] += part.time;
@@ -351,7 +354,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize) -> Run {
 }
 
 /// Cells of all blocks with a time, and the corners between them.
-fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<MotionCell> {
+fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove], removal: &[f64]) -> Vec<MotionCell> {
     let mut cells = Vec::new();
     let mut last: Option<MotionBlock> = None;
     for (i, pair) in moves.windows(2).enumerate() {
@@ -360,7 +363,8 @@ fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove]) -> Vec<Moti
             let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
             let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
             let feed = block.tip.norm() / limits.feeds[number(m.kind)];
-            cells[block.cells.clone()].iter_mut().for_each(|cell| cell.feed = feed);
+            let removal = removal.get(i + 1).copied().unwrap_or(0.0);
+            cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
             join(limits, last.as_ref(), &mut block, &mut cells);
             last = Some(block);
         }
@@ -428,6 +432,7 @@ fn block(
             kind,
             width,
             feed: 0.0,
+            removal: 0.0,
             rate: std::array::from_fn(|k| start_rate[k].abs().max(end_rate[k].abs())),
             second,
             cap: 1.0,

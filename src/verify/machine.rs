@@ -3,6 +3,7 @@
 
 use super::dynamics::{self, Peak, Run};
 use super::proof::piece::At;
+use super::stock::StockReport;
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Chain, Interpolation, Joints, Machine, between};
 use nalgebra::Point3;
@@ -96,8 +97,8 @@ pub struct MachineReport {
     pub other_rules: Vec<OtherRules>,
 }
 
-/// Checks every move.
-pub fn check(program: &Program, motion: &Motion) -> MachineReport {
+/// Checks every move. The simulated stock says where limits of removal are near; without it none counts.
+pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) -> MachineReport {
     let machine = &program.machine;
     let (travel, speed) = (machine.travel(), machine.speeds());
     let name = |k: usize| machine.names()[k].to_owned();
@@ -141,7 +142,8 @@ pub fn check(program: &Program, motion: &Motion) -> MachineReport {
         }
     }
     let count = motion.operations.len();
-    let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o)).collect();
+    let removal = |o: usize| stock.and_then(|s| s.operations.get(o)).map_or(&[][..], |o| &o.removal);
+    let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o, removal(o))).collect();
     for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
         // If a block alone exceeds a speed, the block is the fault; the run adds speeds that only successive blocks
         // exceed.

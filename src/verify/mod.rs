@@ -153,6 +153,7 @@ pub fn certify_with(
         .map(|(i, _)| i)
         .collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
+    let stock = stock::simulate(program, motion, settings, progress, sink);
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
@@ -164,9 +165,9 @@ pub fn certify_with(
         operations,
         rapid,
         perimeter: perimeter::check(program, motion),
-        machine: machine::check(program, motion),
+        machine: machine::check(program, motion, stock.as_ref()),
         rest: rest::reports(program, (&samples, &design_cloud, left.as_ref()), &sweeps, &roughing, progress),
-        stock: stock::simulate(program, motion, settings, progress, sink),
+        stock,
         carried: carried::check(program, motion, progress),
         clamping: clamping::check(program, motion),
         contracts: Vec::new(),

@@ -91,7 +91,7 @@ fn a_lone_rapid_through_the_part_is_found() {
 #[test]
 fn travel_counts_the_length_of_the_tool() {
     let (program, motion) = jobs::flank().planned();
-    let used = |program: &Program| machine::check(program, motion).axes[2].used;
+    let used = |program: &Program| machine::check(program, motion, None).axes[2].used;
     let length = program.tools.iter().next().unwrap().1.length();
     let before = used(program);
     let mut program = program.clone();

@@ -8,6 +8,7 @@ use impellerc::material::Material;
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::progress::Progress;
 use impellerc::units::Mm3PerMin;
+use impellerc::verify::dynamics::{MotionLimit, run};
 use impellerc::verify::stock::{OperationStock, Settings, simulate};
 
 /// Cells of the verifier, mm: not those of the planner.
@@ -53,6 +54,20 @@ fn feeds_keep_the_removal_rate_and_the_power() {
     let (fast, all) = cuts.fold((0, 0), |(fast, all), m| (fast + usize::from(m.feed > Some(200.0)), all + 1));
     println!("{fast} of {all} cutting blocks keep at least 200 of 250 mm/min");
     assert!(fast > all / 10 && fast < all, "{fast} of {all}");
+
+    // The lower feeds count for the removal, not for the feed of the block.
+    let shares = |removal: &[f64]| {
+        let run = run(&within, &plan.motion, 0, removal);
+        [MotionLimit::Removal, MotionLimit::BlockFeed].map(|limit| {
+            let own = run.limits.iter().filter(|l| l.limit == limit);
+            own.map(|l| l.time[0]).sum::<f64>() / run.time[0]
+        })
+    };
+    let ([removal, block], [none, all]) = (shares(&kept.removal), shares(&[]));
+    println!("cuts: removal {removal:.3}, block feed {block:.3}; {all:.3} by blocks alone");
+    assert!(all > 0.05 && none == 0.0, "{all} {none}");
+    assert!(removal > 0.9 * all && (removal + block - all).abs() < 0.05 * all, "{removal} {block} {all}");
+    assert!(free.removal.is_empty(), "no limit");
 
     let mut strong = program.clone();
     strong.stock.material = Some(Material::Titanium);

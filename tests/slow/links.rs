@@ -88,7 +88,7 @@ fn zigzag_lines_are_joined_by_short_ways_that_stay_clear() {
     println!("{} of {count} lines are reached by short ways", joined(&zigzag));
     assert!(10 * joined(&zigzag) >= 9 * count);
     // The contact does not move; only directions, and ways between lines.
-    let time = |program: &Program, motion: &Motion| dynamics::run(program, motion, 0).time;
+    let time = |program: &Program, motion: &Motion| dynamics::run(program, motion, 0, &[]).time;
     let ([cut, link, rapid], before) = (time(&back, &zigzag), time(&there, &one_way));
     println!("cut, link, rapid: {cut:.1} {link:.1} {rapid:.1} s; one-way {before:?} s");
     assert!((cut / before[0] - 1.0).abs() < 0.02 && 3.0 * (link + rapid) < before[1] + before[2]);

@@ -105,7 +105,7 @@ struct Row {
 const SHORTEST: f64 = 0.02;
 
 fn row(program: &Program, motion: &Motion) -> Row {
-    let run = dynamics::run(program, motion, 0);
+    let run = dynamics::run(program, motion, 0, &[]);
     let (mut turn, mut length) = ([0.0_f64; 2], 0.0);
     for pair in motion.operations[0].moves.windows(2).filter(|p| p[1].kind == MoveKind::Cut) {
         let [p, q] = [0, 1].map(|k| program.machine.forward(&pair[k].joints).tip);

@@ -56,7 +56,7 @@ pub(super) fn limits(input: &Input<'_>) -> String {
 
 /// What belongs to no axis first, then the axes.
 fn order(limit: &str, names: [&str; 5]) -> (usize, usize) {
-    const FIXED: [&str; 6] = ["process feed", "link feed", "rapid speed", "block feed", "rest", "corners"];
+    const FIXED: [&str; 7] = ["process feed", "link feed", "rapid speed", "removal", "block feed", "rest", "corners"];
     if let Some(place) = FIXED.iter().position(|f| *f == limit) {
         return (0, place);
     }
@@ -98,6 +98,7 @@ fn colour(limit: &str, names: [&str; 5]) -> (&'static str, &'static str) {
         (Some(axis), Some(tone)) => (AXIS_COLOURS[axis][tone], if tone == 2 { "#111" } else { "#fff" }),
         _ => match limit {
             "corners" => ("#495057", "#fff"),
+            "removal" => ("#5c3d1e", "#fff"),
             "block feed" => ("#868e96", "#fff"),
             "rest" | "others" => ("#ced4da", "#111"),
             "link feed" => ("#f1dca7", "#111"),

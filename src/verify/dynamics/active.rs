@@ -1,12 +1,12 @@
 //! Active limits: for every moment of a run the limit that faster motion would exceed first.
 //!
 //! The pace of a limit is the share of its pace at which the run moves: at a pace of 0.75 the same motion, faster by
-//! a third, would reach the limit. With the share u of the limit, the pace is u for the process feed and for the speed of
-//! an axis, the square root of u for an acceleration, and the cube root of u for a jerk. The deviation at a corner grows
+//! a third, would reach the limit. With the share u of the limit, the pace is u for the process feed, for the feed
+//! at which tool or spindle reach a limit of removal, and for the speed of an axis, the square root of u for an acceleration, and the cube root of u for a jerk. The deviation at a corner grows
 //! about as the square of the pace. Accelerations and jerks are those of curvature and of changes of speed together.
 //!
 //! The process feed decides first, so that a block whose feed the planner has lowered counts for the limit that is near
-//! there. The reason follows from joints, limits and times alone.
+//! there. The reason follows from joints, limits, times and the simulated stock alone.
 
 use super::{Joint5, MotionCell, MovePart, Run, RunLimits, number};
 use serde::Serialize;
@@ -35,6 +35,8 @@ pub enum MotionLimit {
     Jerk,
     /// Rounding of a corner within the tolerance, and between the middles of its blocks.
     Corner,
+    /// Removal rate of the tool, or power of the spindle.
+    Removal,
     /// Feed of the block: lower than the feed of the job, and than any other limit demands.
     BlockFeed,
     /// None, from one time at the process feed to the next.
@@ -61,6 +63,7 @@ impl ActiveLimit {
             (MotionLimit::Acceleration, Some(axis)) => format!("{axis} acceleration"),
             (MotionLimit::Jerk, Some(axis)) => format!("{axis} jerk"),
             (MotionLimit::Corner, _) => "corners".to_owned(),
+            (MotionLimit::Removal, _) => "removal".to_owned(),
             (MotionLimit::BlockFeed, _) => "block feed".to_owned(),
             _ => "rest".to_owned(),
         }
@@ -236,6 +239,7 @@ pub(super) fn active(limits: &RunLimits, run: &Pace) -> LimitOfAxis {
             most = (pace, limit);
         }
     };
+    raise(cell.removal * run.rate, (MotionLimit::Removal, None));
     for k in 0..5 {
         raise(cell.rate[k] * run.rate / limits.speed[k], (MotionLimit::Speed, Some(k)));
         raise((run.acceleration[k] / limits.acceleration[k]).sqrt(), (MotionLimit::Acceleration, Some(k)));

@@ -1,12 +1,12 @@
 //! Active limits of runs for which they follow from closed forms.
 
-use super::{A, Stop, along_x, near, program, ran, support};
+use super::{A, Stop, along_x, motion, near, program, ran, support};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{MoveKind, Operation, Program};
 use impellerc::kin::Machine;
 use impellerc::method::Planning;
 use impellerc::units::MmPerMin;
-use impellerc::verify::dynamics::{MotionLimit, Run};
+use impellerc::verify::dynamics::{MotionLimit, Run, run};
 use std::f64::consts::{PI, TAU};
 
 /// The program with a process feed, mm/s.
@@ -43,6 +43,27 @@ fn a_trapezoid_is_acceleration_and_feed() {
     let run = ran(&with_feed(program(support::machine()), 200.0), MoveKind::Cut, &stops);
     near(time(&run, 0, MotionLimit::BlockFeed, None), 1.0 - 100.0 / A, 1e-9);
     assert_eq!(time(&run, 0, MotionLimit::Feed, None), 0.0);
+}
+
+/// Blocks with half of the process feed: by removal where this feed is near a limit of removal.
+#[test]
+fn lower_feeds_count_for_removal_where_it_is_near() {
+    let stops = along_x(&[0.0, 0.3, 20.0, 20.01, 55.0, 99.5, 100.0], 100.0);
+    let steady = 1.0 - 100.0 / A;
+    for (process, share, [feed, removal, block]) in
+        [(200.0, 0.9, [0.0, steady, 0.0]), (200.0, 0.7, [0.0, 0.0, steady]), (100.0, 0.9, [steady, 0.0, 0.0])]
+    {
+        let program = with_feed(program(support::machine()), process);
+        let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[share; 7]);
+        near(time(&run, 0, MotionLimit::Feed, None), feed, 1e-9);
+        near(time(&run, 0, MotionLimit::Removal, None), removal, 1e-9);
+        near(time(&run, 0, MotionLimit::BlockFeed, None), block, 1e-9);
+        assert!(are_whole(&run), "{run:?}");
+    }
+    // Only the blocks that have a share.
+    let program = with_feed(program(support::machine()), 200.0);
+    let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[0.0, 0.0, 0.9]);
+    near(time(&run, 0, MotionLimit::Removal, None), 0.197, 0.01);
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn motion(program: &Program, kind: MoveKind, stops: &[Stop]) -> Motion {
 }
 
 fn ran(program: &Program, kind: MoveKind, stops: &[Stop]) -> Run {
-    run(program, &motion(program, kind, stops), 0)
+    run(program, &motion(program, kind, stops), 0, &[])
 }
 
 /// Places along X at a speed, mm and mm/s.

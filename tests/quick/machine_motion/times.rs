@@ -69,7 +69,7 @@ proptest! {
         let program = limited(speed, acceleration, jerk, planning);
         let mut motion = motion(&program, MoveKind::Cut, &stops);
         timed(&program, &mut motion.operations[0].moves, &feeds);
-        let run = run(&program, &motion, 0);
+        let run = run(&program, &motion, 0, &[]);
         prop_assert!(figures(&run).iter().all(|x| x.is_finite() && *x >= 0.0), "{:?}", run);
         let due: f64 = motion.operations[0].moves.iter().map(|m| m.time).sum();
         let [spent, least, programmed] =
@@ -89,7 +89,7 @@ proptest! {
 fn over_speed(program: &Program, ends: &[Stop; 2], time: f64) -> Option<f64> {
     let mut motion = motion(program, MoveKind::Rapid, ends);
     motion.operations[0].moves[1].time = time;
-    let faults = machine::check(program, &motion).faults;
+    let faults = machine::check(program, &motion, None).faults;
     faults.iter().filter(|f| f.speed).map(|f| f.value).reduce(f64::max)
 }
 
