@@ -228,7 +228,7 @@ fn each_form_of_levels_reaches_the_floor() {
                 *levels = form;
             }
         });
-        // Lines from the shroud go down by up to 30 deg, more than the end of the flat tool permits by default.
+        // Lines from the shroud and morphed ones go down by up to 30 deg, more than the end of the flat tool permits by default.
         let mut tools = PrimaryMap::new();
         for (_, tool) in program.tools.iter() {
             tools.push(Tool { ramp: Rad(tool.ramp.get().max(0.6)), ..tool.clone() });
