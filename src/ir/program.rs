@@ -109,6 +109,8 @@ pub struct Tool {
     pub plunge_width: Option<Mm>,
     /// Largest angle against the plane of its end at which it goes down while it moves sideways through material.
     pub ramp: Rad,
+    /// True where the job or the tool library states this angle.
+    pub ramp_stated: bool,
     /// Its declaration.
     pub span: Span,
 }

@@ -226,6 +226,7 @@ fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
         max_rate: spec.limits.rate,
         plunge_width: spec.plunge_width(),
         ramp: spec.largest_ramp(),
+        ramp_stated: spec.limits.ramp.is_some(),
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,
     }

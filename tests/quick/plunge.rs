@@ -177,11 +177,20 @@ fn stroke_beside_a_slot(program: &Program, tilt: f64, step: f64, cell: f64) -> O
 
 /// What the verifier says of the stock of a motion: its first operation, and the codes of its errors.
 pub(crate) fn judged(program: &Program, motion: &Motion, cell: f64) -> (OperationStock, Vec<&'static str>) {
+    let (found, findings) = findings(program, motion, cell);
+    (found, findings.into_iter().filter(|f| f.0 == Severity::Error).map(|f| f.1).collect())
+}
+
+/// The same with all findings.
+pub(crate) fn findings(
+    program: &Program,
+    motion: &Motion,
+    cell: f64,
+) -> (OperationStock, Vec<(Severity, &'static str)>) {
     let (mut settings, mut sink) = (Settings { cell: Some(cell), after: None }, Sink::default());
     let found = simulate(program, motion, &mut settings, &Progress::default(), &mut sink).expect("a stock");
     report(program, motion, &found, &mut sink);
-    let errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
-    (found.operations[0].clone(), errors.map(|d| d.code.id()).collect())
+    (found.operations[0].clone(), sink.diags().iter().map(|d| (d.severity, d.code.id())).collect())
 }
 
 /// The job of the language, planned.

@@ -1,7 +1,7 @@
 //! `ramp` of a tool: what the language means by it, ramps of the planner, and what the verifier finds in motions made by hand.
 
-use crate::plunge::{block, judged, of_one_operation, planned};
-use impellerc::diag::{Sink, codes};
+use crate::plunge::{block, findings, judged, of_one_operation, planned};
+use impellerc::diag::{Severity, Sink, codes};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program, Tool};
 use impellerc::job::{self, InMemory};
@@ -114,6 +114,23 @@ fn the_verifier_measures_how_steeply_a_tool_goes_down() {
                 assert_eq!(load, fails, "{tilt} {angle} {limit}: {codes:?}");
             }
         }
+    }
+}
+
+#[test]
+fn the_default_is_a_remark() {
+    for (stated, severity) in [(true, Severity::Error), (false, Severity::Remark)] {
+        let mut program = ramping(5.0);
+        let tools = program.tools.iter().map(|(_, tool)| Tool { ramp_stated: stated, ..tool.clone() });
+        let tools: Vec<Tool> = tools.collect();
+        program.tools = PrimaryMap::new();
+        for tool in tools {
+            program.tools.push(tool);
+        }
+        let (_, found) = findings(&program, &line(&program, 0.0, 10.0, 5, 1), 0.2);
+        let load: Vec<Severity> =
+            found.iter().filter(|f| f.1 == codes::verification::TOOL_LOAD.id()).map(|f| f.0).collect();
+        assert_eq!(load, [severity]);
     }
 }
 

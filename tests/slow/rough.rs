@@ -13,7 +13,7 @@ use impellerc::part::sample::{Sample, sample};
 use impellerc::part::{SurfaceClass, SurfaceKind};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
-use impellerc::units::{Mm, Rad};
+use impellerc::units::Mm;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{Settings, simulate};
 use rayon::prelude::*;
@@ -222,18 +222,12 @@ fn tool_of<'a>(program: &'a Program, name: &str) -> &'a Tool {
 #[test]
 fn each_form_of_levels_reaches_the_floor() {
     for form in Levels::ALL {
-        let mut program = changed(|o| {
+        let program = changed(|o| {
             o.sectors = (0..8).collect();
             if let OperationKind::Rough { levels, .. } = &mut o.kind {
                 *levels = form;
             }
         });
-        // Lines from the shroud and morphed ones go down by up to 30 deg, more than the end of the flat tool permits by default.
-        let mut tools = PrimaryMap::new();
-        for (_, tool) in program.tools.iter() {
-            tools.push(Tool { ramp: Rad(tool.ramp.get().max(0.6)), ..tool.clone() });
-        }
-        program.tools = tools;
         let compiled = Compiled::new(program);
         for operation in &compiled.certificate.stock.as_ref().expect("a stock").operations {
             let limit = tool_of(&compiled.program, &operation.name).max_depth.get();

@@ -170,6 +170,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         max_rate: None,
         plunge_width: Some(Mm(radius)),
         ramp: Rad(std::f64::consts::FRAC_PI_2),
+        ramp_stated: true,
         solid: ToolSolid {
             cutter,
             flute_length: flute,

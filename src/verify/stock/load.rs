@@ -64,7 +64,8 @@ fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &
     );
 }
 
-/// Finding on a way down with material under the middle of the end that is steeper than the tool permits.
+/// Finding on a way down with material under the middle of the end that is steeper than the tool permits. The default is an
+/// estimate from the form of an end, so that only a stated angle is a limit.
 fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let Some((ramp, operation)) = o.ramp.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
@@ -73,18 +74,23 @@ fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     if ramp.value <= limit * (1.0 + ROUNDING) {
         return;
     }
+    let new = if tool.ramp_stated { Diag::error } else { Diag::remark };
+    let (limits, names) = match tool.ramp_stated {
+        true => ("its limit", "`ramp` of this tool"),
+        false => ("the default for its end", "`ramp` of this tool would be a limit"),
+    };
     sink.push(
-        Diag::error(
+        new(
             verification::TOOL_LOAD,
             format!(
-                "{} goes down at {} deg with material under the middle of its end; its limit is {} deg",
+                "{} goes down at {} deg with material under the middle of its end; {limits} is {} deg",
                 tool.name,
                 trim(ramp.value, 2),
                 trim(limit, 2)
             ),
         )
         .label(declared.span, "in this operation")
-        .label(tool.span, "`ramp` of this tool")
+        .label(tool.span, names)
         .place(describe(program, motion, Some(ramp.at)), Point3::from(ramp.tip))
         .block(ramp.at.operation, ramp.at.index)
         .note("the angle is that against the plane square to the tool axis, over the width of the middle")
