@@ -34,6 +34,7 @@ mod larger_balls;
 mod layering;
 mod left;
 mod levels;
+mod link_rate;
 mod linuxcnc_impeller;
 mod linuxcnc_interpreter;
 mod machine_motion;

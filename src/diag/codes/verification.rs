@@ -99,8 +99,8 @@ names the limit.";
     LINK_CUTS = "IMP0735", "a link removes material",
         "A move above the process feed of its operation is a link. A link should run through air. This link removes \
 more than a cell of stock, but its feed was not chosen for cutting. It is an error if the link has a higher removal \
-rate than all cuts of the operation, or if the feed per tooth is larger than 3 % of the cutter diameter: at the \
-machine the tool breaks. Otherwise it is a remark.\n\nExample: `F1000` in a block of a slot that is cut with 150 \
+rate than all cuts of the operation, over four cells of its way, or if the feed per tooth is larger than `max-chip` of \
+the tool: at the machine the tool breaks. Otherwise it is a remark.\n\nExample: `F1000` in a block of a slot that is cut with 150 \
 mm/min.\n\nRemedy: use the process feed in this block, or leads that begin and end outside the stock.";
     NOT_A_NUMBER = "IMP0741", "a figure of the certificate is no number",
         "A figure of the certificate is not a finite number. The message names the figure by its path in the JSON \

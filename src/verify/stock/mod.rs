@@ -478,7 +478,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     };
     let toothless = program.tools[declared.tool].toothless_radius().unwrap_or(0.0);
     let into_middle = |c: &BlockCut| c.lune.as_ref().map_or(0.0, |lune| (toothless - lune.inner()).max(0.0));
-    let link = fastest_link(operation, places, &outcome.cuts, LINK_VOLUME);
+    let link = removal::fastest_link(places, &outcome.cuts, window, LINK_VOLUME);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
         operation: milled.operation,
@@ -507,29 +507,6 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         moves: engagement(operation.moves.len(), places, &removal, &arcs),
         removal: removal.shares(program, declared, places, (window, operation.moves.len())),
     }
-}
-
-/// Largest removal rate of a link, mm3/s, and a step of this link; only links that remove more than `least`, mm3,
-/// count.
-fn fastest_link(
-    operation: &MotionOperation,
-    places: &[StepPlace],
-    cuts: &[BlockCut],
-    least: f64,
-) -> Option<(f64, u32)> {
-    let mut links: Vec<(u32, f64, u32)> = Vec::new();
-    for c in cuts {
-        let Some(place) = places.get(c.block as usize).filter(|p| p.kind == MoveKind::Link) else { continue };
-        match links.last_mut() {
-            Some(link) if link.0 == place.index => link.1 += c.volume,
-            _ => links.push((place.index, c.volume, c.block)),
-        }
-    }
-    let rates = links.into_iter().filter(|l| l.1 > least).filter_map(|(index, volume, step)| {
-        let time = operation.moves.get(index as usize)?.time;
-        (time > 0.0).then_some((volume / time, step))
-    });
-    rates.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Engagement of the moves, from the engagement of their steps.

@@ -1,8 +1,9 @@
 //! Removal of the steps, averaged over a tip motion of some cells, and what it is of the limits of tool and spindle.
 
 use super::StepPlace;
-use crate::ir::{Operation, Program};
+use crate::ir::{MoveKind, Operation, Program};
 use crate::stock::BlockCut;
+use std::collections::BTreeMap;
 
 /// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
 const CHIP_SECTION: f64 = 1e-3;
@@ -110,4 +111,54 @@ pub(super) fn power(program: &Program, operation: &Operation, removal: &Removal)
     let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
     let powers = powers.map(|((rate, speed), step)| (material.power(rate / speed, speed * 60.0, teeth), step));
     powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Largest removal rate of a link, mm3/s, and the step that removes most of it, averaged over a tip motion `window`, mm, or
+/// over the link where the link is shorter. A long way through air does not lower it. Only moves that remove more than
+/// `least`, mm3, count.
+pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64, least: f64) -> Option<(f64, u32)> {
+    let mut volume = vec![0.0; places.len()];
+    let mut of_move: BTreeMap<u32, f64> = BTreeMap::new();
+    for c in cuts {
+        let step = c.block as usize;
+        if let Some(place) = places.get(step).filter(|p| p.kind == MoveKind::Link) {
+            volume[step] += c.volume;
+            *of_move.entry(place.index).or_default() += c.volume;
+        }
+    }
+    for (step, place) in places.iter().enumerate() {
+        if of_move.get(&place.index).is_none_or(|v| *v <= least) {
+            volume[step] = 0.0;
+        }
+    }
+    let mut fastest: Option<(f64, u32)> = None;
+    let mut next = 0;
+    for run in places.chunk_by(|a, b| a.kind == b.kind) {
+        let link = next..next + run.len();
+        next = link.end;
+        if run[0].kind != MoveKind::Link {
+            continue;
+        }
+        let mut start = link.start;
+        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
+        for end in link.clone() {
+            way += places[end].way;
+            time += places[end].time;
+            sum += volume[end];
+            while start < end && way - places[start].way >= window {
+                way -= places[start].way;
+                time -= places[start].time;
+                sum -= volume[start];
+                start += 1;
+            }
+            let full = way >= window || end + 1 == link.end;
+            let rate = if full && time > 0.0 { sum / time } else { 0.0 };
+            if rate > fastest.map_or(0.0, |f| f.0) {
+                let most = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
+                fastest = Some((rate, u32::try_from(most).unwrap_or(u32::MAX)));
+            }
+        }
+    }
+    // Differences of sums contain rounding errors.
+    fastest.filter(|f| volume.get(f.1 as usize).is_some_and(|v| *v > 0.0))
 }
