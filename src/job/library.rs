@@ -215,7 +215,7 @@ impl LibraryReader<'_> {
             Some(q) if q.dimension == due => self.fault(
                 self.span(text),
                 format!("`{}` is out of range", text.get_ref()),
-                format!("a value from {min} to {max} {} is expected", base(due)),
+                format!("a value from {} to {} {} is expected", due.bound(min), due.bound(max), base(due)),
                 "correct the value",
             ),
             Some(q) => self.fault(
@@ -425,7 +425,6 @@ impl LibraryReader<'_> {
 
 fn base(due: Dimension) -> &'static str {
     match due {
-        Dimension::ANGLE => "rad",
         Dimension::TURNING => "rad/min",
         Dimension::ACCELERATION => "mm/min2",
         Dimension::TURNING_ACCELERATION => "rad/min2",

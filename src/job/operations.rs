@@ -348,7 +348,7 @@ impl OperationReader<'_> {
             }
         };
         if !FEED.holds(feed) {
-            p.out_of_range(expr.span, "feed", &FEED.text("mm/min"));
+            p.out_of_range(expr.span, "feed", &FEED.text(Dimension::FEED));
             return None;
         }
         let feed = self.within_axes("feed", (feed, expr.span), p)?;

@@ -51,13 +51,15 @@ impl Range {
         }
     }
 
-    /// The range in words, for numbers with a unit.
-    pub(super) fn text(self, unit: &str) -> String {
+    /// The range in words.
+    pub(super) fn text(self, due: Dimension) -> String {
+        let unit = due.usual_unit();
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        let bound = |value: f64| due.bound(value);
         match self {
-            Self::Between(min, max) => format!("from {min} to {max}{unit}"),
-            Self::NotNegative(max) => format!("from 0 to {max}{unit}"),
-            Self::Within(max) => format!("from -{max} to {max}{unit}"),
+            Self::Between(min, max) => format!("from {} to {}{unit}", bound(min), bound(max)),
+            Self::NotNegative(max) => format!("from 0 to {}{unit}", bound(max)),
+            Self::Within(max) => format!("from -{} to {}{unit}", bound(max), bound(max)),
         }
     }
 }
@@ -216,7 +218,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         let value = value.filter(|v| {
             let good = range.holds(*v);
             if !good {
-                self.out_of_range(expr.span, name, &range.text(base_unit(due)));
+                self.out_of_range(expr.span, name, &range.text(due));
             }
             good
         });
@@ -364,14 +366,6 @@ impl<'a, 'c> Properties<'a, 'c> {
             }
         }
         out
-    }
-}
-
-/// Unit of range messages.
-fn base_unit(dimension: Dimension) -> &'static str {
-    match dimension {
-        Dimension::ANGLE => "rad",
-        other => other.usual_unit(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Numbers with a dimension, and the units of job and library files.
 
+use crate::units::trim;
 use std::fmt;
 
 /// Exponents of length, angle, time, turn, tooth and mass.
@@ -63,6 +64,12 @@ impl Dimension {
         let names = ["mm", "rad", "min", "turn", "tooth", "kg"];
         let powers = names.iter().zip(self.0).filter(|(_, p)| *p != 0);
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
+    }
+
+    /// A bound in base units as messages write it, in degrees for angles.
+    pub fn bound(self, value: f64) -> String {
+        // Bounds of angles are round in degrees, not in radians.
+        if self == Self::ANGLE { trim(value.to_degrees(), 2) } else { value.to_string() }
     }
 
     /// The unit that a message suggests where the unit is missing.
