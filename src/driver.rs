@@ -2,6 +2,7 @@
 
 mod library;
 mod nc_check;
+mod nc_diff;
 mod reading;
 mod report;
 mod rest_stock;
@@ -28,6 +29,7 @@ use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, job, lower};
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
+pub use nc_diff::{NcDiff, diff};
 pub use stages::{Emit, Stages};
 use std::path::{Path, PathBuf};
 

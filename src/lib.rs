@@ -37,6 +37,7 @@
 
 pub mod analysis;
 pub mod collide;
+pub mod compare;
 pub mod contract;
 pub mod diag;
 #[cfg(feature = "cli")]

@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, Exit, render};
-use impellerc::driver::{self, Emit, NcCheck, Options, Outcome, RunOptions, Stages};
+use impellerc::driver::{self, Emit, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages};
 use impellerc::output::interrupt;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -20,6 +20,13 @@ const EXIT_CODES: &str = "Exit codes:
   2  job, library, NC text, certificate or command line has a fault, or no program can be planned for the job
   3  a file cannot be read or written
 If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
+
+/// Exit codes of a comparison, for the help.
+const DIFF_CODES: &str = "Exit codes:
+  0  for the machine both texts are the same
+  1  an operation differs
+  2  job, library, NC text or command line has a fault
+  3  a file cannot be read";
 
 /// Compiles the job of an impeller into a verified five-axis NC program
 #[derive(Parser)]
@@ -134,6 +141,44 @@ enum Command {
         #[command(flatten)]
         run: Box<RunArguments>,
     },
+    /// Tells what differs for the machine between two NC texts of one job: poses, speeds, times, ranges of the axes.
+    /// The texts may be in two dialects
+    #[command(after_help = DIFF_CODES)]
+    Diff {
+        /// First NC file
+        first: PathBuf,
+
+        /// Second NC file
+        second: PathBuf,
+
+        /// Job of both texts
+        #[arg(long, value_name = "FILE")]
+        job: PathBuf,
+
+        /// Machine of the second text, where it is another one than that of the first
+        #[arg(long, value_name = "NAME")]
+        other_machine: Option<String>,
+
+        /// Machine of both texts instead of the machine of the job
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        /// Search this folder first for machine and tool files (subfolders `machines` and `tools`)
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+
+        /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
+        #[arg(long, value_name = "DIR")]
+        curves: Option<PathBuf>,
+
+        /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+        #[arg(long)]
+        timings: bool,
+
+        /// Format of errors, warnings and remarks
+        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+        error_format: ErrorFormat,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -174,6 +219,11 @@ fn main() -> ExitCode {
             let (format, timings) = (run.error_format, run.timings);
             let check = NcCheck { nc, job, certificate, run: run.options(post) };
             finish(format, timings, |stages| driver::verify(&check, stages))
+        }
+        Some(Command::Diff { first, second, job, other_machine, machine, library, curves, timings, error_format }) => {
+            let run = RunOptions { library, machine, curves, ..RunOptions::default() };
+            let options = NcDiff { nc: [first, second], job, other_machine, run };
+            finish(error_format, timings, |stages| driver::diff(&options, stages))
         }
         None => {
             let (format, timings) = (run.error_format, run.timings);

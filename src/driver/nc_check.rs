@@ -55,7 +55,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
-    let program = check.job.as_ref().map(|job| program(check, job, stages, outcome)).transpose()?;
+    let program = check.job.as_ref().map(|job| program(&check.run, job, stages, outcome)).transpose()?;
     let inputs = super::inputs(&outcome.sources);
     let disk = |path: &Path| path.canonicalize().ok();
     let nc = SourceFile { disk: disk(&check.nc), ..SourceFile::text(shown_path(&check.nc), text) };
@@ -74,8 +74,14 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     measured.map(|_| ())
 }
 
-fn program(check: &NcCheck, job: &Path, stages: &mut Stages, outcome: &mut Outcome) -> Result<Program, Aborted> {
-    let options = Options { job: job.to_path_buf(), run: check.run.clone(), ..Options::default() };
+/// The program of the job, on a machine and for a part that a text can be measured with.
+pub(super) fn program(
+    run: &RunOptions,
+    job: &Path,
+    stages: &mut Stages,
+    outcome: &mut Outcome,
+) -> Result<Program, Aborted> {
+    let options = Options { job: job.to_path_buf(), run: run.clone(), ..Options::default() };
     let program = front(&options, stages, outcome)?.ok_or(Aborted)?;
     analysis::machine_kind::check(&program, &mut outcome.sink)?;
     analysis::part_kind::check(&program, &mut outcome.sink)?;
@@ -383,7 +389,7 @@ fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, Cer
 }
 
 /// The motion that a text commands.
-fn read_motion(
+pub(super) fn read_motion(
     post: &dyn Post,
     program: &Program,
     sources: &SourceMap,
@@ -452,7 +458,7 @@ fn with_line(
 }
 
 /// The NC text.
-fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
+pub(super) fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
     let due = "give the NC text that the control would run";
     let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {

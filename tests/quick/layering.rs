@@ -29,6 +29,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),
     ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
+    ("compare", &["ir", "kin"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "part", "geom", "kin", "collide"]),
     ("output", &[]),

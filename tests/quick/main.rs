@@ -43,6 +43,7 @@ mod meanings;
 mod messages;
 mod milling;
 mod mutations;
+mod nc_diff;
 mod orientation_engines;
 mod outputs;
 mod parts;

@@ -88,4 +88,9 @@ least one of the two.\n\nRemedy: add `--job job.imp`, `--certificate part.json`,
         "The contracts were measured on the text. The certificate has other figures, and the digits of the NC words \
 do not explain the difference. The certificate was edited, or another version of the compiler measured it.\n\nRemedy: \
 rely on the measurement, and compile the job again.";
+    DIFFERS = "IMP0830", "two texts differ for the machine",
+        "`impellerc diff` has read both NC texts as motions of the operations of one job. In this operation tip, tool \
+axis, speed or time differ by more than the digits of NC words. Comments, block numbers, modal words and the division of \
+a way into blocks do not count.\n\nRemedy: nothing, if the difference is meant; otherwise compare the jobs, the machine \
+files and the versions of the compiler that wrote the texts.";
 }

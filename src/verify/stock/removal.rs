@@ -20,6 +20,36 @@ pub(super) struct Removal {
     pub(super) rate: Option<(f64, usize)>,
 }
 
+/// The steps up to one of them that just cover a tip motion.
+#[derive(Clone, Copy)]
+struct LastWay {
+    /// First step.
+    start: usize,
+    /// Tip motion, mm, time, s, and removed volume, mm3.
+    way: f64,
+    time: f64,
+    sum: f64,
+}
+
+impl LastWay {
+    fn new(start: usize) -> Self {
+        Self { start, way: 0.0, time: 0.0, sum: 0.0 }
+    }
+
+    /// Takes the next step, and leaves out the first ones that the tip motion `window` does not need.
+    fn take(&mut self, end: usize, places: &[StepPlace], volume: &[f64], window: f64) {
+        self.way += places[end].way;
+        self.time += places[end].time;
+        self.sum += volume[end];
+        while self.start < end && self.way - places[self.start].way >= window {
+            self.way -= places[self.start].way;
+            self.time -= places[self.start].time;
+            self.sum -= volume[self.start];
+            self.start += 1;
+        }
+    }
+}
+
 impl Removal {
     pub(super) fn new(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Self {
         let mut volume = vec![0.0; places.len()];
@@ -34,19 +64,10 @@ impl Removal {
             speeds: vec![0.0; places.len()],
             rate: None,
         };
-        let mut start = 0;
-        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
+        let mut last = LastWay::new(0);
         for end in 0..places.len() {
-            way += places[end].way;
-            time += places[end].time;
-            sum += volume[end];
-            // The shortest sequence of steps that covers the window.
-            while start < end && way - places[start].way >= window {
-                way -= places[start].way;
-                time -= places[start].time;
-                sum -= volume[start];
-                start += 1;
-            }
+            last.take(end, places, &volume, window);
+            let LastWay { start, way, time, sum } = last;
             // Differences of sums contain rounding errors.
             if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
                 // Steps without removal between steps with removal count as cutting; steps before and after do not.
@@ -139,18 +160,10 @@ pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64,
         if run[0].kind != MoveKind::Link {
             continue;
         }
-        let mut start = link.start;
-        let (mut way, mut time, mut sum) = (0.0, 0.0, 0.0);
+        let mut last = LastWay::new(link.start);
         for end in link.clone() {
-            way += places[end].way;
-            time += places[end].time;
-            sum += volume[end];
-            while start < end && way - places[start].way >= window {
-                way -= places[start].way;
-                time -= places[start].time;
-                sum -= volume[start];
-                start += 1;
-            }
+            last.take(end, places, &volume, window);
+            let LastWay { start, way, time, sum } = last;
             let full = way >= window || end + 1 == link.end;
             let rate = if full && time > 0.0 { sum / time } else { 0.0 };
             if rate > fastest.map_or(0.0, |f| f.0) {
