@@ -21,13 +21,13 @@ const AHEAD: f64 = 1.0;
 const ROUNDING: f64 = 1e-9;
 
 /// A pose for which no sample is nearer than `least`, mm.
-struct Known {
+struct KnownPose {
     tip: Point3<f64>,
     axis: Vector3<f64>,
     least: f64,
 }
 
-impl Known {
+impl KnownPose {
     /// Lower bound of the distance in another pose; no point of the tool is farther than `arm` from its tip.
     fn at(&self, tip: &Point3<f64>, axis: &Vector3<f64>, arm: f64) -> f64 {
         self.least - (tip - self.tip).norm() - arm * (axis - self.axis).norm() - ROUNDING
@@ -70,7 +70,7 @@ pub fn least(
     // Lower bound over pieces that were not halved down to the resolution.
     let mut unseen = f64::INFINITY;
     let mut stack: Vec<Piece> = Vec::new();
-    let mut known: Option<Known> = None;
+    let mut known: Option<KnownPose> = None;
     for piece in pieces {
         stack.push(*piece);
         while let Some(piece) = stack.pop() {
@@ -84,7 +84,7 @@ pub fn least(
             } else {
                 let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + AHEAD);
                 let least = found.map_or(cutoff + AHEAD, |f| f.0);
-                known = Some(Known { tip: *tip, axis: *axis, least });
+                known = Some(KnownPose { tip: *tip, axis: *axis, least });
                 found.filter(|f| f.0 < cutoff)
             };
             let Some((found, index)) = found else {

@@ -1,15 +1,13 @@
 //! Channel floors with a bull nose in the middle and the ball of the fillets beside the walls.
 
 use crate::channel_floor::{Ways, azimuth};
-use crate::support;
+use crate::larger_balls::with_tools;
 use impellerc::collide::Cutter;
 use impellerc::collide::tool::tool_coordinates;
 use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
-use impellerc::ir::{ClPoint, Contract, ContractKind, Drive, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines, Spacing};
+use impellerc::ir::{ClPoint, Contract, ContractKind, Drive, Program};
+use impellerc::method::AxisMethod;
 use impellerc::passes::pipeline::{self, Plan};
-use impellerc::units::Mm;
 use impellerc::verify::certify;
 use nalgebra::{Point3, Vector2};
 use std::collections::BTreeMap;
@@ -20,22 +18,8 @@ const BULL: Cutter = Cutter::Bull { radius: 4.0, corner: 1.5 };
 
 /// The paper's part with nothing but the finishing of one channel: a larger tool, then the ball of the fillets.
 fn program(larger: Cutter) -> Program {
-    let mut program = support::wei_program(&[0]);
-    (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
-    let methods = [AxisMethod::Lead, AxisMethod::Corridor];
-    for (k, (cutter, method)) in [larger, Cutter::Ball { radius: 3.0 }].into_iter().zip(methods).enumerate() {
-        let number = k as u32 + 1;
-        let tool = program.tools.push(support::tool(&format!("t{number}"), number, cutter, 30.0, 50.0));
-        let kind = OperationKind::Channel {
-            scallop: Mm(SCALLOP),
-            spacing: Spacing::ConstantScallop,
-            lines: Lines::Zigzag,
-            method,
-            allowance_vane: (k == 0).then_some(Mm(ALLOWANCE)),
-        };
-        program.operations.push(support::operation(&format!("channel{number}"), kind, tool, vec![0], 8.0));
-    }
-    program
+    let ball = Cutter::Ball { radius: 3.0 };
+    with_tools(&[(larger, AxisMethod::Lead), (ball, AxisMethod::Corridor)], SCALLOP, ALLOWANCE)
 }
 
 fn plan(program: &Program) -> Plan {

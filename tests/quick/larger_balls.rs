@@ -22,18 +22,24 @@ fn balls(radii: &[f64], scallop: f64, allowance: f64) -> Program {
 
 /// The same with a method for the tool axes.
 fn with_axes(radii: &[f64], scallop: f64, allowance: f64, method: AxisMethod) -> Program {
+    let balls = radii.iter().map(|radius| (Cutter::Ball { radius: *radius }, method));
+    with_tools(&balls.collect::<Vec<_>>(), scallop, allowance)
+}
+
+/// The paper's part with nothing but the finishing of one channel: tools in their order with the method for their axes, each
+/// but the last with an allowance on the vanes.
+pub(crate) fn with_tools(tools: &[(Cutter, AxisMethod)], scallop: f64, allowance: f64) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
-    for (k, radius) in radii.iter().enumerate() {
+    for (k, (cutter, method)) in tools.iter().enumerate() {
         let number = k as u32 + 1;
-        let cutter = Cutter::Ball { radius: *radius };
-        let tool = program.tools.push(support::tool(&format!("t{number}"), number, cutter, 30.0, 50.0));
+        let tool = program.tools.push(support::tool(&format!("t{number}"), number, *cutter, 30.0, 50.0));
         let kind = OperationKind::Channel {
             scallop: Mm(scallop),
             spacing: Spacing::ConstantScallop,
             lines: Lines::Zigzag,
-            method,
-            allowance_vane: (k + 1 < radii.len()).then_some(Mm(allowance)),
+            method: *method,
+            allowance_vane: (k + 1 < tools.len()).then_some(Mm(allowance)),
         };
         program.operations.push(support::operation(&format!("channel{number}"), kind, tool, vec![0], 8.0));
     }

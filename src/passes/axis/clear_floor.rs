@@ -63,9 +63,10 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, allowance: Mm) -> Opt
     let pairs = (0..all.len()).flat_map(|i| (0..all.len()).map(move |j| (i, j)));
     let area = |pair: (usize, usize)| (0..places.len()).map(|k| width(pair, k)).sum::<f64>();
     let (i, j) = pairs.map(|pair| (pair, area(pair))).reduce(|a, b| if b.1 > a.1 { b } else { a })?.0;
-    let other = all.swap_remove(j);
-    let one = if i == j { return Some(other) } else { all.into_iter().nth(i) };
-    one.map(|middle| middle.between(&other))
+    if let Ok([middle, other]) = all.get_disjoint_mut([i, j]) {
+        middle.up_to(other);
+    }
+    Some(all.swap_remove(i))
 }
 
 /// True where a bull nose keeps the allowance from vanes and fillets, its end is out of the hub, and shank and holder keep

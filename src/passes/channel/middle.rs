@@ -90,10 +90,9 @@ impl<'a> Middle<'a> {
         beyond.into_iter().filter_map(at).collect()
     }
 
-    /// The first outer line of one middle and the second of another.
-    pub(crate) fn between(mut self, other: &Self) -> Self {
+    /// Takes the second outer line of another middle.
+    pub(crate) fn up_to(&mut self, other: &Self) {
         self.floor.walls[1].clone_from(&other.floor.walls[1]);
-        self
     }
 
     /// What drives the tool of lines in the middle.

@@ -121,11 +121,11 @@ pub(crate) struct Crossing<'a> {
     u: f64,
     /// Both walls.
     lines: [FaceLine<'a>; 2],
-    middle: OnceCell<Middle>,
+    middle: OnceCell<MiddleHeight>,
 }
 
 /// What the tool axes at one u depend on.
-struct Middle {
+struct MiddleHeight {
     /// Walls at half height here, and a step before and behind.
     walls: Walls,
     before: Walls,
@@ -160,11 +160,11 @@ impl Crossing<'_> {
         Walls::facing(self.lines.map(|line| line.point(v)), self.chart.part.pitch())
     }
 
-    fn middle(&self) -> &Middle {
+    fn middle(&self) -> &MiddleHeight {
         self.middle.get_or_init(|| {
             let walls = |u: f64| self.chart.crossing(u).walls(0.5);
             let [before, behind] = [self.u - AXIS_STEP, self.u + AXIS_STEP].map(walls);
-            Middle { walls: self.walls(0.5), before, behind, rulings: self.chart.rulings(self.u) }
+            MiddleHeight { walls: self.walls(0.5), before, behind, rulings: self.chart.rulings(self.u) }
         })
     }
 

@@ -1,7 +1,7 @@
 //! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and way at
 //! feed over the arc.
 
-use super::{Removal, StepPlace};
+use super::{StepPlace, StepRemoval};
 use crate::ir::MoveKind;
 use crate::stock::{BlockCut, END_ERROR, Lune, SLICES, Sides, Slices};
 use crate::verify::proof::piece::At;
@@ -102,7 +102,12 @@ pub(super) struct StepArc {
 
 /// Arcs of all steps. Chips of all steps at feed in the same direction over the tip motion `window` that ends with a
 /// step show its arc: the rays seldom meet all chips of a step that is shorter than a cell.
-pub(super) fn of_steps(places: &[StepPlace], removal: &Removal, cuts: &[BlockCut], circle: &Circle) -> Vec<StepArc> {
+pub(super) fn of_steps(
+    places: &[StepPlace],
+    removal: &StepRemoval,
+    cuts: &[BlockCut],
+    circle: &Circle,
+) -> Vec<StepArc> {
     let mut own: Vec<Option<&BlockCut>> = vec![None; places.len()];
     for c in cuts.iter().filter(|c| c.height[0] <= c.height[1]) {
         if let Some(cut) = own.get_mut(c.block as usize) {
@@ -183,7 +188,7 @@ impl StepArc {
 
 /// Marks the slots: steps at full width, and the cuts without a break up to the tip motion `reach` before and behind
 /// such a step, in which the cutter runs into the channel and out of it.
-fn mark_slots(places: &[StepPlace], removal: &Removal, arcs: &mut [StepArc], reach: f64) {
+fn mark_slots(places: &[StepPlace], removal: &StepRemoval, arcs: &mut [StepArc], reach: f64) {
     for full in (0..arcs.len()).filter(|i| arcs[*i].full).collect::<Vec<_>>() {
         let cuts = |i: &usize| removal.cuts[*i] && places[*i].kind != MoveKind::Rapid;
         arcs[full].slot = true;
@@ -208,7 +213,7 @@ fn mark_slots(places: &[StepPlace], removal: &Removal, arcs: &mut [StepArc], rea
 
 impl ArcTimes {
     /// The classes of all steps at feed.
-    pub(super) fn new(places: &[StepPlace], removal: &Removal, arcs: &[StepArc]) -> Self {
+    pub(super) fn new(places: &[StepPlace], removal: &StepRemoval, arcs: &[StepArc]) -> Self {
         let mut found = Self::default();
         for (i, place) in places.iter().enumerate().filter(|(_, p)| p.kind != MoveKind::Rapid) {
             let add = |to: &mut [f64; 2]| *to = [to[0] + place.time, to[1] + place.way];

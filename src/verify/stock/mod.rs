@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 
 use arcs::{Circle, StepArc};
-use removal::Removal;
+use removal::StepRemoval;
 
 /// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
 const STEP_LENGTH: f64 = 2.0;
@@ -462,7 +462,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     let milled = Milled::new(program, operation, o, field, work);
     let Milled { places, outcome, .. } = &milled;
     let window = WINDOW_CELLS * field.cell();
-    let removal = Removal::new(places, &outcome.cuts, window);
+    let removal = StepRemoval::new(places, &outcome.cuts, window);
     let declared = &program.operations[operation.operation];
     let solid = &program.tools[declared.tool].solid;
     let radius = solid.cutter.widest_below(solid.flute_length);
@@ -510,7 +510,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
 }
 
 /// Engagement of the moves, from the engagement of their steps.
-fn engagement(count: usize, places: &[StepPlace], removal: &Removal, arcs: &[StepArc]) -> Vec<Engagement> {
+fn engagement(count: usize, places: &[StepPlace], removal: &StepRemoval, arcs: &[StepArc]) -> Vec<Engagement> {
     let mut moves = vec![Engagement::default(); count];
     let mut times = vec![0.0; count];
     for (p, rate) in places.iter().zip(&removal.rates) {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 const CHIP_SECTION: f64 = 1e-3;
 
 /// Removal averaged over a tip motion of some cells around each step.
-pub(super) struct Removal {
+pub(super) struct StepRemoval {
     /// Whether the tool cuts in each step.
     pub(super) cuts: Vec<bool>,
     /// Rate of each step, mm3/s, over the window that ends with the step.
@@ -50,7 +50,7 @@ impl LastWay {
     }
 }
 
-impl Removal {
+impl StepRemoval {
     pub(super) fn new(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Self {
         let mut volume = vec![0.0; places.len()];
         for c in cuts {
@@ -126,7 +126,7 @@ impl Removal {
 }
 
 /// Largest power at the cutter, kW, and its step; `None` without the material.
-pub(super) fn power(program: &Program, operation: &Operation, removal: &Removal) -> Option<(f64, u32)> {
+pub(super) fn power(program: &Program, operation: &Operation, removal: &StepRemoval) -> Option<(f64, u32)> {
     let material = program.stock.material?;
     let teeth = operation.speed.get() * f64::from(program.tools[operation.tool].flutes);
     let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
