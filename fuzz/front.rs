@@ -44,6 +44,10 @@ impl Files for Texts<'_> {
         find(name, self.tools, shipped::TOOLS)
     }
 
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        find(name, None, shipped::POSTS)
+    }
+
     fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         find(path, Some(self.curves), &[])
     }

@@ -16,8 +16,8 @@ use crate::export::certificate_file::{
 };
 use crate::export::picture;
 use crate::ir::print::{self, Detail};
-use crate::ir::{Motion, PostChoice, Program};
-use crate::job::{Fault, Files, Job};
+use crate::ir::{Motion, Program};
+use crate::job::{Fault, Files, Job, MissingFile};
 use crate::output::Outputs;
 use crate::passes::pipeline::{self, Plan};
 use crate::post::{self, NcProgram, Post};
@@ -187,6 +187,8 @@ fn check_before_planning(
     analysis::machine_kind::check(program, sink)?;
     analysis::part_kind::check(program, sink)?;
     let post = find_post(program, sink)?;
+    post.check_machine(&program.machine, sink);
+    post::trial::check(post, program, sink);
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
@@ -301,7 +303,13 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     if let Some(name) = &options.run.machine {
         take_machine(name, &mut ast, &mut files, sink)?;
     }
-    let job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
+    if let Some(name) = &options.run.post {
+        take_post(name, &mut ast, &mut files, sink)?;
+    }
+    let mut job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
+    if options.run.post.is_some() {
+        job.post.span = None;
+    }
     if options.emit == Some(Emit::Job) {
         *emitted = Some(job::print::print(&job));
         return Ok(None);
@@ -309,28 +317,43 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
 
     let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
     program.memory = options.run.memory.unwrap_or(program.memory);
-    if let Some(name) = &options.run.post {
-        program.post = PostChoice { name: name.clone(), span: None };
-    }
     Ok(Some(program))
+}
+
+/// Refuses a file of the library that the command line names and that does not exist.
+fn in_library(
+    found: Result<SourceFile, MissingFile>,
+    (kind, name): (&str, &str),
+    sink: &mut Sink,
+) -> Result<(), Aborted> {
+    let Err(missing) = found else { return Ok(()) };
+    let (code, fault) = match missing.fault {
+        Fault::Absent => (files::NOT_IN_LIBRARY, format!("there is no {kind} file `{name}`")),
+        Fault::Unreadable | Fault::Outside => (files::CANNOT_READ, format!("the {kind} file `{name}` cannot be read")),
+    };
+    let mut diag = Diag::error(code, fault).note(missing.reason).note(format!("required by `--{kind}`"));
+    if !missing.known.is_empty() {
+        diag = diag.help(format!("the {kind}s are {}", missing.known.join(", ")));
+    }
+    sink.push(diag);
+    Err(Aborted)
+}
+
+/// Replaces the post of the job by the post of the command line. The properties of the post of the job go with it.
+fn take_post(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
+    in_library(library.post(name), ("post", name), sink)?;
+    for item in &mut ast.items {
+        if let ItemKind::Post { name: of_job, body } = &mut item.kind {
+            name.clone_into(&mut of_job.text);
+            *body = None;
+        }
+    }
+    Ok(())
 }
 
 /// Replaces the machine of the job by the machine of the command line.
 fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
-    if let Err(missing) = library.machine(name) {
-        let (code, fault) = match missing.fault {
-            Fault::Absent => (files::NOT_IN_LIBRARY, format!("there is no machine file `{name}`")),
-            Fault::Unreadable | Fault::Outside => {
-                (files::CANNOT_READ, format!("the machine file `{name}` cannot be read"))
-            }
-        };
-        let mut diag = Diag::error(code, fault).note(missing.reason).note("required by `--machine`");
-        if !missing.known.is_empty() {
-            diag = diag.help(format!("the machines are {}", missing.known.join(", ")));
-        }
-        sink.push(diag);
-        return Err(Aborted);
-    }
+    in_library(library.machine(name), ("machine", name), sink)?;
     for item in &mut ast.items {
         if let ItemKind::Use { kind, what } = &mut item.kind
             && kind.text == "machine"
@@ -341,17 +364,16 @@ fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut 
     Ok(())
 }
 
-/// The dialect of the command line, or else of the job.
+/// The dialect that the post file names.
 fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
-    let name = &program.post.name;
+    let name = &program.post.dialect;
     post::find(name).ok_or_else(|| {
         let known: Vec<&str> = post::POSTS.iter().map(|p| p.name()).collect();
-        let mut diag = Diag::error(post_codes::UNKNOWN_POST, format!("there is no post `{name}`"))
-            .help(format!("the posts are {}", known.join(", ")));
-        if let Some(span) = program.post.span {
-            diag = diag.label(span, "required here");
-        }
-        sink.push(diag);
+        sink.push(
+            Diag::error(post_codes::UNKNOWN_POST, format!("there is no dialect `{name}`"))
+                .label(program.post.dialect_span, "required here")
+                .help(format!("the dialects are {}", known.join(", "))),
+        );
         Aborted
     })
 }
@@ -385,7 +407,7 @@ impl Written {
         post: &dyn Post,
         inputs: Inputs,
     ) -> Result<Self, Diag> {
-        let mut nc = post.emit(program, motion, &header(program, certificate, &inputs));
+        let mut nc = post::emit(post, program, motion, &header(program, certificate, &inputs));
         // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;
         let fill = |nc: &mut NcProgram, word: &str, hash: &str| {

@@ -27,7 +27,7 @@
 //! let plan = pipeline::run_with(&program, &progress, &mut sink).expect("paths");
 //! let (motion, certificate) = verify::verify(&program, plan.motion, &mut sink).expect("a motion that holds");
 //! assert!(certificate.contracts.iter().all(|c| c.holds));
-//! let nc = post::find("siemens-840d").expect("a post").emit(&program, &motion, &[]);
+//! let nc = post::emit(post::find("siemens-840d").expect("a post"), &program, &motion, &[]);
 //! assert!(nc.text().contains("TRAORI"));
 //! ```
 
@@ -59,6 +59,7 @@ pub mod output;
 pub mod part;
 pub mod passes;
 pub mod post;
+pub mod post_file;
 pub mod progress;
 pub mod source;
 pub mod stock;

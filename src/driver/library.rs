@@ -160,6 +160,10 @@ impl Files for DiskFiles {
         self.find("tools", name, shipped::TOOLS)
     }
 
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        self.find("posts", name, shipped::POSTS)
+    }
+
     fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         let (file, origin) = self.named(path)?;
         let found = read(&file, path, MAX_CURVES, origin)?;

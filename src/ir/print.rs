@@ -42,7 +42,7 @@ pub fn program(program: &Program) -> String {
         "tolerance chord {} rough {}, clearance {}",
         program.tolerances.chord, program.tolerances.chord_rough, program.clearance
     );
-    let _ = writeln!(t, "post {}", program.post.name);
+    let _ = writeln!(t, "post {}, {}", program.post.name, program.post.orientation.name());
     t
 }
 

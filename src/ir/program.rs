@@ -9,6 +9,7 @@ use crate::geom::Revolution;
 use crate::kin::Machine;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
+use crate::post_file::PostFile;
 use crate::source::Span;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
 use nalgebra::Point3;
@@ -43,8 +44,8 @@ pub struct Program {
     pub allowed: Vec<Allowed>,
     /// Machine with the part mounted on its table.
     pub machine: Machine,
-    /// Dialect to write.
-    pub post: PostChoice,
+    /// Dialect to write, with its number formats and frames.
+    pub post: PostFile,
     /// Tolerances of the planned paths.
     pub tolerances: Tolerances,
     /// Least distance of shank and holder to the part that planning keeps.
@@ -189,15 +190,6 @@ pub struct Allowed {
     pub reason: String,
     /// Its line in the job.
     pub span: Span,
-}
-
-/// The dialect of the job or the command line.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PostChoice {
-    /// Name in the table of posts.
-    pub name: String,
-    /// Its place in the job; `None` when the command line names the dialect.
-    pub span: Option<Span>,
 }
 
 impl Program {

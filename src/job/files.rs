@@ -17,6 +17,12 @@ pub trait Files {
     /// [`MissingFile`] when the file does not exist or cannot be read.
     fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile>;
 
+    /// Text of a post file.
+    ///
+    /// # Errors
+    /// [`MissingFile`] when the file does not exist or cannot be read.
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile>;
+
     /// Text of a curve file.
     ///
     /// # Errors
@@ -61,6 +67,8 @@ pub struct InMemory {
     pub machines: BTreeMap<String, String>,
     /// Tool libraries by name.
     pub tools: BTreeMap<String, String>,
+    /// Post files by name.
+    pub posts: BTreeMap<String, String>,
     /// Curve files by the path in the job.
     pub curves: BTreeMap<String, String>,
     /// Mesh files by the path in the job.
@@ -110,6 +118,10 @@ impl Files for InMemory {
         find("tools", name, &self.tools, shipped::TOOLS)
     }
 
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        find("posts", name, &self.posts, shipped::POSTS)
+    }
+
     fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         named(path, &self.curves, |text| SourceFile::text("", text))
     }
@@ -129,4 +141,9 @@ pub mod shipped {
     ];
     /// Tool libraries by name.
     pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../jobs/_lib/tools/carbide.toml"))];
+    /// Post files by name.
+    pub const POSTS: &[(&str, &str)] = &[
+        ("linuxcnc", include_str!("../../jobs/_lib/posts/linuxcnc.toml")),
+        ("siemens-840d", include_str!("../../jobs/_lib/posts/siemens-840d.toml")),
+    ];
 }

@@ -19,7 +19,7 @@ const NO_DIRECTION: f64 = 1e-6;
 /// Cycle times of controls, s.
 const CYCLE: [f64; 2] = [1e-6, 1e-2];
 
-type SpannedText = Spanned<String>;
+pub(super) type SpannedText = Spanned<String>;
 
 /// Largest length in library files, mm.
 const LONGEST: f64 = 100_000.0;
@@ -188,24 +188,24 @@ pub(super) struct ToolLibrary {
     pub(super) tools: BTreeMap<String, ToolSpec>,
 }
 
-struct LibraryReader<'a> {
-    source: SourceId,
-    sink: &'a mut Sink,
-    faults: bool,
+pub(super) struct LibraryReader<'a> {
+    pub(super) source: SourceId,
+    pub(super) sink: &'a mut Sink,
+    pub(super) faults: bool,
 }
 
 impl LibraryReader<'_> {
-    fn span<T>(&self, value: &Spanned<T>) -> Span {
+    pub(super) fn span<T>(&self, value: &Spanned<T>) -> Span {
         Span::new(self.source, value.span())
     }
 
-    fn fault(&mut self, span: Span, message: String, label: String, help: &str) {
+    pub(super) fn fault(&mut self, span: Span, message: String, label: String, help: &str) {
         self.faults = true;
         self.sink.push(Diag::error(codes::LIBRARY, message).label(span, label).help(help));
     }
 
     /// A quantity in base units.
-    fn quantity(&mut self, text: &SpannedText, due: Dimension, min: f64, max: f64) -> f64 {
+    pub(super) fn quantity(&mut self, text: &SpannedText, due: Dimension, min: f64, max: f64) -> f64 {
         let example = match due.usual_unit() {
             "" => "3".to_owned(),
             unit => format!("3 {unit}"),
@@ -434,7 +434,7 @@ fn base(due: Dimension) -> &'static str {
     }
 }
 
-fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
+pub(super) fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
     let span = Span::new(source, error.span().unwrap_or(0..0));
     let message = error.message().lines().next().unwrap_or("unreadable").to_owned();
     Diag::error(codes::LIBRARY, format!("the library file {name} has a fault"))

@@ -13,6 +13,7 @@ pub mod model;
 mod operations;
 mod part;
 mod plunge;
+mod post_file;
 pub mod print;
 mod properties;
 pub mod quantity;
@@ -23,4 +24,5 @@ mod tools;
 
 pub use files::{Fault, Files, InMemory, MissingFile};
 pub use model::{Job, PartialJob};
+pub use post_file::shipped as shipped_post;
 pub use resolve::{resolve, understand};

@@ -6,6 +6,7 @@ use crate::material::Material;
 use crate::method::Planning;
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
+use crate::post_file::PostFile;
 use crate::source::Span;
 use crate::stock::Mesh;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
@@ -36,8 +37,8 @@ pub struct Job {
     /// Distance of shank and holder to the part that planning keeps: the largest bound of a `require clearance` for
     /// them, or 0.5 mm.
     pub clearance: Mm,
-    /// Dialect, and its place in the job.
-    pub post: (String, Span),
+    /// Dialect, number formats and frames.
+    pub post: PostFile,
 }
 
 /// The readable content of a text, with or without faults: an editor answers from it while a job is being written.
@@ -61,8 +62,8 @@ pub struct PartialJob {
     pub chord: Mm,
     /// Chord tolerance in roughing.
     pub chord_rough: Mm,
-    /// Dialect, where it is named.
-    pub post: Option<(String, Span)>,
+    /// Dialect, number formats and frames, where they are readable.
+    pub post: Option<PostFile>,
     /// True when the text has no fault: only then indices of one list into another are valid.
     pub whole: bool,
 }

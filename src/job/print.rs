@@ -6,7 +6,8 @@ use crate::method::FlankMethod;
 use crate::method::Planning;
 use crate::operation::{Allowances, word};
 use crate::part::FaceId;
-use crate::units::trim;
+use crate::post_file::PostFile;
+use crate::units::{Rad, trim};
 use std::fmt::Write;
 
 /// The job as text.
@@ -47,8 +48,26 @@ pub fn print(job: &Job) -> String {
     for a in &job.allowed {
         let _ = writeln!(out, "allow {}{} {:?}", a.kind.name(), a.scope.text(operation), a.reason);
     }
-    let _ = writeln!(out, "post {}", job.post.0);
+    post(&mut out, &job.post);
     out
+}
+
+fn post(out: &mut String, post: &PostFile) {
+    let numbers = match post.block_numbers {
+        0 => "no block numbers".to_owned(),
+        step => format!("block numbers in steps of {step}"),
+    };
+    let turn = post.orientation_tolerance.map_or("by the flutes of each tool".to_owned(), |t| Rad(t).to_string());
+    let _ = writeln!(out, "post {}, dialect {}", post.name, post.dialect);
+    let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.orientation.name());
+    let _ =
+        writeln!(out, "  {numbers}, program number {}, lines end with {}", post.program_number, post.line_end.name());
+    let d = post.decimals;
+    let _ = writeln!(
+        out,
+        "  digits behind the point: lengths {}, angles {}, vectors {}, feeds {}",
+        d.length, d.angle, d.vector, d.feed
+    );
 }
 
 /// A limit of jerk with its unit.

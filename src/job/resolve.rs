@@ -10,10 +10,11 @@ use super::model::{
 use super::operations::Workpiece;
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
-use super::{contracts, operations, part, stock_file, tools};
+use super::{contracts, operations, part, post_file, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::material::Material;
+use crate::post_file::PostFile;
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{Block, File, Item, ItemKind, Name, Text, Value};
 use crate::units::Mm;
@@ -136,22 +137,27 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
             library::machine(&what.text, source, cx.sources, what.span, cx.sink)
         }
         Err(missing) => {
-            cx.sink.push(not_in_library("machine", &what, &missing));
+            cx.sink.push(not_in_library("machine", inner(&what), &missing));
             None
         }
     }
 }
 
-fn not_in_library(kind: &str, what: &Text, missing: &MissingFile) -> Diag {
+/// The diagnostic for a file that the library does not have; `span` is that of its name without quotes.
+fn not_in_library(kind: &str, (name, span): (&str, Span), missing: &MissingFile) -> Diag {
     if missing.fault == Fault::Unreadable {
-        return Diag::error(file_codes::CANNOT_READ, format!("the {kind} file `{}` cannot be read", what.text))
-            .label(what.span, missing.reason.clone())
+        return Diag::error(file_codes::CANNOT_READ, format!("the {kind} file `{name}` cannot be read"))
+            .label(span, missing.reason.clone())
             .help("correct the file in the library, or name another one");
     }
-    let diag = Diag::error(file_codes::NOT_IN_LIBRARY, format!("there is no {kind} file `{}`", what.text));
+    let diag = Diag::error(file_codes::NOT_IN_LIBRARY, format!("there is no {kind} file `{name}`"));
     let known: Vec<_> = missing.known.iter().map(String::as_str).collect();
-    let inner = Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span };
-    suggest(diag, &what.text, inner, "file", &known).note(missing.reason.clone())
+    suggest(diag, name, span, "file", &known).note(missing.reason.clone())
+}
+
+/// Name and span of a quoted text, without its quotes.
+fn inner(what: &Text) -> (&str, Span) {
+    (&what.text, Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span })
 }
 
 fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
@@ -166,7 +172,7 @@ fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
                 let source = cx.sources.add_file(found);
                 library::tools(source, cx.sources, what.span, &mut library, cx.sink);
             }
-            Err(missing) => cx.sink.push(not_in_library("tool", what, &missing)),
+            Err(missing) => cx.sink.push(not_in_library("tool", inner(what), &missing)),
         }
     }
     library
@@ -298,20 +304,24 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
     (chord, rough)
 }
 
-fn post(file: &File, cx: &mut Context<'_>) -> Option<(String, Span)> {
+/// The post file that the job names, with the properties of the job over it.
+fn post(file: &File, cx: &mut Context<'_>) -> Option<PostFile> {
     let pick = |item: &'_ Item| match &item.kind {
         ItemKind::Post { name, body } => Some((name.clone(), body.clone())),
         _ => None,
     };
     let ((name, body), head) = single(file, "post", "post siemens-840d", pick, cx)?;
-    if let Some(body) = &body {
-        for entry in &body.entries {
-            cx.sink.push(
-                Diag::error(codes::NOT_IN_LANGUAGE, format!("posts have no property `{}`", entry.name.text))
-                    .label(entry.name.span, "not in the language")
-                    .help("remove the property; posts have no properties yet"),
-            );
+    let found = match cx.files.post(&name.text) {
+        Ok(found) => found,
+        Err(missing) => {
+            cx.sink.push(not_in_library("post", (&name.text, name.span), &missing));
+            return None;
         }
-    }
-    Some((name.text, head))
+    };
+    let source = cx.sources.add_file(found);
+    let post = post_file::read(&name.text, source, cx.sources, Some(name.span), cx.sink)?;
+    Some(match &body {
+        Some(body) => post_file::with_properties(post, head, body, &mut cx.scope, cx.sink),
+        None => post,
+    })
 }

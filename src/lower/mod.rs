@@ -12,9 +12,7 @@ use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::geom::{GeomError, LoftedSurface, NurbsCurve};
 use crate::ir::program::DEFAULT_MEMORY;
-use crate::ir::{
-    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, PostChoice, Program, Tolerances, Tool, ToolId,
-};
+use crate::ir::{Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, Program, Tolerances, Tool, ToolId};
 use crate::job::model::{
     self, BladeSpec, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, PartSpec,
     RotarySpec, ToolSpec,
@@ -67,7 +65,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         contracts: job.contracts.iter().map(contract).collect(),
         allowed: job.allowed.iter().map(allowed).collect(),
         machine,
-        post: PostChoice { name: job.post.0.clone(), span: Some(job.post.1) },
+        post: job.post.clone(),
         tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
         clearance: job.clearance,
         data: data(job),

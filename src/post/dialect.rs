@@ -1,14 +1,15 @@
 //! The operations of a dialect: refuse, write, read, recognise.
 
-use super::nc::{NcProgram, NcSection, ReadError};
+use super::form::TextForm;
+use super::nc::{NcSection, ReadError};
+use super::words;
 use crate::diag::Sink;
-use crate::ir::{Motion, Program};
+use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
-use crate::verify::Verified;
 
 /// A dialect.
 pub trait Post: Sync {
-    /// Name in the job language and on the command line.
+    /// Name in post files.
     fn name(&self) -> &'static str;
     /// One line for the help.
     fn about(&self) -> &'static str;
@@ -16,8 +17,16 @@ pub trait Post: Sync {
     fn check_machine(&self, machine: &Machine, sink: &mut Sink);
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
-    /// The program as text. `header` holds lines of the comment block at its head.
-    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram;
+    /// How the dialect writes text.
+    fn form(&self) -> &'static TextForm;
+    /// A number in a word, with at most some digits behind the point.
+    fn number(&self, value: f64, decimals: usize) -> String {
+        words::fixed(value, decimals)
+    }
+    /// Writes the blocks of the moves of an operation between its stations, each with the index of the move that it
+    /// ends, or `None` for a block without motion. `smoothing` has the words that smooth within the tolerances of the
+    /// operation.
+    fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>);
     /// Motion that a text in this dialect commands, section by section: from the block that switches the transformation
     /// on to the retract after it.
     ///
@@ -28,3 +37,6 @@ pub trait Post: Sync {
     /// Whether a block holds a word that only this dialect has. `code` ends at the first bracket or comment.
     fn recognises(&self, code: &str) -> bool;
 }
+
+/// Receives the blocks of moves.
+pub type WriteBlock<'a> = dyn FnMut(String, Option<usize>) + 'a;

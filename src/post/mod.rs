@@ -1,22 +1,28 @@
 //! Dialects: from a verified motion to NC text, and back.
 //!
 //! A post chooses words and changes no geometry. [`Post::check`] refuses every motion that the dialect cannot express,
-//! before anything is written; therefore [`Post::emit`] cannot fail. [`read_back`] interprets the text with a reader
+//! before anything is written; therefore [`emit`] cannot fail. [`trial`] refuses frames of a post file with which the
+//! text would not be understood, before anything is planned. [`read_back`] interprets the text with a reader
 //! that shares no code with the writer, and compares the result with the motion (V5).
 
 mod control;
 mod dialect;
+mod form;
 mod linuxcnc;
 pub mod motion_of;
 mod nc;
 mod read_back;
 mod siemens_840d;
+pub mod trial;
 pub mod words;
+mod write;
 
 pub use control::MOST_FAULTS;
-pub use dialect::Post;
+pub use dialect::{Post, WriteBlock};
+pub use form::{NumberForm, TextForm};
 pub use nc::{Direction, NcLine, NcMove, NcProgram, NcSection, NcStation, NcTool, ReadError};
 pub use read_back::{ReadBack, read_back};
+pub use write::emit;
 
 /// The available dialects.
 pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc];

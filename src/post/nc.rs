@@ -1,14 +1,17 @@
 //! NC text as blocks, and the result of a reader.
 
 use crate::kin::Angles;
+use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
 /// NC text, block by block.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct NcProgram {
     /// Lines without their ends.
     pub lines: Vec<NcLine>,
+    /// End of every line.
+    pub end: &'static str,
 }
 
 /// One line.
@@ -18,20 +21,17 @@ pub struct NcLine {
     pub text: String,
     /// Operation and move of the motion that the line writes.
     pub source: Option<(u32, u32)>,
+    /// The template of the post file that made the line.
+    pub frame: Option<Span>,
 }
 
 impl NcProgram {
-    /// Adds a line that belongs to no move.
-    pub(crate) fn line(&mut self, text: impl Into<String>) {
-        self.lines.push(NcLine { text: text.into(), source: None });
-    }
-
-    /// The whole text: every line ends with a line feed, also the last.
+    /// The whole text: every line has its end, also the last.
     pub fn text(&self) -> String {
-        let mut text = String::with_capacity(self.lines.iter().map(|l| l.text.len() + 1).sum());
+        let mut text = String::with_capacity(self.lines.iter().map(|l| l.text.len() + self.end.len()).sum());
         for line in &self.lines {
             text.push_str(&line.text);
-            text.push('\n');
+            text.push_str(self.end);
         }
         text
     }

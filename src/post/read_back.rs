@@ -2,10 +2,11 @@
 
 use super::dialect::Post;
 use super::nc::{Direction, NcMove, NcSection, NcTool};
-use super::words::{ANGLE_DECIMALS, FEED_DECIMALS, INVERSE_DECIMALS, LENGTH_DECIMALS, VECTOR_DECIMALS};
-use crate::diag::{Diag, codes::post};
+use super::words::INVERSE_DECIMALS;
+use crate::diag::{Diag, codes::post as codes};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use crate::kin::{Angles, most_turn};
+use crate::post_file::Decimals;
 use crate::verify::Verified;
 
 /// Share of a time that rounding may take.
@@ -33,13 +34,46 @@ fn half_step(decimals: usize) -> f64 {
 /// # Errors
 /// A line that is not understood, or that differs from the motion.
 pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
+    compare_text(post, program, motion.get(), text).map_err(|fault| {
+        let TextFault { line, reason, understood } = fault;
+        let diag = if understood {
+            let message = format!("line {line} of the NC text does not agree with the motion: {reason}");
+            Diag::error(codes::TEXT_DIFFERS, message)
+        } else {
+            Diag::error(codes::NOT_UNDERSTOOD, format!("line {line} of the NC text: {reason}"))
+        };
+        diag.note("nothing was written").help("report the job file: this is a fault of the compiler")
+    })
+}
+
+/// Why a text is not that of a motion.
+pub(super) struct TextFault {
+    /// Line, from 1; 0 where the text ends too early.
+    pub(super) line: usize,
+    /// Reason.
+    pub(super) reason: String,
+    /// The reader understands the text, and the text differs from the motion.
+    pub(super) understood: bool,
+}
+
+fn differs(line: usize, reason: String) -> TextFault {
+    TextFault { line, reason, understood: true }
+}
+
+/// Compares a text with a motion that nobody needs to have verified.
+pub(super) fn compare_text(
+    post: &dyn Post,
+    program: &Program,
+    motion: &Motion,
+    text: &str,
+) -> Result<ReadBack, TextFault> {
     let sections = post.read(text, &program.machine).map_err(|faults| {
-        let first = faults.first().map_or(String::new(), |e| format!("line {} of the NC text: {}", e.line, e.reason));
-        Diag::error(post::NOT_UNDERSTOOD, first).help("report the job file: this is a fault of the compiler")
+        let (line, reason) = faults.into_iter().next().map_or((0, String::new()), |e| (e.line, e.reason));
+        TextFault { line, reason, understood: false }
     })?;
     let mut result = ReadBack { moves: 0, tip: 0.0, axis: 0.0 };
     let mut found = sections.iter();
-    for operation in &motion.get().operations {
+    for operation in &motion.operations {
         let Some(section) = found.next() else {
             return Err(differs(0, "the text ends before the motion".to_owned()));
         };
@@ -81,6 +115,7 @@ fn stations(
     section: &NcSection,
     height: f64,
 ) -> Result<(), (bool, String)> {
+    let digits = &program.post.decimals;
     let length = program.tools[program.operations[operation.operation].tool].length();
     let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
         return Err((false, "an operation without moves".to_owned()));
@@ -88,22 +123,22 @@ fn stations(
     let mut meant = first.joints.xyz;
     meant.z += length;
     let off = (section.start.xyz - meant).amax();
-    if off > half_step(LENGTH_DECIMALS) {
+    if off > half_step(digits.length) {
         return Err((false, format!("the axes are {off:.6} mm away from the first station")));
     }
     let turned = most_turn(section.start.rotary, first.joints.rotary).to_degrees();
-    if turned > half_step(ANGLE_DECIMALS) {
+    if turned > half_step(digits.angle) {
         return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
     }
     let off = (height - last.joints.xyz.z - length).abs();
-    if off > half_step(LENGTH_DECIMALS) {
+    if off > half_step(digits.length) {
         return Err((true, format!("the retract is off by {off:.6} mm")));
     }
     // Above the last target, where the text has no word of an axis but Z.
     let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
     let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
-    if beside > half_step(LENGTH_DECIMALS) || turned > 0.0 {
+    if beside > half_step(digits.length) || turned > 0.0 {
         return Err((true, "the last station is not above the last target".to_owned()));
     }
     Ok(())
@@ -116,26 +151,21 @@ pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
     }
 }
 
-fn differs(line: usize, why: String) -> Diag {
-    Diag::error(post::TEXT_DIFFERS, format!("line {line} of the NC text does not agree with the motion: {why}"))
-        .note("nothing was written")
-        .help("report the job file: this is a fault of the compiler")
-}
-
 fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {
+    let digits: &Decimals = &program.post.decimals;
     let pose = program.machine.forward(&meant.joints);
     let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
     if !inverse && read.rapid != (meant.kind == MoveKind::Rapid) {
         return Err("rapid and feed are exchanged".to_owned());
     }
     let tip = (read.tip - pose.tip).amax();
-    if tip > half_step(LENGTH_DECIMALS) {
+    if tip > half_step(digits.length) {
         return Err(format!("the tip is off by {tip:.6} mm"));
     }
     result.tip = result.tip.max(tip);
     let close = |angles: Angles| {
         let off = most_turn(angles, meant.joints.rotary).to_degrees();
-        if off > half_step(ANGLE_DECIMALS) { Err(format!("a rotary axis is off by {off:.7} deg")) } else { Ok(()) }
+        if off > half_step(digits.angle) { Err(format!("a rotary axis is off by {off:.7} deg")) } else { Ok(()) }
     };
     let axis = match read.direction {
         Direction::Axis(axis) => axis,
@@ -147,8 +177,8 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     let off = (axis - pose.axis).norm();
     // Three components, or two angles, each with an error of half a step.
     let bound = match read.direction {
-        Direction::Axis(_) => half_step(VECTOR_DECIMALS) * 3f64.sqrt(),
-        Direction::Rotary(..) => half_step(ANGLE_DECIMALS).to_radians() * 2f64.sqrt(),
+        Direction::Axis(_) => half_step(digits.vector) * 3f64.sqrt(),
+        Direction::Rotary(..) => half_step(digits.angle).to_radians() * 2f64.sqrt(),
     };
     if off > bound {
         return Err(format!("the tool axis is off by {off:.3e} rad"));
@@ -162,7 +192,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     }
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
-        (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(FEED_DECIMALS) && r <= m + 1e-8 => Ok(()),
+        (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(digits.feed) && r <= m + 1e-8 => Ok(()),
         (m, r) => Err(format!("the feed is {r:?} instead of {m:?}")),
     }
 }

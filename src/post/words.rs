@@ -2,19 +2,9 @@
 
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine};
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
 const ON_STEP: f64 = 1e-6;
-
-/// Decimals of X Y Z: a step of 0.1 um, a fiftieth of the least error that a vane is made with.
-pub const LENGTH_DECIMALS: usize = 4;
-/// Decimals of rotary words in degrees: a step moves a point 100 mm from the axis by 0.02 um.
-pub const ANGLE_DECIMALS: usize = 5;
-/// Decimals of direction vectors: a step moves a point 100 mm from the tip by 1 nm.
-pub const VECTOR_DECIMALS: usize = 8;
-/// Decimals of feeds in mm/min.
-pub const FEED_DECIMALS: usize = 3;
 
 /// Decimals of F in inverse time, in moves a minute.
 pub const INVERSE_DECIMALS: i32 = 5;
@@ -28,19 +18,10 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     if zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
-/// Words of both rotary axes in the sense of the machine, with a sign between name and angle.
-pub(super) fn rotary(machine: &Machine, joints: &Joints, sign: &str) -> String {
-    let [first, second] = [0, 1].map(|k| {
-        let axis = &machine.rotary[k];
-        format!("{}{sign}{}", axis.name, fixed(joints.rotary[k].to_degrees() * axis.word_sign, ANGLE_DECIMALS))
-    });
-    format!("{first} {second}")
-}
-
 /// A feed, rounded down, since the proof of the axes holds for no larger feed.
-pub fn feed(value: f64) -> String {
-    let scale = 1000.0;
-    fixed((value * scale + ON_STEP).floor() / scale, FEED_DECIMALS)
+pub fn feed(value: f64, decimals: usize) -> f64 {
+    let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
+    (value * scale + ON_STEP).floor() / scale
 }
 
 /// F of a move in inverse time, rounded down, since the proof of the axes holds for no shorter time. `time` in s.
@@ -124,7 +105,7 @@ mod tests {
 
         #[test]
         fn a_feed_is_never_rounded_up(value in 0.001..1e5_f64) {
-            let back: f64 = feed(value).parse().unwrap();
+            let back: f64 = fixed(feed(value, 3), 3).parse().unwrap();
             prop_assert!(back <= value + 1e-8 && value - back < 1e-3);
         }
     }

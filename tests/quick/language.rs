@@ -26,6 +26,10 @@ impl Files for Memory {
         find(name, shipped::TOOLS)
     }
 
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        find(name, shipped::POSTS)
+    }
+
     fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
         find(path, &[("vane_curves.csv", include_str!("../../jobs/reduced/vane_curves.csv"))])
     }
@@ -98,7 +102,7 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!((job.chord.get(), job.clearance.get()), (0.00025, 0.5));
     assert_eq!(job.machine.spindle.map(|s| s.get()), [100.0, 18000.0]);
     assert!((job.machine.rotary[1].speed - 30.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
-    assert_eq!(job.post.0, "siemens-840d");
+    assert_eq!((job.post.name.as_str(), job.post.dialect.as_str()), ("siemens-840d", "siemens-840d"));
 }
 
 #[test]

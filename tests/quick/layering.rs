@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const MAY: &[(&str, &[&str])] = &[
     ("units", &[]),
     ("progress", &[]),
+    ("post_file", &[]),
     ("contract", &["part"]),
     ("entity", &[]),
     ("material", &[]),
@@ -42,6 +43,7 @@ const FOUNDATION: &[&str] = &[
     "material",
     "method",
     "operation",
+    "post_file",
     "entity",
     "source",
     "diag",

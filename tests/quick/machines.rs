@@ -162,7 +162,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
 #[test]
 fn a_bc_table_cuts_what_an_ac_table_cuts() {
     let planned = jobs::small("siemens-840d");
-    let ac = post::find("siemens-840d").unwrap().emit(&planned.program, &planned.motion, &[]).text();
+    let ac = post::emit(post::find("siemens-840d").unwrap(), &planned.program, &planned.motion, &[]).text();
     let folder = tempfile::tempdir().unwrap();
     let job = job_on(folder.path(), "bc", &with_text(KINDS[0].1));
     let mut options = Options { output: Some(folder.path().join("part.nc")), ..job };

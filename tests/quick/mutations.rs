@@ -142,7 +142,7 @@ struct Memory(BTreeMap<String, String>);
 
 impl Memory {
     fn with(name: &str, text: String) -> Self {
-        let all = shipped::MACHINES.iter().chain(shipped::TOOLS).chain(&[(CURVES, JOBS[0][1])]);
+        let all = shipped::MACHINES.iter().chain(shipped::TOOLS).chain(shipped::POSTS).chain(&[(CURVES, JOBS[0][1])]);
         let mut files: BTreeMap<String, String> = all.map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect();
         files.insert(name.to_owned(), text);
         Self(files)
@@ -166,6 +166,10 @@ impl Files for Memory {
     }
 
     fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        self.find(name)
+    }
+
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.find(name)
     }
 
@@ -320,7 +324,7 @@ fn extreme_numbers_in_certificates() {
 static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     let Compiled { program, motion, .. } = jobs::flank();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
-    let of = |p: &dyn Post| p.emit(&support::program_for(p.name(), program), motion, &[]).text();
+    let of = |p: &dyn Post| post::emit(p, &support::program_for(p.name(), program), motion, &[]).text();
     let whole = post::POSTS.iter().map(|p| of(*p));
     let texts = whole.map(|text| {
         let lines: Vec<&str> = text.lines().collect();

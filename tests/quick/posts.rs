@@ -29,7 +29,7 @@ fn written(post: &dyn Post) -> NcProgram {
     let mut sink = Sink::default();
     post.check(&program, motion.get(), &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
-    post.emit(&program, motion, &["a test (with brackets); and more".to_owned()])
+    post::emit(post, &program, motion, &["a test (with brackets); and more".to_owned()])
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub fn check(job: &str, name: &str, text: &str) {
 
 /// NC text without the header, which contains the hash of the inputs.
 pub fn nc(compiled: &Compiled, post: &dyn post::Post) -> String {
-    post.emit(&compiled.program, &compiled.motion, &[]).text()
+    post::emit(post, &super::with_post(post.name(), &compiled.program), &compiled.motion, &[]).text()
 }
 
 /// Properties that a text snapshot does not show.

@@ -13,9 +13,8 @@ use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::{NurbsCurve, interpolate};
 use impellerc::ir::program::DEFAULT_MEMORY;
-use impellerc::ir::{
-    DataCurve, DataPoint, Operation, OperationId, OperationKind, PostChoice, Program, Tolerances, Tool, ToolId,
-};
+use impellerc::ir::{DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId};
+use impellerc::job::shipped_post;
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
 use impellerc::operation::VaneAllowance;
@@ -152,9 +151,14 @@ pub fn machine_for(dialect: &str, machine: &Machine) -> Machine {
     Machine { rotary: machine.rotary.each_ref().map(with_sense), planning, ..machine.clone() }
 }
 
-/// A program for [`machine_for`] a dialect.
+/// A program for [`machine_for`] a dialect, with its shipped post file.
 pub fn program_for(dialect: &str, program: &Program) -> Program {
-    Program { machine: machine_for(dialect, &program.machine), ..program.clone() }
+    Program { machine: machine_for(dialect, &program.machine), ..with_post(dialect, program) }
+}
+
+/// A program with the shipped post file of a dialect.
+pub fn with_post(dialect: &str, program: &Program) -> Program {
+    Program { post: shipped_post(dialect).unwrap(), ..program.clone() }
 }
 
 /// A tool with a cylindrical shank and a slim collet holder.
@@ -242,7 +246,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         contracts: Vec::new(),
         allowed: Vec::new(),
         machine: machine(),
-        post: PostChoice { name: "siemens-840d".to_owned(), span: None },
+        post: shipped_post("siemens-840d").unwrap(),
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },
         clearance: Mm(0.5),
         data: wei_data(),

@@ -21,8 +21,8 @@ not know. Nothing was written.\n\nRemedy: report the job file.";
     TEXT_DIFFERS = "IMP0806", "the NC text does not agree with the motion",
         "The NC text was read back and compared with the verified motion, move by move, to half of the last digit of \
 each word. Here they differ. Nothing was written.\n\nRemedy: report the job file.";
-    UNKNOWN_POST = "IMP0807", "an unknown post",
-        "The job or `--post` names an unknown dialect.\n\nRemedy: use one of the posts that the message lists.";
+    UNKNOWN_POST = "IMP0807", "an unknown dialect",
+        "The post file names a dialect that the compiler does not have.\n\nRemedy: use one of the dialects that the message lists.";
     SENSE = "IMP0808", "sense of a rotary axis that the post does not support",
         "The machine file states for each rotary axis its sense: `iso` if a positive word turns the tool right-handed \
 relative to the part, otherwise `opposite`. In the kinematics xyzac-trt of LinuxCNC 2.9 a positive word turns the \
@@ -38,6 +38,13 @@ rapids in inverse time, stops at such corners, and states these times in the cer
 files with `planning = \"linuxcnc-2.9\"`, and the post for LinuxCNC accepts only such machine files.\n\nRemedy: \
 choose such a machine file (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), in the job or with `--machine`. Or choose the \
 post of the control that the machine has.";
+    FRAME = "IMP0810", "a frame of a post file that the dialect refuses",
+        "A post file holds the frames of a program as templates: head, start and end of an operation, end of the \
+program. Before anything is planned, a small trial program is written with the frames. The reader of the dialect reads \
+it as strictly as any text, beginning with an unknown state of the control. The trial failed.\n\nExample: a frame \
+`operation-start` without `G54` behind TRAORI, which cancels the work offset; a frame `operation-end` that does not \
+retract; a head that does not switch off what an aborted program can have left on.\n\nRemedy: compare the frame with \
+the file of the same dialect in jobs/_lib/posts, and write what the message says.";
     NC_FILE = "IMP0820", "NC file that cannot be read",
         "`impellerc verify` reads NC text: plain UTF-8 of at most 256 MB. It refuses all other files before reading \
 them, so that memory stays bounded.\n\nRemedy: give the text that the control would run. Divide a larger text by \

@@ -17,11 +17,11 @@ mod reader;
 mod writer;
 
 use crate::diag::Sink;
-use crate::ir::{Motion, Program};
+use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
-use crate::post::dialect::Post;
-use crate::post::nc::{NcProgram, NcSection, ReadError};
-use crate::verify::Verified;
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::TextForm;
+use crate::post::nc::{NcSection, ReadError};
 
 /// The dialect.
 pub(super) struct LinuxCnc;
@@ -43,8 +43,12 @@ impl Post for LinuxCnc {
         writer::check(program, motion, sink);
     }
 
-    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
-        writer::emit(program, motion.get(), header)
+    fn form(&self) -> &'static TextForm {
+        &writer::FORM
+    }
+
+    fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::moves(program, operation, smoothing, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

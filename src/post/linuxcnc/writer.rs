@@ -1,14 +1,14 @@
-//! From a motion to NC text.
+//! From the moves of an operation to blocks.
 
+use super::LinuxCnc;
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::{JointMove, Motion, MoveKind, Program};
-use crate::kin::{Joints, Machine};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::kin::Machine;
 use crate::method::Planning;
-use crate::post::nc::{NcLine, NcProgram};
-use crate::post::words::{self, LENGTH_DECIMALS, feed, fixed, inverse_time};
-
-/// Longest line of the interpreter.
-const LONGEST_LINE: usize = 252;
+use crate::post::dialect::WriteBlock;
+use crate::post::form::{NumberForm, TextForm};
+use crate::post::words::{self, feed, fixed, inverse_time};
+use crate::post::write;
 
 /// Rotary axes of the kinematics xyzac-trt.
 const ROTARY: [&str; 2] = ["A", "C"];
@@ -62,6 +62,13 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     check_machine(&program.machine, sink);
     words::check(program, motion, sink);
+    if write::smooths_by_operation(program) {
+        sink.push(
+            Diag::error(post::FRAME, "a frame of operations states the tolerance of smoothing".to_owned())
+                .note("how far LinuxCNC leaves the path was computed with the tolerance of the head for all operations")
+                .help("write {smoothing} in the frame `head` alone"),
+        );
+    }
     for operation in &motion.operations {
         let tool = &program.tools[program.operations[operation.operation].tool];
         if tool.number == 0 || tool.number > LARGEST_TOOL {
@@ -74,66 +81,33 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     }
 }
 
-/// The program as text.
-pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
-    let mut nc = NcProgram::default();
-    nc.line(format!("({})", words::comment(&program.name)));
-    for line in header {
-        nc.line(format!("({})", words::comment(line)));
-    }
-    for line in ["M429", "G21 G17 G90 G40 G49 G80 G94 G97 G8 G54", "G92.1", "G10 L2 P1 R0"] {
-        nc.line(line);
-    }
-    // Q0 switches the naive cam detector off, which would merge five-axis blocks.
-    let smoothing = format!("G64 P{} Q0", fixed(program.tolerances.chord.get(), 4));
-    nc.line(smoothing.clone());
-    let retract = format!("G53 G0 Z{}", fixed(program.machine.retract, LENGTH_DECIMALS));
-    for (o, operation) in motion.operations.iter().enumerate() {
-        let declared = &program.operations[operation.operation];
-        let tool = &program.tools[declared.tool];
-        let machine = &program.machine;
-        let Some((first, rest)) = operation.moves.split_first() else { continue };
-        let Some((last, between)) = rest.split_last() else { continue };
-        let source = |i: usize| Some((u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX)));
-        nc.line(format!("({})", words::comment(&declared.name)));
-        nc.line(retract.clone());
-        nc.line(format!("T{} M6", tool.number));
-        nc.line(format!("S{} M3", fixed(declared.speed.get(), 0)));
-        nc.line(format!("G53 G0 {}", rotary(machine, &first.joints)));
-        let [x, y] = [first.joints.xyz.x, first.joints.xyz.y].map(|x| fixed(x, LENGTH_DECIMALS));
-        nc.lines.push(NcLine { text: format!("G53 G0 X{x} Y{y}"), source: source(0) });
-        nc.line(format!("G43 H{}", tool.number));
-        nc.line("M8");
-        nc.line("M428");
-        let mut modes = Modes::default();
-        for (i, m) in between.iter().enumerate() {
-            // After the last block M429 waits until the axes rest.
-            let stop = m.stop && i + 1 < between.len();
-            if modes.stop && !stop {
-                nc.line(smoothing.clone());
-            }
-            let text = block(machine, m, stop, &mut modes);
-            debug_assert!(text.len() <= LONGEST_LINE);
-            nc.lines.push(NcLine { text, source: source(i + 1) });
+/// Text of the dialect.
+pub(super) const FORM: TextForm = TextForm {
+    comment: ["(", ")"],
+    rotary: "",
+    numbers: NumberForm { prefix: "N", always: false, comments: false, without: &["%"] },
+    continued: "",
+    longest: 252,
+};
+
+/// Writes the blocks of the moves of an operation.
+pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
+    let mut modes = Modes::default();
+    let count = operation.moves.len();
+    for (i, m) in write::between(operation) {
+        // After the last block M429 waits until the axes rest.
+        let stop = m.stop && i + 2 < count;
+        if modes.stop && !stop {
+            write(smoothing.to_owned(), None);
         }
-        if modes.stop {
-            nc.line(smoothing.clone());
-        }
-        if modes.inverse {
-            nc.line("G94");
-        }
-        nc.line("M429");
-        nc.line("G49");
-        let height = last.joints.xyz.z + tool.length();
-        nc.lines.push(NcLine {
-            text: format!("G53 G0 Z{}", fixed(height, LENGTH_DECIMALS)),
-            source: source(between.len() + 1),
-        });
-        nc.line("M9");
-        nc.line("M5");
+        write(block(program, m, stop, &mut modes), Some(i));
     }
-    nc.line("M2");
-    nc
+    if modes.stop {
+        write(smoothing.to_owned(), None);
+    }
+    if modes.inverse {
+        write("G94".to_owned(), None);
+    }
 }
 
 /// Modal state from block to block.
@@ -147,9 +121,9 @@ struct Modes {
     feed: String,
 }
 
-fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> String {
-    let p = machine.forward(&m.joints).tip;
-    let w = |x: f64| fixed(x, LENGTH_DECIMALS);
+fn block(program: &Program, m: &JointMove, stop: bool, modes: &mut Modes) -> String {
+    let post = &LinuxCnc;
+    let decimals = program.post.decimals.feed;
     let mut text = String::new();
     if stop && !modes.stop {
         text.push_str("G61.1 ");
@@ -162,16 +136,12 @@ fn block(machine: &Machine, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
         modes.feed.clear();
     }
     modes.inverse = inverse;
-    text.push_str(&format!("G1 X{} Y{} Z{} {}", w(p.x), w(p.y), w(p.z), rotary(machine, &m.joints)));
-    let f = if inverse { inverse_time(m.time) } else { feed(m.feed.unwrap_or(0.0)) };
+    let [tip, rotary] = [write::tip(post, program, &m.joints), write::rotary(post, program, &m.joints)];
+    text.push_str(&format!("G1 {tip} {rotary}"));
+    let f = if inverse { inverse_time(m.time) } else { fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals) };
     if inverse || f != modes.feed {
         text.push_str(&format!(" F{f}"));
         modes.feed = f;
     }
     text
-}
-
-/// Rotary words in the sense of the machine.
-fn rotary(machine: &Machine, joints: &Joints) -> String {
-    words::rotary(machine, joints, "")
 }

@@ -1,7 +1,7 @@
 //! Siemens SINUMERIK 840D sl and ONE.
 //!
 //! Tool centre point control is TRAORI. Cuts and links carry the tool direction as a vector (A3= B3= C3=, from the tip
-//! to the holder). All three components are always written: the control takes a missing component as 0. With ORIAXES
+//! to the holder), or the positions of the rotary axes (such as A= C=), as the post file says. Of a vector, all three components are always written: the control takes a missing component as 0. With ORIAXES
 //! the rotary axes run linearly between blocks, as in the motion.
 //!
 //! Two rotary positions give the same vector. The rapid before every pass carries the rotary positions themselves (such
@@ -17,11 +17,11 @@ mod reader;
 mod writer;
 
 use crate::diag::Sink;
-use crate::ir::{Motion, Program};
+use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
-use crate::post::dialect::Post;
-use crate::post::nc::{NcProgram, NcSection, ReadError};
-use crate::verify::Verified;
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::TextForm;
+use crate::post::nc::{NcSection, ReadError};
 
 /// The dialect.
 pub(super) struct Siemens840d;
@@ -42,8 +42,12 @@ impl Post for Siemens840d {
         writer::check(program, motion, sink);
     }
 
-    fn emit(&self, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
-        writer::emit(program, motion.get(), header)
+    fn form(&self) -> &'static TextForm {
+        &writer::FORM
+    }
+
+    fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::moves(program, operation, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

@@ -1,10 +1,13 @@
-//! From a motion to NC text.
+//! From the moves of an operation to blocks.
 
+use super::Siemens840d;
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
-use crate::kin::{Joints, Machine};
-use crate::post::nc::{NcLine, NcProgram};
-use crate::post::words::{self, LENGTH_DECIMALS, VECTOR_DECIMALS, feed, fixed};
+use crate::ir::{Motion, MotionOperation, MoveKind, Program};
+use crate::post::dialect::WriteBlock;
+use crate::post::form::{NumberForm, TextForm};
+use crate::post::words::{self, feed, fixed};
+use crate::post::write;
+use crate::post_file::Orientation;
 
 /// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
 const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
@@ -12,6 +15,10 @@ const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
+    // Positions of the rotary axes leave no choice to the control.
+    if program.post.orientation == Orientation::Angles {
+        return;
+    }
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         let unsure = operation.moves.windows(2).find(|m| {
@@ -39,86 +46,39 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     }
 }
 
-/// The program as text.
-pub(super) fn emit(program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
-    let mut nc = NcProgram::default();
-    nc.line(format!("; %_N_{}_MPF", program.name.to_ascii_uppercase().replace('-', "_")));
-    for line in header {
-        nc.line(format!("; {}", words::comment(line)));
+/// Text of the dialect.
+pub(super) const FORM: TextForm = TextForm {
+    comment: ["; ", ""],
+    rotary: "=",
+    numbers: NumberForm { prefix: "N", always: false, comments: false, without: &["%"] },
+    continued: "",
+    longest: 512,
+};
+
+/// Writes the blocks of the moves of an operation.
+pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
+    let post = &Siemens840d;
+    let decimals = program.post.decimals.feed;
+    let mut last_feed = String::new();
+    let mut last_kind = None;
+    for (i, m) in write::between(operation) {
+        let tip = write::tip(post, program, &m.joints);
+        let text = match m.kind {
+            MoveKind::Rapid => format!("G0 {tip} {}", write::rotary(post, program, &m.joints)),
+            MoveKind::Link | MoveKind::Cut => {
+                let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+                // After a rapid F is written again, so that every pass can be read by itself.
+                let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
+                let word = if say { format!(" F{f}") } else { String::new() };
+                last_feed = f;
+                let direction = match program.post.orientation {
+                    Orientation::Vectors => write::vector(post, program, &m.joints, ["A3=", "B3=", "C3="]),
+                    Orientation::Angles => write::rotary(post, program, &m.joints),
+                };
+                format!("G1 {tip} {direction}{word}")
+            }
+        };
+        last_kind = Some(m.kind);
+        write(text, Some(i));
     }
-    let mut number = 0;
-    let mut block = |nc: &mut NcProgram, text: String, source: Option<(u32, u32)>| {
-        number += 10;
-        nc.lines.push(NcLine { text: format!("N{number} {text}"), source });
-    };
-    for text in ["G17 G710 G90 G94 G40", "TRAFOOF", "TRANS", "G500", "CYCLE832(0,_OFF,1)"] {
-        block(&mut nc, text.to_owned(), None);
-    }
-    for (o, operation) in motion.operations.iter().enumerate() {
-        let tool = &program.tools[program.operations[operation.operation].tool];
-        let Some((first, rest)) = operation.moves.split_first() else { continue };
-        let Some((last, between)) = rest.split_last() else { continue };
-        let source = |i: usize| Some((u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX)));
-        begin(program, operation, first, &mut |text, placed| block(&mut nc, text, source(0).filter(|_| placed)));
-        let mut last_feed = String::new();
-        let mut last_kind = None;
-        for (i, m) in between.iter().enumerate() {
-            let text = match m.kind {
-                MoveKind::Rapid => format!("G0 {} {}", tip(program, m), rotary(&program.machine, &m.joints)),
-                MoveKind::Link | MoveKind::Cut => {
-                    let f = feed(m.feed.unwrap_or(0.0));
-                    // After a rapid F is written again, so that every pass can be read by itself.
-                    let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
-                    let word = if say { format!(" F{f}") } else { String::new() };
-                    last_feed = f;
-                    format!("G1 {} {}{word}", tip(program, m), vector(program, m))
-                }
-            };
-            last_kind = Some(m.kind);
-            block(&mut nc, text, source(i + 1));
-        }
-        block(&mut nc, "TRAFOOF".to_owned(), None);
-        block(&mut nc, "CYCLE832(0,_OFF,1)".to_owned(), None);
-        let height = fixed(last.joints.xyz.z + tool.length(), LENGTH_DECIMALS);
-        block(&mut nc, format!("SUPA G0 Z{height} D0 M9"), source(between.len() + 1));
-        block(&mut nc, "M5".to_owned(), None);
-    }
-    block(&mut nc, "M30".to_owned(), None);
-    nc
-}
-
-/// Retract, tool, spindle, moves to the first target, work offset, smoothing, transformation. The block that ends at
-/// the first station is marked.
-fn begin(program: &Program, operation: &MotionOperation, first: &JointMove, block: &mut dyn FnMut(String, bool)) {
-    let declared = &program.operations[operation.operation];
-    let tool = &program.tools[declared.tool];
-    let finishes = declared.kind.finishes();
-    let chord = if finishes { program.tolerances.chord } else { program.tolerances.chord_rough };
-    block(format!("SUPA G0 Z{} D0", fixed(program.machine.retract, LENGTH_DECIMALS)), false);
-    block(format!("T=\"{}\" M6 ; {}", tool.name, declared.name), false);
-    block(format!("S{} M3", fixed(declared.speed.get(), 0)), false);
-    block(format!("SUPA G0 {} D0", rotary(&program.machine, &first.joints)), false);
-    let [x, y] = [first.joints.xyz.x, first.joints.xyz.y].map(|x| fixed(x, LENGTH_DECIMALS));
-    block(format!("SUPA G0 X{x} Y{y} D0"), true);
-    block("G54 D1".to_owned(), false);
-    let mode = if finishes { "_ORI_FINISH" } else { "_ORI_ROUGH" };
-    block(format!("CYCLE832({},{mode},0.1)", fixed(chord.get(), 4)), false);
-    block("TRAORI".to_owned(), false);
-    block("G54 ORIWKS ORIAXES M8".to_owned(), false);
-}
-
-fn tip(program: &Program, m: &JointMove) -> String {
-    let p = program.machine.forward(&m.joints).tip;
-    let w = |x: f64| fixed(x, LENGTH_DECIMALS);
-    format!("X{} Y{} Z{}", w(p.x), w(p.y), w(p.z))
-}
-
-fn vector(program: &Program, m: &JointMove) -> String {
-    let v = program.machine.forward(&m.joints).axis;
-    let w = |x: f64| fixed(x, VECTOR_DECIMALS);
-    format!("A3={} B3={} C3={}", w(v.x), w(v.y), w(v.z))
-}
-
-fn rotary(machine: &Machine, joints: &Joints) -> String {
-    words::rotary(machine, joints, "=")
 }

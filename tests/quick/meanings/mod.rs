@@ -9,7 +9,10 @@ mod linuxcnc;
 mod operations;
 mod siemens;
 
-use crate::support::jobs::{self, Compiled};
+use crate::support::{
+    self,
+    jobs::{self, Compiled},
+};
 use impellerc::diag::{Severity, Sink};
 use impellerc::ir::{Motion, Program};
 use impellerc::kin::Machine;
@@ -192,7 +195,7 @@ fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Ve
 
 /// The text of the small job in a dialect, without block numbers.
 fn written(post: &dyn Post, original: &Compiled) -> String {
-    let text = post.emit(&original.program, &original.motion, &[]).text();
+    let text = post::emit(post, &support::with_post(post.name(), &original.program), &original.motion, &[]).text();
     let bare = |line: &str| match line.strip_prefix('N').and_then(|l| l.split_once(' ')) {
         Some((number, rest)) if number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
         _ => line.to_owned(),
@@ -221,7 +224,7 @@ fn campaign(dialect: &str, kinds: Vec<Kind>) {
     let program = &original.program;
     let sections = post.read(&text, &program.machine).unwrap();
     let meant = motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
-    let whole = post.emit(program, &original.motion, &[]).text();
+    let whole = post::emit(post, &support::with_post(post.name(), program), &original.motion, &[]).text();
     assert_eq!(judged(post, program, &whole, &meant).0, Verdict::Harmless, "block numbers");
     let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
     let mut complaints = Vec::new();

@@ -9,7 +9,10 @@ mod blocks;
 mod faults;
 mod truth;
 
-use crate::support::jobs::{self, Compiled};
+use crate::support::{
+    self,
+    jobs::{self, Compiled},
+};
 use blocks::{Dialect, stations};
 use faults::{Fault, KINDS, Kind, Original, Seeded};
 use impellerc::diag::{Code, Severity, Sink, codes};
@@ -225,7 +228,13 @@ fn faults_are_found_with_size_and_line() {
         // A whole turn of C too far is a motion to be measured here, not a word beyond travel.
         (program.machine.rotary[1].min, program.machine.rotary[1].max) = (-20.0, 20.0);
         let design = Design::new(&program.part);
-        let text = post::find(dialect.name()).unwrap().emit(&program, &motion, &[]).text();
+        let text = post::emit(
+            post::find(dialect.name()).unwrap(),
+            &support::with_post(dialect.name(), &program),
+            &motion,
+            &[],
+        )
+        .text();
         let original = Original::new(dialect, &text, &program);
         let said = ask(dialect, &program, &original.lines, USUAL_CELL);
         assert!(said.errors.is_empty(), "an alarm on the original: {:?}", said.errors);

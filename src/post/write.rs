@@ -1,0 +1,229 @@
+//! From a motion to NC text: the frames of the post file about the moves of the dialect.
+
+use super::dialect::Post;
+use super::form::TextForm;
+use super::nc::{NcLine, NcProgram};
+use super::words::{self, fixed};
+use crate::ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
+use crate::kin::Joints;
+use crate::post_file::{Field, Frame, Orientation, Template};
+use crate::source::Span;
+use crate::verify::Verified;
+
+/// Least and largest orientation tolerance in words, degrees.
+const TURNS: [f64; 2] = [1e-4, 0.1];
+
+/// Digits of tolerances: mm and degrees.
+const TOLERANCE_DECIMALS: usize = 4;
+
+/// The program as text. `header` holds lines of the comment block at its head.
+pub fn emit(post: &dyn Post, program: &Program, motion: &Verified<Motion>, header: &[String]) -> NcProgram {
+    text_of(post, program, motion.get(), header)
+}
+
+/// The text of a motion, also of one that nobody verified: [`super::trial`] reads it and throws it away.
+pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
+    debug_assert_eq!(post.name(), program.post.dialect);
+    let form = post.form();
+    let step = if form.numbers.always { 1 } else { program.post.block_numbers };
+    let first = if form.numbers.always { 0 } else { u64::from(step) };
+    let nc = NcProgram { lines: Vec::new(), end: program.post.line_end.text() };
+    let mut lines = Lines { form, step: u64::from(step), number: first, nc };
+    let whole = Values { post, program, operation: None };
+    lines.frame(Frame::Start, &whole, None);
+    for line in header {
+        let [before, behind] = form.comment;
+        lines.block(format!("{before}{}{behind}", words::comment(line)), None, None);
+    }
+    lines.frame(Frame::Head, &whole, None);
+    let of_operations = smooths_by_operation(program);
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else { continue };
+        let declared = &program.operations[operation.operation];
+        let tool = &program.tools[declared.tool];
+        let values = Values { post, program, operation: Some(OperationValues { declared, tool, first, last }) };
+        let source = |i: usize| (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
+        lines.frame(Frame::OperationStart, &values, Some(([Field::X, Field::Y], source(0))));
+        // Without such words in the operations, those of the head act.
+        let acting = if of_operations { &values } else { &whole };
+        let smoothing = acting.value(Field::Smoothing);
+        post.moves(program, operation, &smoothing, &mut |text, index| lines.block(text, index.map(source), None));
+        let end = source(operation.moves.len() - 1);
+        lines.frame(Frame::OperationEnd, &values, Some(([Field::Z, Field::Z], end)));
+    }
+    lines.frame(Frame::End, &whole, None);
+    lines.nc
+}
+
+/// Whether the frames of operations state the tolerance of smoothing.
+pub(super) fn smooths_by_operation(program: &Program) -> bool {
+    let [_, _, start, ..] = &program.post.frames;
+    start.iter().any(|template| template.fields().any(|field| field == Field::Smoothing))
+}
+
+/// The moves of an operation between its stations, with their indices.
+pub(super) fn between(operation: &MotionOperation) -> impl Iterator<Item = (usize, &JointMove)> {
+    let end = operation.moves.len().saturating_sub(1);
+    operation.moves.iter().enumerate().take(end).skip(1)
+}
+
+/// Words of both rotary axes in the sense of the machine.
+pub(super) fn rotary(post: &dyn Post, program: &Program, joints: &Joints) -> String {
+    let (between, decimals) = (post.form().rotary, program.post.decimals.angle);
+    let [first, second] = [0, 1].map(|k| {
+        let axis = &program.machine.rotary[k];
+        let angle = joints.rotary[k].to_degrees() * axis.word_sign;
+        format!("{}{between}{}", axis.name, post.number(angle, decimals))
+    });
+    format!("{first} {second}")
+}
+
+/// Words X Y Z of the tip on the part.
+pub(super) fn tip(post: &dyn Post, program: &Program, joints: &Joints) -> String {
+    let p = program.machine.forward(joints).tip;
+    let w = |x: f64| post.number(x, program.post.decimals.length);
+    format!("X{} Y{} Z{}", w(p.x), w(p.y), w(p.z))
+}
+
+/// Words of the vector from the tip to the holder on the part, with their addresses.
+pub(super) fn vector(post: &dyn Post, program: &Program, joints: &Joints, addresses: [&str; 3]) -> String {
+    let v = program.machine.forward(joints).axis;
+    let w = |k: usize| format!("{}{}", addresses[k], post.number(v[k], program.post.decimals.vector));
+    format!("{} {} {}", w(0), w(1), w(2))
+}
+
+/// Largest error of the tool direction through smoothing in an operation, radians: that of the post, or else the angle
+/// that moves the upper end of the flutes by the chord tolerance.
+pub(super) fn orientation_tolerance(program: &Program, operation: &Operation) -> f64 {
+    let by_flutes = || path_tolerance(program, operation) / program.tools[operation.tool].solid.flute_length;
+    program.post.orientation_tolerance.unwrap_or_else(by_flutes).clamp(TURNS[0].to_radians(), TURNS[1].to_radians())
+}
+
+/// Path tolerance of an operation, mm.
+fn path_tolerance(program: &Program, operation: &Operation) -> f64 {
+    let t = &program.tolerances;
+    if operation.kind.finishes() { t.chord.get() } else { t.chord_rough.get() }
+}
+
+/// Text under construction.
+struct Lines {
+    form: &'static TextForm,
+    step: u64,
+    number: u64,
+    nc: NcProgram,
+}
+
+impl Lines {
+    fn block(&mut self, text: String, source: Option<(u32, u32)>, frame: Option<Span>) {
+        let numbers = &self.form.numbers;
+        let goes_on = |line: &NcLine| !self.form.continued.is_empty() && line.text.ends_with(self.form.continued);
+        let bare = self.nc.lines.last().is_some_and(goes_on)
+            || (!numbers.comments && text.starts_with(self.form.comment[0].trim_end()))
+            || numbers.without.iter().any(|start| text.starts_with(start));
+        let text = if self.step == 0 || bare {
+            text
+        } else {
+            let numbered = format!("{}{} {text}", numbers.prefix, self.number);
+            self.number += self.step;
+            numbered
+        };
+        self.nc.lines.push(NcLine { text, source, frame });
+    }
+
+    /// Writes a frame. `station` marks the last line with one of some fields as the block that ends at a station.
+    fn frame(&mut self, frame: Frame, values: &Values<'_>, station: Option<([Field; 2], (u32, u32))>) {
+        let index = Frame::ALL.iter().position(|f| *f == frame).unwrap_or_default();
+        let templates = &values.program.post.frames[index];
+        let holds = |t: &Template, fields: &[Field]| t.fields().any(|field| fields.contains(&field));
+        let place = station.and_then(|(fields, _)| templates.iter().rposition(|t| holds(t, &fields)));
+        for (k, template) in templates.iter().enumerate() {
+            let text = values.filled(template);
+            // A field may have no text in this dialect or operation.
+            if text.trim().is_empty() {
+                continue;
+            }
+            let source = station.filter(|_| place == Some(k)).map(|(_, source)| source);
+            self.block(text, source, Some(template.span));
+        }
+    }
+}
+
+/// Values of the fields at a place of the program.
+struct Values<'a> {
+    post: &'a dyn Post,
+    program: &'a Program,
+    operation: Option<OperationValues<'a>>,
+}
+
+/// What is known of an operation.
+struct OperationValues<'a> {
+    declared: &'a Operation,
+    tool: &'a Tool,
+    first: &'a JointMove,
+    last: &'a JointMove,
+}
+
+impl Values<'_> {
+    fn filled(&self, template: &Template) -> String {
+        template.filled(|field| self.value(field))
+    }
+
+    fn value(&self, field: Field) -> String {
+        let Self { program, operation, .. } = self;
+        let file = &program.post;
+        match field {
+            Field::ProgramName => words::comment(&program.name),
+            Field::ProgramFile => program.name.to_ascii_uppercase().replace('-', "_"),
+            Field::ProgramNumber => format!("{:04}", file.program_number),
+            Field::Retract => self.length(program.machine.retract),
+            Field::SmoothingOff => self.filled(&file.smoothing[2]),
+            Field::Smoothing => {
+                let finishes = operation.as_ref().is_none_or(|o| o.declared.kind.finishes());
+                self.filled(&file.smoothing[usize::from(!finishes)])
+            }
+            Field::Tolerance => fixed(self.tolerances()[0], TOLERANCE_DECIMALS),
+            Field::OrientationTolerance => {
+                // Rounded down; a margin keeps a value on a step where it is.
+                let scale = 10f64.powi(4);
+                fixed((self.tolerances()[1].to_degrees() * scale + 1e-6).floor() / scale, TOLERANCE_DECIMALS)
+            }
+            // The file was read with these fields in the frames of operations only.
+            _ => operation.as_ref().map_or_else(String::new, |o| self.of_operation(field, o)),
+        }
+    }
+
+    fn of_operation(&self, field: Field, o: &OperationValues<'_>) -> String {
+        let machine = &self.program.machine;
+        let at = |m: &JointMove, axis: usize| self.length(machine.positions(&m.joints, o.tool.length())[axis]);
+        match field {
+            Field::OperationName => words::comment(&o.declared.name),
+            Field::ToolName => words::comment(&o.tool.name),
+            Field::ToolNumber => o.tool.number.to_string(),
+            Field::ToolLength => self.length(o.tool.length()),
+            Field::Spindle => fixed(o.declared.speed.get(), 0),
+            Field::Rotary => rotary(self.post, self.program, &o.first.joints),
+            Field::X => at(o.first, 0),
+            Field::Y => at(o.first, 1),
+            Field::Z => at(o.last, 2),
+            Field::Transformation => {
+                let index = usize::from(self.program.post.orientation == Orientation::Vectors);
+                self.filled(&self.program.post.transformation[index])
+            }
+            _ => String::new(),
+        }
+    }
+
+    fn length(&self, value: f64) -> String {
+        self.post.number(value, self.program.post.decimals.length)
+    }
+
+    /// Path tolerance, mm, and orientation tolerance, radians; before all operations the least of both.
+    fn tolerances(&self) -> [f64; 2] {
+        let program = self.program;
+        if let Some(o) = &self.operation {
+            return [path_tolerance(program, o.declared), orientation_tolerance(program, o.declared)];
+        }
+        let turns = program.operations.iter().map(|(_, o)| orientation_tolerance(program, o));
+        [program.tolerances.chord.get(), turns.fold(TURNS[1].to_radians(), f64::min)]
+    }
+}
