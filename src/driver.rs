@@ -186,9 +186,7 @@ fn check_before_planning(
 ) -> Result<(&'static dyn Post, Outputs), Aborted> {
     analysis::machine_kind::check(program, sink)?;
     analysis::part_kind::check(program, sink)?;
-    let post = find_post(program, sink)?;
-    post.check_machine(&program.machine, sink);
-    post::trial::check(post, program, sink);
+    let post = check_frames(program, sink)?;
     let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
@@ -196,6 +194,17 @@ fn check_before_planning(
     // finds no collision-free path.
     stages.run("facts", || analysis::check(program, sink));
     if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
+}
+
+/// The dialect of the post file. Refuses a machine that the control cannot have, and frames that the dialect refuses.
+///
+/// # Errors
+/// There is no such dialect. Other faults are in the sink alone.
+pub fn check_frames(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
+    let post = find_post(program, sink)?;
+    post.check_machine(&program.machine, sink);
+    post::trial::check(post, program, sink);
+    Ok(post)
 }
 
 /// The stage value of planning that is to be printed.

@@ -48,7 +48,7 @@ fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
     );
     if let Some(span) = before {
         let made = own.is_some_and(|l| l.frame.is_some());
-        diag = diag.label(span, if made { "this line" } else { "what this line and those before it leave behind" });
+        diag = diag.label(span, if made { "this line" } else { "what the program does behind this line is refused" });
     }
     if let Some(own) = own {
         diag = diag.note(format!("line {line} of a trial program: {}", own.text));

@@ -29,6 +29,9 @@ fn report(job: &Path) -> Outcome {
         if stem(job).ends_with("-facts") {
             analysis::check(&program, &mut outcome.sink);
         }
+        if stem(job).ends_with("-frame") {
+            let _ = driver::check_frames(&program, &mut outcome.sink);
+        }
         if stem(job).ends_with("-cost") {
             let _ = analysis::cost::check(&program, &mut outcome.sink);
         }
