@@ -21,6 +21,7 @@ mod feed;
 mod link;
 mod point;
 mod rough;
+mod round_to_words;
 mod sample_to_tolerance;
 
 pub mod flank;

@@ -5,6 +5,7 @@ use impellerc::diag::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
 use impellerc::post::{self, NcProgram, Post};
+use impellerc::post_file::{Decimals, LineEnd, Orientation};
 use impellerc::verify::{Verified, verify};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -100,6 +101,44 @@ fn a_changed_text_is_noticed() {
             assert!(judge(digit).is_err());
         }
     }
+}
+
+/// With few digits the planned motion is what the words say, not what they are near to.
+#[test]
+fn coarse_words_are_planned_and_proved() {
+    for orientation in Orientation::ALL {
+        let mut program = PROGRAM.0.clone();
+        program.post.orientation = orientation;
+        program.post.decimals = Decimals { length: 3, angle: 3, vector: 5, feed: 0 };
+        let mut sink = Sink::default();
+        let plan = pipeline::run(&program, &mut sink).expect("a plan");
+        let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
+        let post = post::find(&program.post.dialect).unwrap();
+        let text = post::emit(post, &program, &motion, &[]).text();
+        let found = post::read_back(post, &program, &motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
+        assert!(found.tip < 1e-9 && found.axis < 2e-8, "{found:?}");
+        let line = text.lines().find(|l| l.contains(" G1 ")).unwrap();
+        let digits = |word: &str| line.split(word).nth(1).unwrap().split([' ', '.']).nth(1).unwrap().len();
+        assert_eq!(digits(" X"), 3, "{line}");
+        let word = if orientation == Orientation::Vectors { "A3=" } else { "A=" };
+        assert_eq!(digits(word), if orientation == Orientation::Vectors { 5 } else { 3 }, "{line}");
+    }
+}
+
+/// Line ends and block numbers are those of the post file.
+#[test]
+fn line_ends_and_block_numbers_are_chosen() {
+    let (mut program, motion) = (PROGRAM.0.clone(), &PROGRAM.1);
+    program.post.line_end = LineEnd::CrLf;
+    program.post.block_numbers = 5;
+    let post = post::find("siemens-840d").unwrap();
+    let text = post::emit(post, &program, motion, &["a comment".to_owned()]).text();
+    assert_eq!(text.matches("\r\n").count(), text.matches('\n').count());
+    assert!(text.starts_with("; %_N_WEI2021_MPF\r\n; a comment\r\nN5 G17") && text.contains("\nN10 TRAFOOF\r\n"));
+    let found = post::read_back(post, &program, motion, &text);
+    assert!(found.is_ok(), "{found:?}");
+    program.post.block_numbers = 0;
+    assert!(post::emit(post, &program, motion, &[]).text().lines().all(|l| !l.starts_with('N')));
 }
 
 proptest! {
