@@ -249,6 +249,8 @@ pub enum Field {
     Smoothing,
     /// Path tolerance of the operation.
     Tolerance,
+    /// Path tolerance in finishing, the finest of all operations.
+    FinishTolerance,
     /// Orientation tolerance of the operation, degrees.
     OrientationTolerance,
     /// Words of both rotary axes at the first target.
@@ -265,7 +267,7 @@ pub enum Field {
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
@@ -278,6 +280,7 @@ impl Field {
         Self::Spindle,
         Self::Smoothing,
         Self::Tolerance,
+        Self::FinishTolerance,
         Self::OrientationTolerance,
         Self::Rotary,
         Self::X,
@@ -301,6 +304,7 @@ impl Field {
             Self::Spindle => "spindle",
             Self::Smoothing => "smoothing",
             Self::Tolerance => "tolerance",
+            Self::FinishTolerance => "finish-tolerance",
             Self::OrientationTolerance => "orientation-tolerance",
             Self::Rotary => "rotary",
             Self::X => "x",
@@ -322,6 +326,7 @@ impl Field {
             Self::OperationName | Self::ToolName | Self::ToolNumber | Self::ToolLength => {
                 &[OperationStart, OperationEnd]
             }
+            Self::FinishTolerance => &[Head, OperationStart],
             Self::Spindle | Self::Tolerance | Self::OrientationTolerance => &[OperationStart],
             Self::Rotary | Self::X | Self::Y | Self::Transformation => &[OperationStart],
             Self::Z => &[OperationEnd],

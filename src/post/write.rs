@@ -36,7 +36,6 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         lines.block(format!("{before}{}{behind}", words::comment(line)), None, None);
     }
     lines.frame(Frame::Head, &whole, None);
-    let of_operations = smooths_by_operation(program);
     for (o, operation) in motion.operations.iter().enumerate() {
         let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else { continue };
         let declared = &program.operations[operation.operation];
@@ -44,9 +43,7 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         let values = Values { post, program, operation: Some(OperationValues { declared, tool, first, last }) };
         let source = |i: usize| (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
         lines.frame(Frame::OperationStart, &values, Some(([Field::X, Field::Y], source(0))));
-        // Without such words in the operations, those of the head act.
-        let acting = if of_operations { &values } else { &whole };
-        let smoothing = acting.value(Field::Smoothing);
+        let smoothing = values.value(Field::Smoothing);
         post.moves(program, operation, &smoothing, &mut |text, index| lines.block(text, index.map(source), None));
         let end = source(operation.moves.len() - 1);
         lines.frame(Frame::OperationEnd, &values, Some(([Field::Z, Field::Z], end)));
@@ -55,10 +52,17 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
     lines.nc
 }
 
-/// Whether the frames of operations state the tolerance of smoothing.
-pub(super) fn smooths_by_operation(program: &Program) -> bool {
-    let [_, _, start, ..] = &program.post.frames;
-    start.iter().any(|template| template.fields().any(|field| field == Field::Smoothing))
+/// The words that smooth in an operation.
+pub(super) fn smoothing(
+    post: &dyn Post,
+    program: &Program,
+    declared: &Operation,
+    operation: &MotionOperation,
+) -> String {
+    let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else { return String::new() };
+    let tool = &program.tools[declared.tool];
+    let values = Values { post, program, operation: Some(OperationValues { declared, tool, first, last }) };
+    values.value(Field::Smoothing)
 }
 
 /// The moves of an operation between its stations, with their indices.
@@ -182,6 +186,7 @@ impl Values<'_> {
                 self.filled(&file.smoothing[usize::from(!finishes)])
             }
             Field::Tolerance => fixed(self.tolerances()[0], TOLERANCE_DECIMALS),
+            Field::FinishTolerance => fixed(program.tolerances.chord.get(), TOLERANCE_DECIMALS),
             Field::OrientationTolerance => {
                 // Rounded down; a margin keeps a value on a step where it is.
                 let scale = 10f64.powi(4);

@@ -1,10 +1,10 @@
 //! The texts of both dialects mean the motion, and the readers notice when they do not.
 
-use crate::support;
+use crate::support::{self, jobs};
 use impellerc::diag::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
-use impellerc::post::{self, NcProgram, Post};
+use impellerc::post::{self, NcMove, NcProgram, NcSection, Post};
 use impellerc::post_file::{Decimals, LineEnd, Orientation};
 use impellerc::verify::{Verified, verify};
 use proptest::prelude::*;
@@ -134,11 +134,40 @@ fn line_ends_and_block_numbers_are_chosen() {
     let post = post::find("siemens-840d").unwrap();
     let text = post::emit(post, &program, motion, &["a comment".to_owned()]).text();
     assert_eq!(text.matches("\r\n").count(), text.matches('\n').count());
-    assert!(text.starts_with("; %_N_WEI2021_MPF\r\n; a comment\r\nN5 G17") && text.contains("\nN10 TRAFOOF\r\n"));
+    assert!(text.starts_with("; %_N_WEI2021_MPF\r\n; a comment\r\n"));
+    assert!(text.contains("\nN5 G17") && text.contains("\nN10 TRAFOOF\r\n"));
     let found = post::read_back(post, &program, motion, &text);
     assert!(found.is_ok(), "{found:?}");
     program.post.block_numbers = 0;
     assert!(post::emit(post, &program, motion, &[]).text().lines().all(|l| !l.starts_with('N')));
+}
+
+/// A program can be started at each operation: the text from there is read without a fault, beginning with an unknown
+/// control, and commands the same moves.
+#[test]
+fn each_operation_is_a_restart_point() {
+    for post in post::POSTS {
+        let small = jobs::small(post.name());
+        let program = support::with_post(post.name(), &small.program);
+        let nc = post::emit(*post, &program, &small.motion, &[]);
+        let starts: Vec<usize> =
+            (0..nc.lines.len()).filter(|i| nc.lines[*i].text.contains("a restart point")).collect();
+        assert_eq!(starts.len(), 3, "{}", post.name());
+        let whole = post.read(&nc.text(), &program.machine).unwrap();
+        // What a control needs before any block, such as the name of the program.
+        let begin = program.post.frames[0].len();
+        for (k, start) in starts.into_iter().enumerate() {
+            let mut lines = nc.lines[..begin].to_vec();
+            lines.extend_from_slice(&nc.lines[start..]);
+            let text = NcProgram { lines, ..nc.clone() }.text();
+            let found = post.read(&text, &program.machine).unwrap_or_else(|e| panic!("{}: {e:?}", post.name()));
+            let moves = |sections: &[NcSection]| -> Vec<NcMove> {
+                let all = sections.iter().flat_map(|s| &s.moves);
+                all.map(|m| NcMove { line: 0, ..m.clone() }).collect()
+            };
+            assert_eq!(moves(&found), moves(&whole[k..]), "{} from operation {k}", post.name());
+        }
+    }
 }
 
 proptest! {

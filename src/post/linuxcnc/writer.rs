@@ -2,7 +2,7 @@
 
 use super::LinuxCnc;
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::kin::Machine;
 use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
@@ -62,15 +62,10 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     check_machine(&program.machine, sink);
     words::check(program, motion, sink);
-    if write::smooths_by_operation(program) {
-        sink.push(
-            Diag::error(post::FRAME, "a frame of operations states the tolerance of smoothing".to_owned())
-                .note("how far LinuxCNC leaves the path was computed with the tolerance of the head for all operations")
-                .help("write {smoothing} in the frame `head` alone"),
-        );
-    }
     for operation in &motion.operations {
-        let tool = &program.tools[program.operations[operation.operation].tool];
+        let declared = &program.operations[operation.operation];
+        check_smoothing(program, declared, operation, sink);
+        let tool = &program.tools[declared.tool];
         if tool.number == 0 || tool.number > LARGEST_TOOL {
             sink.push(
                 Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
@@ -78,6 +73,21 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
                     .help(format!("LinuxCNC takes numbers from 1 to {LARGEST_TOOL}: `number 1`")),
             );
         }
+    }
+}
+
+/// Refuses words of smoothing with another tolerance than that of the model of the control.
+fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOperation, sink: &mut Sink) {
+    let words = write::smoothing(&LinuxCnc, program, declared, operation);
+    let tolerance = fixed(program.tolerances.chord.get(), 4);
+    let same = |word: &str| word.strip_prefix('P').is_some_and(|p| p == tolerance);
+    if !words.split(' ').any(same) {
+        sink.push(
+            Diag::error(post::FRAME, format!("`{}` smooths with `{words}`", declared.name))
+                .label(declared.span, "in this operation")
+                .note(format!("how far LinuxCNC leaves the path was computed with a tolerance of {tolerance} mm"))
+                .help("write `G64 P{finish-tolerance} Q0` for finish and rough in the post file"),
+        );
     }
 }
 

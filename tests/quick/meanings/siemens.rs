@@ -435,10 +435,10 @@ fn spelling() -> Vec<Kind> {
         (C, First("T=\"t1\"", "T=\u{201c}t1\u{201d}"), Refused, "quotes of typography"),
         (C, First("T=\"t1\"", "T=\"\u{442}1\""), Refused, "a Cyrillic letter in the name"),
         (C, First("TRAORI", "TR\u{410}ORI"), Refused, "a Cyrillic letter"),
-        (C, First("; groove", "(groove)"), Refused, "brackets are no comment"),
-        (C, First("; groove", "; (groove) G91"), Harmless, "a comment"),
-        (C, First("; groove", ""), Harmless, "no comment"),
-        (C, First("; groove", "; \u{43f}\u{430}\u{437}"), Harmless, "any letters in a comment"),
+        (C, First(" M6 ; groove", "(groove)"), Refused, "brackets are no comment"),
+        (C, First(" M6 ; groove", " M6 ; (groove) G91"), Harmless, "a comment"),
+        (C, First(" M6 ; groove", " M6"), Harmless, "no comment"),
+        (C, First(" M6 ; groove", " M6 ; \u{43f}\u{430}\u{437}"), Harmless, "any letters in a comment"),
         (C, First("G500\n", "N5 G500\n"), Harmless, "a block number"),
         (C, First("G500\n", "N5\n"), Harmless, "a block number alone"),
         (C, First("G500\n", "G500 N5\n"), Refused, "a block number inside of a block"),
@@ -489,7 +489,7 @@ fn end() -> Vec<Kind> {
 
 /// The head and the operations.
 fn parts(text: &str) -> Vec<String> {
-    operations::parts(text, |lines, i| lines[i + 1].starts_with("T="))
+    operations::parts(text, |lines, i| lines[i].ends_with("a restart point"))
 }
 
 fn wrong() -> Vec<Kind> {
