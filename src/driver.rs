@@ -15,13 +15,14 @@ use crate::export::certificate_file::{
     self, BLANK, CertificateFile, HEAD, InputFile, Inputs, NcText, OperationLines, sha256,
 };
 use crate::export::picture;
+use crate::export::source_map::{SourceMapFile, WrittenLine};
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, Program};
 use crate::job::{Fault, Files, Job, MissingFile};
 use crate::output::Outputs;
 use crate::passes::pipeline::{self, Plan};
 use crate::post::{self, NcProgram, Post};
-use crate::source::{Origin, SourceFile, SourceMap};
+use crate::source::{Origin, SourceFile, SourceMap, Span};
 use crate::syntax::ast::{File, ItemKind};
 use crate::units::trim;
 use crate::verify::Verified;
@@ -63,6 +64,8 @@ pub struct Options {
     pub output: Option<PathBuf>,
     /// File to write a picture of part and paths to.
     pub picture: Option<PathBuf>,
+    /// File to write the source map of the NC text to.
+    pub source_map: Option<PathBuf>,
     /// File to write the certificate to.
     pub certificate: Option<PathBuf>,
     /// Stage value to print; the compilation stops after this stage.
@@ -144,7 +147,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     };
 
     let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
-    let written = or_reported(written, sink)?;
+    let mut written = or_reported(written, sink)?;
+    if options.source_map.is_some() {
+        written.source_map = Some(or_reported(source_map(&program, motion.get(), sources, &written.nc), sink)?);
+    }
     let read = or_reported(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
     if options.emit == Some(Emit::Nc) {
         *emitted = Some(written.text);
@@ -187,7 +193,12 @@ fn check_before_planning(
     analysis::machine_kind::check(program, sink)?;
     analysis::part_kind::check(program, sink)?;
     let post = check_frames(program, sink)?;
-    let own = [("-o", &options.output), ("--certificate", &options.certificate), ("--picture", &options.picture)];
+    let own = [
+        ("-o", &options.output),
+        ("--certificate", &options.certificate),
+        ("--picture", &options.picture),
+        ("--source-map", &options.source_map),
+    ];
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
@@ -405,6 +416,23 @@ struct Written {
     text: String,
     /// Text of the certificate.
     certificate: String,
+    /// Text of the source map, where the options require it.
+    source_map: Option<String>,
+}
+
+/// Text of the source map.
+fn source_map(program: &Program, motion: &Motion, sources: &SourceMap, nc: &NcProgram) -> Result<String, Diag> {
+    let line_of = |span: Span| sources.line_column(span).0;
+    let lines = nc.lines.iter().map(|line| {
+        let frame = line.frame.and_then(|span| Some((sources.get(span.source)?.name.as_str(), line_of(span))));
+        WrittenLine { text: &line.text, source: line.source, frame }
+    });
+    let inputs = inputs(sources);
+    let job = inputs.files.first().map_or("", |file| file.name.as_str());
+    SourceMapFile::new(program, motion, job, line_of, lines).json().map_err(|reason| {
+        Diag::error(files::INTERNAL, format!("the source map cannot be written: {reason}"))
+            .help("report the job file: this is a fault of the compiler")
+    })
 }
 
 impl Written {
@@ -431,7 +459,7 @@ impl Written {
                 .help("report the job file: this is a fault of the compiler")
         })?;
         fill(&mut nc, of_certificate, &sha256(certificate.as_bytes()));
-        Ok(Self { text: nc.text(), nc, certificate })
+        Ok(Self { text: nc.text(), nc, certificate, source_map: None })
     }
 
     /// Writes every file that the options require. Returns a text that names the files.
@@ -443,7 +471,7 @@ impl Written {
         stages: &mut Stages,
         sink: &mut Sink,
     ) -> Result<String, Aborted> {
-        let Options { output, picture, certificate, run, .. } = options;
+        let Options { output, picture, certificate, run, source_map, .. } = options;
         let image = picture.as_ref().map(|_| stages.run("picture", || picture::picture(shown.program, shown.motion)));
         let motion = shown.motion;
         let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc)), ..shown };
@@ -452,6 +480,7 @@ impl Written {
             ("-o", output, Some(self.text.as_bytes())),
             ("--certificate", certificate, Some(self.certificate.as_bytes())),
             ("--picture", picture, image.as_deref()),
+            ("--source-map", source_map, self.source_map.as_deref().map(str::as_bytes)),
             ("--report", &run.report, html.as_deref().map(str::as_bytes)),
         ];
         let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
@@ -462,7 +491,7 @@ impl Written {
             None => "no NC text written: no `-o FILE`\n".to_owned(),
         };
         said.push_str(&meshes_written(run, motion));
-        for path in [certificate, picture, &run.report].into_iter().flatten() {
+        for path in [certificate, picture, source_map, &run.report].into_iter().flatten() {
             said.push_str(&format!("wrote {}\n", shown_path(path)));
         }
         Ok(said)

@@ -44,7 +44,7 @@ struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Write the NC text in this dialect instead of the dialect of the job: siemens-840d or linuxcnc
+    /// Write the NC text with this post file of the library instead of the post of the job, such as linuxcnc
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
 
@@ -60,6 +60,10 @@ struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
 
+    /// Write the source map to this file: of each block the cutter location, pass, operation and line of the job
+    #[arg(long, value_name = "FILE.json")]
+    source_map: Option<PathBuf>,
+
     #[command(flatten)]
     run: RunArguments,
 }
@@ -67,7 +71,7 @@ struct Arguments {
 /// What both commands take.
 #[derive(Args)]
 struct RunArguments {
-    /// Search this folder first for machine and tool files (subfolders `machines` and `tools`)
+    /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
 
@@ -138,6 +142,11 @@ enum Command {
         #[arg(long, value_name = "FILE.json")]
         certificate: Option<PathBuf>,
 
+        /// Source map of the NC text: findings say for which pass and line of the job a block was written. The text may
+        /// have been edited since
+        #[arg(long, value_name = "FILE.json")]
+        source_map: Option<PathBuf>,
+
         #[command(flatten)]
         run: Box<RunArguments>,
     },
@@ -163,7 +172,7 @@ enum Command {
         #[arg(long, value_name = "NAME")]
         machine: Option<String>,
 
-        /// Search this folder first for machine and tool files (subfolders `machines` and `tools`)
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
         #[arg(long, value_name = "DIR")]
         library: Option<PathBuf>,
 
@@ -212,12 +221,12 @@ enum EmitArgument {
 }
 
 fn main() -> ExitCode {
-    let Arguments { command, job, output, post, emit, certificate, picture, run } = Arguments::parse();
+    let Arguments { command, job, output, post, emit, certificate, picture, source_map, run } = Arguments::parse();
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
-        Some(Command::Verify { nc, job, post, certificate, run }) => {
+        Some(Command::Verify { nc, job, post, certificate, source_map, run }) => {
             let (format, timings) = (run.error_format, run.timings);
-            let check = NcCheck { nc, job, certificate, run: run.options(post) };
+            let check = NcCheck { nc, job, certificate, source_map, run: run.options(post) };
             finish(format, timings, |stages| driver::verify(&check, stages))
         }
         Some(Command::Diff { first, second, job, other_machine, machine, library, curves, timings, error_format }) => {
@@ -231,6 +240,7 @@ fn main() -> ExitCode {
                 job: job.unwrap_or_default(),
                 output,
                 picture,
+                source_map,
                 certificate,
                 emit: emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,

@@ -8,9 +8,10 @@ use crate::analysis;
 use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink, printable};
 use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
+use crate::export::source_map::{LaidMap, SourceMapFile};
 use crate::ir::Program;
 use crate::output::Outputs;
-use crate::post::motion_of::{NcMotion, motion_of};
+use crate::post::motion_of::{NcMotion, READ_PASS, motion_of};
 use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
@@ -26,6 +27,8 @@ pub struct NcCheck {
     pub job: Option<PathBuf>,
     /// Certificate that the text must belong to.
     pub certificate: Option<PathBuf>,
+    /// Source map of the text, or of the text that it was before it was edited.
+    pub source_map: Option<PathBuf>,
     /// Shared options; the dialect is that of the text.
     pub run: RunOptions,
 }
@@ -64,7 +67,23 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         let belong = Belonging { sources: &outcome.sources, nc, shown, bytes, file };
         report.push_str(&belong.check(program.is_some().then_some(&inputs), &mut outcome.sink));
     }
-    let measured = program.map(|program| measure(check, &program, (nc, &inputs), stages, outcome)).transpose();
+    let map = check.source_map.as_deref().map(|path| read_source_map(path, &mut outcome.sink)).transpose()?;
+    let map = map.map(|map| LaidMap::new(map, outcome.sources.get(nc).map_or("", |f| f.text.as_str())));
+    if let Some(map) = &map {
+        let [lines, known] = map.known();
+        report.push_str(&format!("the source map knows {known} of {lines} lines\n"));
+    }
+    let read = outcome.sink.diags().len();
+    let text = Text { nc, inputs: &inputs, map: map.as_ref() };
+    let measured = program.map(|program| measure(check, &program, &text, stages, outcome)).transpose();
+    if let Some(map) = &map {
+        let Outcome { sources, sink, .. } = &mut *outcome;
+        let mut index = 0;
+        sink.change_all(|diag| {
+            index += 1;
+            if index > read { with_map(diag, map, sources, nc) } else { diag }
+        });
+    }
     if let (Some((shown, _, file)), Ok(Some(certificate))) = (&file, &measured) {
         compare_figures(shown, file, certificate, &mut outcome.sink);
     }
@@ -88,18 +107,53 @@ pub(super) fn program(
     Ok(program)
 }
 
+/// The NC text with what belongs to it.
+struct Text<'a> {
+    nc: SourceId,
+    inputs: &'a Inputs,
+    map: Option<&'a LaidMap>,
+}
+
+/// Adds to a finding what the source map says of its block.
+fn with_map(diag: Diag, map: &LaidMap, sources: &SourceMap, nc: SourceId) -> Diag {
+    let block = diag.labels.iter().find(|label| label.span.source == nc);
+    let says = block.and_then(|label| map.says(sources.line_column(label.span).0));
+    match says {
+        Some(says) => diag.note(says),
+        None => diag,
+    }
+}
+
+/// Names the passes of a motion that was read as the source map names them.
+fn name_passes(motion: &mut NcMotion, map: &LaidMap) {
+    for (made, lines) in motion.motion.operations.iter_mut().zip(&motion.lines) {
+        for (m, line) in made.moves.iter().zip(lines) {
+            let Some((block, operation)) = map.block(*line).filter(|(block, _)| block.kind == "cut") else { continue };
+            let planned = operation.passes.get(block.pass as usize);
+            // The first cut of a pass names it.
+            if let (Some(label), Some(planned)) = (made.labels.get_mut(m.pass as usize), planned)
+                && label.starts_with(READ_PASS)
+            {
+                *label = format!("{planned}, {label}");
+            }
+        }
+    }
+}
+
 /// Measures the text against the job; the measured certificate becomes the text of the outcome.
 fn measure(
     check: &NcCheck,
     program: &Program,
-    (source, inputs): (SourceId, &Inputs),
+    &Text { nc: source, inputs, map }: &Text<'_>,
     stages: &mut Stages,
     outcome: &mut Outcome,
 ) -> Result<Certificate, Aborted> {
     let Outcome { sources, sink, emitted, contracts } = outcome;
     let mut outputs = Outputs::default();
-    if let Some(path) = &check.certificate {
-        outputs.protect(format!("the certificate `{}`", path.display()), path);
+    for (what, path) in [("certificate", &check.certificate), ("source map", &check.source_map)] {
+        if let Some(path) = path {
+            outputs.protect(format!("the {what} `{}`", path.display()), path);
+        }
     }
     let mut outputs = or_reported(before_work(outputs, &check.run, &[], sources, program), sink)?;
     let shown = check.nc.display().to_string();
@@ -108,7 +162,10 @@ fn measure(
     // dialect.
     let post = find_post(program, sink)?;
     let post = if check.run.post.is_some() { post } else { post::clearly_other(text, post).unwrap_or(post) };
-    let motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
+    let mut motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
+    if let Some(map) = map {
+        name_passes(&mut motion, map);
+    }
     let known = sink.diags().len();
     let fits = verify::memory::check(program, &motion.motion, sink);
     let mut stock = Vec::from_iter(rest_stock::at_start(program).filter(|_| check.run.report.is_some()));
@@ -455,6 +512,24 @@ fn with_line(
         diag.labels.insert(0, label);
     }
     diag
+}
+
+/// The source map of a file.
+fn read_source_map(path: &Path, sink: &mut Sink) -> Result<SourceMapFile, Aborted> {
+    let due = "give the file that `--source-map` wrote together with the NC text";
+    let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
+        Ok(Some(Ok(text))) => match SourceMapFile::read(&text) {
+            Ok(map) => return Ok(map),
+            Err(reason) => Diag::error(codes::SOURCE_MAP, format!("{}: {reason}", path.display())).help(due),
+        },
+        Ok(Some(Err(_))) => Diag::error(codes::SOURCE_MAP, format!("{} is not a text file", path.display())).help(due),
+        Ok(None) => {
+            Diag::error(codes::SOURCE_MAP, format!("{} has more than {} MB", path.display(), MAX_BYTES >> 20)).help(due)
+        }
+        Err(error) => reading::unreadable(path, &error, due),
+    };
+    sink.push(diag);
+    Err(Aborted)
 }
 
 /// The NC text.

@@ -1,5 +1,6 @@
-//! Outputs beside the NC text: pictures and the report for people, the certificate as a file.
+//! Outputs beside the NC text: pictures and the report for people, the certificate and the source map as files.
 
 pub mod certificate_file;
 pub mod picture;
 pub mod report;
+pub mod source_map;

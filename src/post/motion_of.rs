@@ -17,6 +17,9 @@ use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
+/// Beginning of the name of a pass of a text, before the number of its first line.
+pub const READ_PASS: &str = "blocks from line ";
+
 /// A motion with the lines of its moves.
 #[derive(Clone, Debug, Default)]
 pub struct NcMotion {
@@ -367,7 +370,7 @@ impl<'a> Course<'a> {
     fn go(&mut self, m: &'a NcMove, step: JointMove) {
         let made = &mut self.made;
         if self.last.is_none_or(|l| m.rapid && !l.rapid) {
-            made.labels.push(format!("blocks from line {}", m.line));
+            made.labels.push(format!("{READ_PASS}{}", m.line));
         }
         let pass = u32::try_from(made.labels.len().saturating_sub(1)).unwrap_or(u32::MAX);
         // Stops matter only for this planner.

@@ -1,5 +1,6 @@
 //! `impellerc verify` as a user runs it: on the output of the compiler, and on the same output with faults.
 
+use impellerc::export::source_map::{LaidMap, SourceMapFile};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -27,7 +28,9 @@ static WRITTEN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     for dialect in DIALECTS {
         let out = folder.path().join(dialect);
         let certificate = folder.path().join(format!("{dialect}.json"));
-        let more = ["-o", out.to_str().unwrap(), "--certificate", certificate.to_str().unwrap()];
+        let map = folder.path().join(format!("{dialect}.map"));
+        let [out, certificate, map] = [&out, &certificate, &map].map(|path| path.to_str().unwrap());
+        let more = ["-o", out, "--certificate", certificate, "--source-map", map];
         let run = impellerc(&[&[JOB, "--post", dialect], &machine(dialect)[..], &more[..], &CELLS[..]].concat());
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
@@ -103,7 +106,7 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     let lines: Vec<&str> = original.lines().collect();
     // The end of the way over the sphere after the first pass of the flank operation: it is moved into the part, so that the
     // rapid hits the stock, and the link after it goes with the shank among the vanes.
-    let start = line_of(&original, "(flank)");
+    let start = line_of(&original, "(flank: ");
     let is = |i: usize, word: &str| lines[i].starts_with(word);
     let index =
         (start..lines.len()).find(|i| is(i - 1, "G1 X") && is(*i, "G61.1 G1 X") && is(i + 1, "G94 G1 X")).unwrap();
@@ -164,7 +167,7 @@ fn text_that_does_not_follow_the_job_is_refused_with_its_line() {
         // Two operations less: what is missing is told after the last block.
         // The other dialect names the operation in the block of its tool, behind the retract.
         let from = if dialect == "linuxcnc" {
-            line_of(&original, "(flank)") - 1
+            line_of(&original, "(flank: ") - 1
         } else {
             line_of(&original, "M6 ; flank") - 2
         };
@@ -397,7 +400,7 @@ fn text_and_certificate_belong_together_or_not() {
             found.unwrap_or_else(|| panic!("{words}: {err}")).clone()
         };
         // One digit, one line less, other line ends.
-        let at = line_of(&original, if dialect == "linuxcnc" { "(flank)" } else { "M6 ; flank" }) + 20;
+        let at = line_of(&original, if dialect == "linuxcnc" { "(flank: " } else { "M6 ; flank" }) + 20;
         let mut lines: Vec<String> = original.lines().map(|l| format!("{l}\n")).collect();
         lines[at] = lines[at].replacen("Y", "Y0", 1);
         let found = refused(&lines.concat(), &certificate(dialect), "another text");
@@ -528,7 +531,7 @@ fn wrong_files_are_told_apart() {
 #[test]
 fn a_cut_at_link_feed_is_found() {
     let text = text("linuxcnc");
-    let slot = line_of(&text, "(groove)");
+    let slot = line_of(&text, "(groove: ");
     let mut lines: Vec<String> = text.lines().map(|l| format!("{l}\n")).collect();
     // The first of two blocks with the feed of the block before.
     let states = |i: usize| lines[i].contains('F');
@@ -545,6 +548,50 @@ fn a_cut_at_link_feed_is_found() {
 }
 
 /// Volume of a binary STL, and whether each of its edges belongs to an even number of triangles.
+/// The source map names pass, job line and cutter location of a block, also in a text with another block before it.
+#[test]
+fn a_source_map_names_the_pass_and_the_line_of_the_job() {
+    let dialect = "siemens-840d";
+    let map = WRITTEN.path().join(format!("{dialect}.map"));
+    let original = text(dialect);
+    let flank = line_of(&original, "; flank: a restart point");
+    let cut = flank + original.lines().skip(flank).position(|l| l.contains(" G1 X")).unwrap() + 5;
+    let mut lines: Vec<String> = original.lines().map(str::to_owned).collect();
+    // 5 mm into the vane or the hub.
+    let z: f64 = lines[cut].split(" Z").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    lines[cut] = lines[cut].replace(&format!(" Z{z:.4}"), &format!(" Z{:.4}", z - 5.0));
+    assert_ne!(lines[cut], original.lines().nth(cut).unwrap());
+    let faulty = edited(&(lines.join("\n") + "\n"));
+    let more = ["--source-map", map.to_str().unwrap(), "--error-format", "json"];
+    let (ok, _, err) = verify(&faulty.path, dialect, &more);
+    assert!(!ok);
+    let notes: Vec<String> = diagnostics(&err)
+        .iter()
+        .flat_map(|d| d["notes"].as_array().cloned().unwrap_or_default())
+        .filter_map(|n| n.as_str().map(str::to_owned))
+        .filter(|n| n.contains("was written for"))
+        .collect();
+    let job = std::fs::read_to_string(JOB).unwrap();
+    let due = format!("was written for `flank`, line {} of small.imp", line_of(&job, "operation flank"));
+    // The edited block itself is unknown; the finding is there or at a neighbour.
+    assert!(notes.iter().any(|n| n.contains(&due)) || err.contains(&format!("blocks from line {}", cut + 1)), "{err}");
+    let (_, out, _) = verify(&faulty.path, dialect, &more[..2]);
+    assert!(out.contains(&format!("the source map knows {} of {} lines", lines.len() - 1, lines.len())), "{out}");
+    // Whole, each block is known, with the cutter location that its words say.
+    let file = SourceMapFile::read(&std::fs::read_to_string(&map).unwrap()).unwrap();
+    let laid = LaidMap::new(file, &original);
+    for (i, line) in original.lines().enumerate().filter(|(_, l)| l.contains(" G1 X")) {
+        let (block, operation) = laid.block(i + 1).unwrap_or_else(|| panic!("line {}", i + 1));
+        let words = ["X", "Y", "Z"].map(|w| line.split(&format!(" {w}")).nth(1).unwrap().split(' ').next().unwrap());
+        for (word, x) in words.iter().zip(block.tip) {
+            assert!((word.parse::<f64>().unwrap() - x).abs() < 0.51e-4, "{line} {block:?}");
+        }
+        assert!(operation.passes.len() > block.pass as usize && block.kind != "rapid");
+    }
+    let frame = laid.says(flank).unwrap();
+    assert!(frame.contains("by the template in line") && frame.contains("posts/siemens-840d.toml"), "{frame}");
+}
+
 fn stl(path: &Path) -> (f64, bool) {
     let bytes = std::fs::read(path).unwrap();
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());

@@ -95,6 +95,10 @@ least one of the two.\n\nRemedy: add `--job job.imp`, `--certificate part.json`,
         "The contracts were measured on the text. The certificate has other figures, and the digits of the NC words \
 do not explain the difference. The certificate was edited, or another version of the compiler measured it.\n\nRemedy: \
 rely on the measurement, and compile the job again.";
+    SOURCE_MAP = "IMP0831", "a file that is no source map",
+        "`impellerc job.imp -o part.nc --source-map part.map.json` writes the source map of an NC text. `impellerc verify` \
+takes it to say for which pass and line of the job a block was written. The given file is no source map of this \
+compiler.\n\nRemedy: give the file that was written together with the NC text, or leave the option out.";
     DIFFERS = "IMP0830", "two texts differ for the machine",
         "`impellerc diff` has read both NC texts as motions of the operations of one job. In this operation tip, tool \
 axis, speed or time differ by more than the digits of NC words. Comments, block numbers, modal words and the division of \
