@@ -165,12 +165,7 @@ fn text_that_does_not_follow_the_job_is_refused_with_its_line() {
         let feed = format!("{head}{}", moves.replacen(at_feed.0, at_feed.1, 1));
         refused(dialect, &feed, "IMP0824", first_move);
         // Two operations less: what is missing is told after the last block.
-        // The other dialect names the operation in the block of its tool, behind the retract.
-        let from = if dialect == "linuxcnc" {
-            line_of(&original, "(flank: ") - 1
-        } else {
-            line_of(&original, "M6 ; flank") - 2
-        };
+        let from = line_of(&original, "flank: a restart point") - 1;
         let end = if dialect == "linuxcnc" { "M2" } else { "M30" };
         let short = original.lines().take(from).map(|l| format!("{l}\n")).collect::<String>() + end + "\n";
         let last = short.lines().count() - short.lines().rev().position(|l| l.contains(" Z")).unwrap();
