@@ -11,7 +11,7 @@ use super::read_back::says_tool;
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::geom::angle::nearest_turn;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Angles, Chain, Joints, Machine, linuxcnc, most_turn};
+use crate::kin::{Angles, Chain, Interpolation, Joints, Machine, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -183,6 +183,7 @@ impl Interpreter<'_> {
             }
             let first = course.last.is_none();
             self.check_turn(m, first, course.rotary, rotary);
+            self.check_interpolation(m, course.rotary, rotary);
             if m.smoothing > widest {
                 self.check_smoothing(m, operation);
                 widest = m.smoothing;
@@ -254,6 +255,24 @@ impl Interpreter<'_> {
                 .note("a direction vector fits two rotary positions; the control takes the nearer one");
             self.tell(diag);
         }
+    }
+
+    /// Reports a block in which the axes turn by another rule than that of a motion.
+    fn check_interpolation(&mut self, m: &NcMove, before: Angles, to: Angles) {
+        let rule = match m.interpolation {
+            Interpolation::RotaryLinear => return,
+            Interpolation::GreatCircle => "turns the tool axis on a great circle",
+            Interpolation::JointsLinear => "moves the joints linearly, not the tip",
+        };
+        if most_turn(before, to) <= STILL.0 {
+            return;
+        }
+        let text = format!(
+            "in this block the control {rule}; a block that turns is judged with rotary axes that run linearly"
+        );
+        let help = "switch to the interpolation of rotary axes before this block, such as ORIAXES or PATHCTRL AXIS";
+        let diag = self.fault(post::NC_BLOCK, m.line, text, help);
+        self.tell(diag);
     }
 
     fn check_smoothing(&mut self, m: &NcMove, operation: &Operation) {

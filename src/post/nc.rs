@@ -1,6 +1,6 @@
 //! NC text as blocks, and the result of a reader.
 
-use crate::kin::Angles;
+use crate::kin::{Angles, Interpolation};
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
@@ -89,6 +89,8 @@ pub struct NcMove {
     pub tip: Point3<f64>,
     /// Tool direction.
     pub direction: Direction,
+    /// Rule by which the control moves the axes inside of the block.
+    pub interpolation: Interpolation,
     /// Feed of the tip in mm/min; `None` at rapid, and in inverse time where the text does not give the start of the
     /// move.
     pub feed: Option<f64>,

@@ -83,6 +83,9 @@ pub(super) struct Control {
     pub(super) smoothing: &'static str,
     /// The word that ends a program.
     pub(super) end: &'static str,
+    /// Words of [`ModalGroup::Turning`] with which the tool axis turns on a great circle. With every other word the rotary
+    /// axes run linearly.
+    pub(super) great_circle: &'static [&'static str],
     /// In moves in the machine frame the tool length does not act.
     pub(super) machine_frame_drops_length: bool,
     /// Switching the transformation cancels the work offset, its shifts and its rotations.

@@ -139,6 +139,7 @@ const LINUXCNC: Control = Control {
     length: "G43",
     smoothing: "G64 P",
     end: "M2",
+    great_circle: &[],
     machine_frame_drops_length: true,
     switching_drops_frames: false,
     change_drops_length: false,

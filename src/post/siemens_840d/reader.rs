@@ -139,6 +139,7 @@ const SINUMERIK: Control = Control {
     length: "D1",
     smoothing: "CYCLE832",
     end: "M30",
+    great_circle: &["ORIVECT", "ORIPLANE"],
     machine_frame_drops_length: false,
     switching_drops_frames: true,
     change_drops_length: true,

@@ -1,6 +1,7 @@
 //! Moves of single axes and of the tool tip, as changes of the state of the control.
 
 use super::{AxisPosition, ControlState, Length, Transformation};
+use crate::kin::Interpolation;
 use crate::post::control::modal::{ModalGroup, Setting};
 use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
 use crate::post::nc::{Direction, NcMove, NcTool};
@@ -201,10 +202,29 @@ impl ControlState<'_> {
         self.direction = direction;
         self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
-        let (line, speed) = (self.line, self.speed.unwrap_or(0.0));
+        let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.moves.push(NcMove { line, rapid, tip, direction, feed, time, tool, speed, smoothing });
+            section.moves.push(NcMove {
+                line,
+                rapid,
+                tip,
+                direction,
+                interpolation,
+                feed,
+                time,
+                tool,
+                speed,
+                smoothing,
+            });
             self.moves += 1;
+        }
+    }
+
+    /// Rule of the moves of the tip.
+    fn interpolation(&self) -> Interpolation {
+        match self.modal[ModalGroup::Turning as usize] {
+            Setting::Said(word, _) if self.control.great_circle.contains(&word) => Interpolation::GreatCircle,
+            _ => Interpolation::RotaryLinear,
         }
     }
 
