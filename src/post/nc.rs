@@ -53,6 +53,8 @@ pub enum NcTool {
     Number(u32),
     /// By its name.
     Name(Arc<str>),
+    /// By its name in capital letters: the tool table of the control has no others.
+    Capitals(Arc<str>),
 }
 
 /// Positions of all axes with the transformation off.

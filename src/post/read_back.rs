@@ -147,6 +147,7 @@ fn stations(
 pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
     match &read.tool {
         NcTool::Name(name) => **name == *tool.name,
+        NcTool::Capitals(name) => **name == *tool.name.to_ascii_uppercase(),
         NcTool::Number(number) => *number == tool.number,
     }
 }

@@ -77,6 +77,12 @@ pub(super) struct Control {
     pub(super) machine_frame: &'static str,
     /// The words after the axis words.
     pub(super) behind: &'static str,
+    /// The word of a rapid.
+    pub(super) rapid: &'static str,
+    /// The words that bring a tool into the spindle.
+    pub(super) change: &'static str,
+    /// The words of the direction vector; empty where the control has none.
+    pub(super) vector: [&'static str; 3],
     /// The word that activates the length of the tool in the spindle.
     pub(super) length: &'static str,
     /// The word that gives the tolerance of smoothing.
@@ -92,8 +98,25 @@ pub(super) struct Control {
     pub(super) switching_drops_frames: bool,
     /// A tool change activates a default tool length.
     pub(super) change_drops_length: bool,
+    /// A tool change activates the length of the new tool.
+    pub(super) change_sets_length: bool,
+    /// A rotary axis of more than one turn takes the shorter way to its target.
+    pub(super) shorter_way: bool,
+    /// A stop of the program switches spindle and coolant off.
+    pub(super) wait_switches_off: bool,
     /// The end of a program switches spindle and coolant off.
     pub(super) end_switches_off: bool,
+}
+
+impl Control {
+    /// The words that bring a tool into the spindle and activate its length.
+    fn change_words(&self) -> String {
+        if self.change_sets_length {
+            self.change.to_owned()
+        } else {
+            format!("{}, then `{}`", self.change, self.length)
+        }
+    }
 }
 
 /// Actions of the words of a block, in the order of the control.
@@ -183,6 +206,8 @@ pub(super) struct NcBlock {
     pub(super) length: Option<LengthWord>,
     /// Tolerance of path smoothing.
     pub(super) smoothing: Option<Smoothing>,
+    /// A word that the control takes only with the transformation off.
+    pub(super) outside: Option<&'static str>,
     /// A word that makes the program wait.
     pub(super) wait: Option<&'static str>,
     /// The program ends, with this word.
@@ -208,8 +233,8 @@ impl NcBlock {
     }
 
     /// A component of the direction vector.
-    pub(super) fn component(&mut self, axis: usize, value: f64) -> Result<(), String> {
-        store(&mut self.vector[axis], ["A3", "B3", "C3"][axis], value, FARTHEST)
+    pub(super) fn component(&mut self, control: &Control, axis: usize, value: f64) -> Result<(), String> {
+        store(&mut self.vector[axis], control.vector[axis], value, FARTHEST)
     }
 
     /// A rotary axis, in degrees as in the word. A word beyond the travel of the axis is refused here, so that nothing
@@ -267,7 +292,7 @@ impl std::fmt::Display for NcTool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Number(number) => write!(f, "{number}"),
-            Self::Name(name) => write!(f, "\"{}\"", shown(name, 40)),
+            Self::Name(name) | Self::Capitals(name) => write!(f, "\"{}\"", shown(name, 40)),
         }
     }
 }

@@ -27,6 +27,8 @@ pub(in crate::post) enum ModalGroup {
     VectorFrame,
     /// Motion of the tool between two directions.
     Turning,
+    /// Way of a rotary axis to its target.
+    Way,
     /// Spindle on, and its direction.
     Spindle,
     /// Coolant.

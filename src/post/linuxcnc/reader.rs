@@ -136,6 +136,9 @@ const LINUXCNC: Control = Control {
     transformation: ["M428", "M429"],
     machine_frame: "G53 G0",
     behind: "",
+    rapid: "G0",
+    change: "T and M6",
+    vector: [""; 3],
     length: "G43",
     smoothing: "G64 P",
     end: "M2",
@@ -143,6 +146,9 @@ const LINUXCNC: Control = Control {
     machine_frame_drops_length: true,
     switching_drops_frames: false,
     change_drops_length: false,
+    change_sets_length: false,
+    shorter_way: false,
+    wait_switches_off: false,
     end_switches_off: true,
 };
 

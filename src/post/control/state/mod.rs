@@ -142,6 +142,9 @@ impl<'a> ControlState<'a> {
         if self.ended {
             return self.fault_once("ended", "text after the end of the program");
         }
+        if let Some(word) = block.outside {
+            self.judge_outside(word);
+        }
         for act in self.control.order {
             match act {
                 Act::Set(group) => self.set(*group, block),
@@ -165,12 +168,8 @@ impl<'a> ControlState<'a> {
                 }
                 Act::Smooth => self.smoothing = block.smoothing.or(self.smoothing),
                 Act::Wait => {
-                    if let Some(word) = block.wait.filter(|_| self.transformation == Transformation::On) {
-                        self.fault(format!(
-                            "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, \
-                             before {}",
-                            self.control.transformation[0]
-                        ));
+                    if let Some(word) = block.wait {
+                        self.wait(word);
                     }
                 }
                 Act::Move => self.moved(block),
@@ -180,6 +179,35 @@ impl<'a> ControlState<'a> {
                     }
                 }
                 Act::Change => {}
+            }
+        }
+    }
+
+    /// Reports a word that the control takes only with the transformation off.
+    fn judge_outside(&mut self, word: &str) {
+        let [_, off] = self.control.transformation;
+        match self.transformation {
+            Transformation::Off => {}
+            Transformation::On => {
+                self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
+            }
+            Transformation::Unknown => self.fault(format!(
+                "`{word}` while the transformation may still be on from another program: write {off} alone in a block \
+                 before"
+            )),
+        }
+    }
+
+    fn wait(&mut self, word: &str) {
+        if self.transformation == Transformation::On {
+            self.fault(format!(
+                "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, before {}",
+                self.control.transformation[0]
+            ));
+        }
+        if self.control.wait_switches_off {
+            for group in [ModalGroup::Spindle, ModalGroup::Coolant] {
+                self.modal[group as usize] = Setting::Unknown;
             }
         }
     }
@@ -205,11 +233,14 @@ impl<'a> ControlState<'a> {
             ));
         }
         if self.ready.is_none() {
-            self.fault("M6 before any T: the next tool is unknown");
+            self.fault("a tool change before any T: the next tool is unknown");
         }
         self.tool = self.ready.clone().or(Some(NcTool::Number(0)));
         if self.control.change_drops_length {
             self.length = Length::Unknown;
+        }
+        if self.control.change_sets_length {
+            self.set_length(&LengthWord::OfSpindle);
         }
         // A tool change stops the spindle.
         self.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
@@ -299,7 +330,8 @@ impl<'a> ControlState<'a> {
                     .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
                 None => self.fault_apart(format!(
                     "{word} before any tool change: the tool in the spindle and its length are unknown; write \
-                     T and M6, then `{length}`, before this block"
+                     {}, before this block",
+                    self.control.change_words()
                 )),
             }
             return self.begin();

@@ -6,6 +6,7 @@ use crate::post::control::modal::{ModalGroup, Setting};
 use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
 use crate::post::nc::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
+use std::f64::consts::{PI, TAU};
 
 /// Length of a direction vector below which it gives no direction.
 const NO_DIRECTION: f64 = 1e-6;
@@ -47,9 +48,12 @@ impl ControlState<'_> {
         match self.motion {
             Some(MotionWord::Rapid) => {}
             Some(MotionWord::Feed) => {
-                self.fault("a move at feed with the transformation off: here only rapids are understood, write G0");
+                self.fault(format!(
+                    "a move at feed with the transformation off: here only rapids are understood, write {}",
+                    self.control.rapid
+                ));
             }
-            _ => self.fault("a move before any G0: it may be a rapid or not"),
+            _ => self.fault(format!("a move before any {}: it may be a rapid or not", self.control.rapid)),
         }
         let linear = block.tip.iter().any(Option::is_some);
         if linear && !block.machine_frame {
@@ -150,6 +154,7 @@ impl ControlState<'_> {
             return self.axis_move(block);
         }
         let direction = self.direction(block);
+        self.judge_way(&direction);
         self.motion = block.motion.or(self.motion);
         let before = self.tip;
         for (k, word) in block.tip.iter().enumerate() {
@@ -217,6 +222,24 @@ impl ControlState<'_> {
                 smoothing,
             });
             self.moves += 1;
+        }
+    }
+
+    /// Reports a turn for which the shorter way is not the one that the words mean.
+    fn judge_way(&mut self, to: &Direction) {
+        let (Direction::Rotary(from), Direction::Rotary(to)) = (self.direction, to) else { return };
+        let turns = |k: &usize| {
+            let axis = &self.machine.rotary[*k];
+            axis.max - axis.min > TAU && (to[*k] - from[*k]).abs() >= PI
+        };
+        if let Some(k) = [0, 1].iter().find(|k| self.control.shorter_way && turns(k)) {
+            let turn = (to[*k] - from[*k]).abs().to_degrees();
+            self.fault(format!(
+                "{} turns by {} deg in one block: on the shorter way it would turn in the other direction; divide the \
+                 block",
+                self.machine.rotary[*k].name,
+                figure(turn)
+            ));
         }
     }
 
@@ -292,9 +315,9 @@ impl ControlState<'_> {
                 }
             },
             _ => {
-                let [.., first, second] = self.machine.names();
+                let ([.., first, second], [x, y, z]) = (self.machine.names(), self.control.vector);
                 self.fault(format!(
-                    "an incomplete direction: write A3=, B3= and C3= together, without {first}= {second}="
+                    "an incomplete direction: write {x}, {y} and {z} together, without {first} and {second}"
                 ));
                 before
             }
