@@ -8,6 +8,7 @@
 mod control;
 mod dialect;
 mod form;
+mod heidenhain;
 mod linuxcnc;
 pub mod motion_of;
 mod nc;
