@@ -147,21 +147,35 @@ impl Inputs {
     }
 }
 
-/// The body of an NC text of any dialect, after the line with which it begins, from 1. The body is the text without the
-/// comments and empty lines at its head.
+/// The body of an NC text of any dialect, after the line with which it begins, from 1. The body is the text without its
+/// head: the comments, the empty lines, and the lines that open a program.
 pub fn body(text: &str) -> (usize, &str) {
     let mut rest = text;
     let mut line = 1;
     while let Some(end) = rest.find('\n') {
-        let first = rest[..end].trim();
+        let first = unnumbered(rest[..end].trim());
         let comment = first.starts_with(';') || (first.starts_with('(') && first.find(')') == Some(first.len() - 1));
-        if !(first.is_empty() || comment) {
+        if !(first.is_empty() || comment || opens(first)) {
             break;
         }
         rest = &rest[end + 1..];
         line += 1;
     }
     (line, rest)
+}
+
+/// A line without its block number.
+fn unnumbered(line: &str) -> &str {
+    let line = line.trim_start();
+    let digits = line.strip_prefix('N').unwrap_or(line);
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+    if rest.len() < digits.len() && rest.starts_with([' ', '\t']) { rest.trim_start() } else { line }
+}
+
+/// Whether a line opens a program: a tape mark, a program number, or the name of a program in Klartext.
+fn opens(line: &str) -> bool {
+    let number = line.strip_prefix('O').is_some_and(|number| number.starts_with(|c: char| c.is_ascii_digit()));
+    number || line.starts_with('%') || line.starts_with("BEGIN PGM ")
 }
 
 /// The lines of the head with their line ends and numbers, without the first line that names the certificate.
@@ -176,7 +190,7 @@ fn head(text: &str) -> Vec<(usize, &str)> {
 
 /// The rest of a line after the word with which its comment begins.
 fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
-    line.trim_start().strip_prefix([';', '('])?.trim_start().strip_prefix(word)
+    unnumbered(line).strip_prefix([';', '('])?.trim_start().strip_prefix(word)
 }
 
 fn in_short(text: &str) -> String {
@@ -433,6 +447,11 @@ mod tests {
         assert_eq!(body("; a\n\n(b)\nN10 G17\n; c\n"), (4, "N10 G17\n; c\n"));
         assert_eq!(body("(a) G21\n"), (1, "(a) G21\n"));
         assert_eq!(body("(a)(b)\n"), (1, "(a)(b)\n"));
+        assert_eq!(body("%\nO1234 (A)\n(b)\nN10 G17\n"), (4, "N10 G17\n"));
+        assert_eq!(body("0 BEGIN PGM A MM\n1 ; b\n2 M126\n3 ; c\n"), (3, "2 M126\n3 ; c\n"));
+        assert_eq!(body("OFFSET\n"), (1, "OFFSET\n"));
+        let mut line = format!("12 ; {}{BLANK}", HEAD[2]);
+        assert!(fill(&mut line, HEAD[2], "hash") && line == format!("12 ; {}hash", HEAD[2]));
         assert_eq!(body("G17"), (1, "G17"));
         assert_eq!(body(""), (1, ""));
     }
