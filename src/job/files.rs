@@ -143,6 +143,8 @@ pub mod shipped {
     pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../jobs/_lib/tools/carbide.toml"))];
     /// Post files by name.
     pub const POSTS: &[(&str, &str)] = &[
+        ("heidenhain", include_str!("../../jobs/_lib/posts/heidenhain.toml")),
+        ("heidenhain-itnc530", include_str!("../../jobs/_lib/posts/heidenhain-itnc530.toml")),
         ("linuxcnc", include_str!("../../jobs/_lib/posts/linuxcnc.toml")),
         ("siemens-840d", include_str!("../../jobs/_lib/posts/siemens-840d.toml")),
     ];

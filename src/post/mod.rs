@@ -26,7 +26,7 @@ pub use read_back::{ReadBack, read_back};
 pub use write::emit;
 
 /// The available dialects.
-pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc];
+pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc, &heidenhain::Heidenhain];
 
 /// The dialect with a name.
 pub fn find(name: &str) -> Option<&'static dyn Post> {

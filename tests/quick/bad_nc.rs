@@ -64,6 +64,37 @@ M5
 M2
 ";
 
+const HEIDENHAIN: &str = "\
+0 BEGIN PGM TEST MM
+1 ; a test
+2 BLK FORM 0.1 Z X-60 Y-60 Z-40
+3 BLK FORM 0.2 X+60 Y+60 Z+0
+4 FUNCTION RESET TCPM
+5 PLANE RESET STAY
+6 M126
+7 L Z+350 R0 FMAX M91
+8 TOOL CALL 2 Z S8000
+9 CYCL DEF 247 DATUM SETTING ~
+  Q339=+1 ;DATUM NUMBER
+10 L A+30 C+20 R0 FMAX
+11 L X+50 Y-40 R0 FMAX M91
+12 CYCL DEF 32.0 TOLERANCE
+13 CYCL DEF 32.1 T0.001
+14 CYCL DEF 32.2 HSC-MODE:0 TA0.05
+15 M3
+16 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS
+17 M8
+18 L X+50 Y-40 Z+10 A+30 C+20 R0 FMAX
+19 LN X+30 Y-17 Z+4 TX+0.17101007 TY-0.46984631 TZ+0.8660254 F1000
+20 L X+29 Y-18 Z+3 A+31 C+21 F250
+21 L X+28 Y-19 Z+2 A+32 C+22
+22 FUNCTION RESET TCPM
+23 L Z+350 R0 FMAX M91 M9
+24 M5
+25 M30
+26 END PGM TEST MM
+";
+
 fn machine(dialect: &str) -> &'static Machine {
     &MACHINES[usize::from(dialect == "linuxcnc")]
 }
@@ -77,7 +108,11 @@ fn read(dialect: &str, text: &str) -> Result<Vec<NcMove>, Vec<ReadError>> {
 }
 
 fn original(dialect: &str) -> &'static str {
-    if dialect == "siemens-840d" { SIEMENS } else { LINUXCNC }
+    match dialect {
+        "siemens-840d" => SIEMENS,
+        "linuxcnc" => LINUXCNC,
+        _ => HEIDENHAIN,
+    }
 }
 
 /// Replaces one piece of the text and expects the first fault in the line of it (or one given) with these words.
@@ -93,6 +128,24 @@ fn refused_at(dialect: &str, from: &str, to: &str, line: usize, words: &str) {
     let faults = read(dialect, &text).expect_err(to);
     assert_eq!(faults[0].line, line, "{dialect} {to}: {faults:?}");
     assert!(faults[0].reason.contains(words), "{dialect} {to}: {faults:?}");
+}
+
+#[test]
+fn klartext_by_m128_and_by_tcpm_is_the_same() {
+    let m128 = HEIDENHAIN
+        .replace("FUNCTION RESET TCPM", "M129")
+        .replace("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS", "L M128");
+    let moves = read("heidenhain", HEIDENHAIN).unwrap();
+    assert_eq!(moves.len(), 4);
+    assert_eq!(read("heidenhain", &m128).unwrap(), moves);
+    assert!(moves[0].rapid && moves[1].feed == Some(1000.0) && moves[3].feed == Some(250.0));
+    // FMAX acts in its block alone.
+    let rapid = HEIDENHAIN.replacen("C+21 F250", "C+21 FMAX", 1);
+    let moves = read("heidenhain", &rapid).unwrap();
+    assert!(moves[2].rapid && moves[3].feed == Some(1000.0));
+    refused("heidenhain", "TX+0.17101007", "TX+0.1711", "length");
+    refused("heidenhain", "TX+0.17101007 ", "", "LN without TX");
+    refused("heidenhain", "L Z+350 R0 FMAX M91\n8", "8", "a tool change before the tool is at the retract height");
 }
 
 #[test]
@@ -666,8 +719,8 @@ fn files_that_are_no_text_or_too_large_or_missing() {
 /// Text of a dialect with small changes of every kind.
 fn mutated() -> impl Strategy<Value = (usize, String)> {
     let change = (any::<prop::sample::Index>(), 0..4_u8, "[A-Z0-9=.()\" ;+-]{1,3}");
-    (0..2_usize, prop::collection::vec(change, 1..4)).prop_map(|(which, changes)| {
-        let mut text = [SIEMENS, LINUXCNC][which].to_owned();
+    (0..3_usize, prop::collection::vec(change, 1..4)).prop_map(|(which, changes)| {
+        let mut text = [SIEMENS, LINUXCNC, HEIDENHAIN][which].to_owned();
         for (at, kind, piece) in changes {
             let i = at.index(text.len());
             match kind {

@@ -338,7 +338,7 @@ proptest! {
     #![proptest_config(config(2000))]
 
     #[test]
-    fn nc_texts(which in 0..2_usize, changes in changes()) {
+    fn nc_texts(which in 0..post::POSTS.len(), changes in changes()) {
         let (program, texts) = &*NC;
         let program = &support::program_for(post::POSTS[which].name(), program);
         let text = changed(&texts[which], &changes);

@@ -1,4 +1,4 @@
-//! The texts of both dialects mean the motion, and the readers notice when they do not.
+//! The texts of all dialects mean the motion, and the readers notice when they do not.
 
 use crate::support::{self, jobs};
 use impellerc::diag::Sink;
@@ -43,6 +43,23 @@ fn texts_read_back_as_the_motion_within_the_word_quantum() {
         assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
         assert!(found.tip <= 0.5e-4 + 1e-10, "{}: {}", post.name(), found.tip);
         assert!(found.axis <= 2e-7, "{}: {}", post.name(), found.axis);
+    }
+}
+
+#[test]
+fn both_orientations_read_back() {
+    for post in post::POSTS {
+        let (mut program, motion) = program(*post);
+        for (k, orientation) in Orientation::ALL.into_iter().enumerate() {
+            program.post.orientation = orientation;
+            // An empty text: the dialect has no such words.
+            if program.post.transformation[k].text().is_empty() {
+                continue;
+            }
+            let text = post::emit(*post, &program, motion, &[]).text();
+            let found = post::read_back(*post, &program, motion, &text);
+            assert!(found.is_ok(), "{} by {}: {found:?}", post.name(), orientation.name());
+        }
     }
 }
 

@@ -7,7 +7,10 @@ use std::path::Path;
 
 /// Snapshots by folder.
 pub const GOLDENS: &[(&str, &[&str])] = &[
-    ("reduced", &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "bytes"]),
+    (
+        "reduced",
+        &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "heidenhain", "bytes"],
+    ),
     ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
     // For LinuxCNC, `.ci/run` compiles the whole job, and the interpreter of LinuxCNC reads it.
     ("wei2021", &["ir", "plan", "certificate", "siemens-840d"]),

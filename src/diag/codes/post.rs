@@ -45,6 +45,11 @@ it as strictly as any text, beginning with an unknown state of the control. The 
 `operation-start` without `G54` behind TRAORI, which cancels the work offset; a frame `operation-end` that does not \
 retract; a head that does not switch off what an aborted program can have left on.\n\nRemedy: compare the frame with \
 the file of the same dialect in jobs/_lib/posts, and write what the message says.";
+    LONG_TURN = "IMP0811", "half a turn or more in one block",
+        "On controls of HEIDENHAIN the word M126 makes a rotary axis without end take the shorter way to its target, and \
+without M126 a setting of the machine decides. A block that turns such an axis by half a turn or more would turn it in \
+the other direction.\n\nRemedy: state the travel of the axis in the machine file, if it is limited at the control to one \
+turn. Otherwise use the post of another control.";
     NC_FILE = "IMP0820", "NC file that cannot be read",
         "`impellerc verify` reads NC text: plain UTF-8 of at most 256 MB. It refuses all other files before reading \
 them, so that memory stays bounded.\n\nRemedy: give the text that the control would run. Divide a larger text by \

@@ -1,4 +1,63 @@
 //! HEIDENHAIN iTNC 530 and TNC 640, Klartext.
+//!
+//! Tool centre point control is FUNCTION TCPM (TNC 640) or M128 (iTNC 530); the frames of the post file say which. F is the
+//! feed of the tip then, and the rotary axes run linearly between blocks, as in the motion. Blocks carry the positions of
+//! the rotary axes (L), or the tool direction as a vector of length 1 (LN). Nothing in LN is modal: each block has all six
+//! words. Rapids carry the positions of the rotary axes in any case, and thus select one of the two positions that a
+//! vector fits; [`Post::check`] makes sure that the nearest position is the right one in every later block.
+//!
+//! The head of the program resets what an aborted program can have left active. With tool centre point control off, axes
+//! move in the machine frame (M91), in which the tool length is not compensated: Z alone to the retract height, there the
+//! rotary axes, then X and Y. The rotary axes have the words of the preset there too, as in the path. TOOL CALL activates
+//! the length of its tool at once; M128 must be off before M91 and before TOOL CALL.
 
 mod reader;
 mod straight;
+mod writer;
+
+use crate::diag::Sink;
+use crate::ir::{Motion, MotionOperation, Program};
+use crate::kin::Machine;
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::TextForm;
+use crate::post::nc::{NcSection, ReadError};
+
+/// The dialect.
+pub(super) struct Heidenhain;
+
+impl Post for Heidenhain {
+    fn name(&self) -> &'static str {
+        "heidenhain"
+    }
+
+    fn about(&self) -> &'static str {
+        "HEIDENHAIN iTNC 530 and TNC 640: Klartext with FUNCTION TCPM or M128, angles or LN vectors"
+    }
+
+    // The sense of each rotary axis is in the kinematics of the control.
+    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        writer::check(program, motion, sink);
+    }
+
+    fn form(&self) -> &'static TextForm {
+        &writer::FORM
+    }
+
+    fn number(&self, value: f64, decimals: usize) -> String {
+        writer::number(value, decimals)
+    }
+
+    fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::moves(program, operation, write);
+    }
+
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine)
+    }
+
+    fn recognises(&self, code: &str) -> bool {
+        reader::recognises(code)
+    }
+}

@@ -1,7 +1,7 @@
 //! From the moves of an operation to blocks.
 
 use super::Siemens840d;
-use crate::diag::{Diag, Sink, codes::post};
+use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, MoveKind, Program};
 use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
@@ -9,41 +9,10 @@ use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::Orientation;
 
-/// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
-const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
-
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
-    // Positions of the rotary axes leave no choice to the control.
-    if program.post.orientation == Orientation::Angles {
-        return;
-    }
-    for operation in &motion.operations {
-        let declared = &program.operations[operation.operation];
-        let unsure = operation.moves.windows(2).find(|m| {
-            let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
-            m[1].kind != MoveKind::Rapid && (a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN)
-        });
-        if let Some(m) = unsure {
-            let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
-            sink.push(
-                Diag::error(
-                    post::AMBIGUOUS_VECTOR,
-                    format!(
-                        "`{}` turns {} by {:.1} deg in one block, or runs through the pole",
-                        declared.name,
-                        program.machine.rotary[1].name,
-                        (m[0].joints.rotary[1] - m[1].joints.rotary[1]).to_degrees().abs()
-                    ),
-                )
-                .label(declared.span, "in this operation")
-                .place(label, program.machine.forward(&m[1].joints).tip)
-                .note("a direction vector fits two rotary positions; the control takes the nearer one")
-                .help("use a finer chord tolerance, or tool axes farther from the pole"),
-            );
-        }
-    }
+    words::check_vectors(program, motion, sink);
 }
 
 /// Text of the dialect.

@@ -5,6 +5,7 @@
 //! `cargo test --test quick meanings -- --nocapture` prints the counts.
 
 mod certificates;
+mod heidenhain;
 mod linuxcnc;
 mod operations;
 mod siemens;
@@ -17,10 +18,11 @@ use impellerc::diag::{Severity, Sink};
 use impellerc::ir::{Motion, Program};
 use impellerc::kin::Machine;
 use impellerc::post::{self, Post, motion_of::motion_of};
+use impellerc::post_file::Orientation;
 use impellerc::progress::Progress;
 use impellerc::source::Span;
-use impellerc::verify::certify_with;
 use impellerc::verify::stock::Settings;
+use impellerc::verify::{Verified, certify_with};
 use std::collections::BTreeMap;
 
 /// What becomes of a changed text.
@@ -81,7 +83,12 @@ fn replaced(text: &str, at: Option<usize>, from: &str, to: &str) -> String {
 
 /// Start of the third block at feed in a row, so that its words are those of a cut or a link.
 fn block_at_feed(text: &str) -> usize {
-    text.match_indices("\nG1 X").nth(2).unwrap().0 + 1
+    let at_feed = |line: &str| {
+        line.starts_with("G1 X") || line.starts_with("LN X") || (line.starts_with("L X") && !line.contains("FMAX"))
+    };
+    let starts =
+        text.match_indices('\n').map(|(i, _)| i + 1).filter(|i| at_feed(text[*i..].lines().next().unwrap_or("")));
+    starts.skip(2).next().unwrap()
 }
 
 fn word_changed(text: &str, address: &str, how: How) -> String {
@@ -194,13 +201,33 @@ fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Ve
 }
 
 /// The text of the small job in a dialect, without block numbers.
-fn written(post: &dyn Post, original: &Compiled) -> String {
-    let text = post::emit(post, &support::with_post(post.name(), &original.program), &original.motion, &[]).text();
-    let bare = |line: &str| match line.strip_prefix('N').and_then(|l| l.split_once(' ')) {
-        Some((number, rest)) if number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
+fn written(post: &dyn Post, program: &Program, motion: &Verified<Motion>) -> String {
+    let text = post::emit(post, program, motion, &[]).text();
+    let prefix = post.form().numbers.prefix;
+    let bare = |line: &str| match line.strip_prefix(prefix).and_then(|l| l.split_once(' ')) {
+        Some((number, rest)) if !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
         _ => line.to_owned(),
     };
     text.lines().map(|line| bare(line) + "\n").collect()
+}
+
+/// A text with block numbers, where the dialect has one in every block. Blocks keep a number that they have.
+fn numbered(post: &dyn Post, text: &str) -> String {
+    let form = post.form();
+    if !form.numbers.always {
+        return text.to_owned();
+    }
+    let mut goes_on = false;
+    let mut number = 0;
+    let mut lines = Vec::new();
+    for line in text.split('\n') {
+        let bare = goes_on || line.trim().is_empty();
+        goes_on = line.trim_end().ends_with(form.continued);
+        let own = line.starts_with(|c: char| c.is_ascii_digit());
+        lines.push(if bare || own { line.to_owned() } else { format!("{number} {line}") });
+        number += usize::from(!bare);
+    }
+    lines.join("\n")
 }
 
 /// Prints what became of kinds, by class.
@@ -217,14 +244,16 @@ pub fn print_counts(what: &str, kinds: usize, counts: &BTreeMap<(&str, Verdict),
     line("all", &|verdict| counts.iter().filter(|(k, _)| k.1 == verdict).map(|(_, n)| n).sum());
 }
 
-fn campaign(dialect: &str, kinds: Vec<Kind>) {
+fn campaign(dialect: &str, orientation: Orientation, kinds: Vec<Kind>, least: usize) {
     let post = post::find(dialect).unwrap();
-    let original = jobs::small(dialect);
-    let text = written(post, original);
-    let program = &original.program;
-    let sections = post.read(&text, &program.machine).unwrap();
+    let Compiled { program, motion, .. } = jobs::small(dialect);
+    let mut program = support::with_post(dialect, program);
+    program.post.orientation = orientation;
+    let program = &program;
+    let text = written(post, program, motion);
+    let sections = post.read(&numbered(post, &text), &program.machine).unwrap();
     let meant = motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
-    let whole = post::emit(post, &support::with_post(post.name(), program), &original.motion, &[]).text();
+    let whole = post::emit(post, program, motion, &[]).text();
     assert_eq!(judged(post, program, &whole, &meant).0, Verdict::Harmless, "block numbers");
     let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
     let mut complaints = Vec::new();
@@ -232,7 +261,7 @@ fn campaign(dialect: &str, kinds: Vec<Kind>) {
     for (class, change, due, why) in &kinds {
         assert!(seen.insert(change.shown()), "{} stands twice", change.shown());
         let mut program = program.clone();
-        let changed = change.made(&text, &mut program);
+        let changed = numbered(post, &change.made(&text, &mut program));
         let (found, reason) = judged(post, &program, &changed, &meant);
         *counts.entry((class, found)).or_default() += 1;
         if found != *due {
@@ -243,15 +272,21 @@ fn campaign(dialect: &str, kinds: Vec<Kind>) {
     }
     print_counts(dialect, kinds.len(), &counts);
     assert!(complaints.is_empty(), "{} complaints\n{}", complaints.len(), complaints.join("\n"));
-    assert!(kinds.len() >= 200, "only {} kinds", kinds.len());
+    assert!(kinds.len() >= least, "only {} kinds", kinds.len());
 }
 
 #[test]
 fn linuxcnc_means_what_its_manual_says() {
-    campaign("linuxcnc", linuxcnc::kinds());
+    campaign("linuxcnc", Orientation::Angles, linuxcnc::kinds(), 200);
 }
 
 #[test]
 fn siemens_840d_means_what_its_manual_says() {
-    campaign("siemens-840d", siemens::kinds());
+    campaign("siemens-840d", Orientation::Vectors, siemens::kinds(), 200);
+}
+
+#[test]
+fn heidenhain_means_what_its_manual_says() {
+    campaign("heidenhain", Orientation::Angles, heidenhain::kinds(), 200);
+    campaign("heidenhain", Orientation::Vectors, heidenhain::vectors(), 20);
 }

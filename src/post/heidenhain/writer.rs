@@ -1,0 +1,97 @@
+//! From the moves of an operation to blocks.
+
+use super::Heidenhain;
+use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::{Motion, MotionOperation, MoveKind, Program};
+use crate::post::dialect::WriteBlock;
+use crate::post::form::{NumberForm, TextForm};
+use crate::post::words::{self, feed, fixed};
+use crate::post::write;
+use crate::post_file::Orientation;
+use std::f64::consts::{PI, TAU};
+
+/// Largest tool number of the tool table.
+const LARGEST_TOOL: u32 = 32_767;
+
+/// Refuses a motion that the dialect cannot express.
+pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+    words::check(program, motion, sink);
+    words::check_vectors(program, motion, sink);
+    for operation in &motion.operations {
+        let declared = &program.operations[operation.operation];
+        let tool = &program.tools[declared.tool];
+        if tool.number == 0 || tool.number > LARGEST_TOOL {
+            sink.push(
+                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
+                    .label(tool.span, "declared here")
+                    .help(format!("the control takes numbers from 1 to {LARGEST_TOOL}: `number 1`")),
+            );
+        }
+        check_way(program, operation, sink);
+    }
+}
+
+/// Refuses half a turn in one block: with M126 an axis without end takes the shorter way.
+fn check_way(program: &Program, operation: &MotionOperation, sink: &mut Sink) {
+    let machine = &program.machine;
+    let declared = &program.operations[operation.operation];
+    for (k, axis) in machine.rotary.iter().enumerate().filter(|(_, axis)| axis.max - axis.min > TAU) {
+        let far = operation.moves.windows(2).find(|m| (m[1].joints.rotary[k] - m[0].joints.rotary[k]).abs() >= PI);
+        let Some(m) = far else { continue };
+        let turn = (m[1].joints.rotary[k] - m[0].joints.rotary[k]).to_degrees().abs();
+        let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
+        sink.push(
+            Diag::error(
+                post::LONG_TURN,
+                format!("`{}` turns {} by {turn:.1} deg in one block", declared.name, axis.name),
+            )
+            .label(declared.span, "in this operation")
+            .place(label, machine.forward(&m[1].joints).tip)
+            .note("with M126 the axis takes the shorter way, which is the other direction")
+            .help("let the axis travel one turn at most in the machine file, or use another post"),
+        );
+    }
+}
+
+/// Text of the dialect.
+pub(super) const FORM: TextForm = TextForm {
+    comment: ["; ", ""],
+    rotary: "",
+    numbers: NumberForm { prefix: "", always: true, comments: true, without: &[] },
+    continued: "~",
+    longest: 128,
+};
+
+/// A number with its sign.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.starts_with('-') { text } else { format!("+{text}") }
+}
+
+/// Writes the blocks of the moves of an operation.
+pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
+    let post = &Heidenhain;
+    let decimals = program.post.decimals.feed;
+    let mut last_feed = String::new();
+    for (i, m) in write::between(operation) {
+        let tip = write::tip(post, program, &m.joints);
+        let rotary = || write::rotary(post, program, &m.joints);
+        if m.kind == MoveKind::Rapid {
+            // After a rapid F is written again, so that every pass can be read by itself.
+            last_feed.clear();
+            write(format!("L {tip} {} R0 FMAX", rotary()), Some(i));
+            continue;
+        }
+        let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+        let word = if f == last_feed { String::new() } else { format!(" F{f}") };
+        last_feed = f;
+        let text = match program.post.orientation {
+            Orientation::Angles => format!("L {tip} {}{word}", rotary()),
+            // LN has nothing modal: every block has all six words.
+            Orientation::Vectors => {
+                format!("LN {tip} {}{word}", write::vector(post, program, &m.joints, ["TX", "TY", "TZ"]))
+            }
+        };
+        write(text, Some(i));
+    }
+}
