@@ -64,7 +64,7 @@ M5
 M2
 ";
 
-const HEIDENHAIN: &str = "\
+pub const HEIDENHAIN: &str = "\
 0 BEGIN PGM TEST MM
 1 ; a test
 2 BLK FORM 0.1 Z X-60 Y-60 Z-40
@@ -143,9 +143,15 @@ fn klartext_by_m128_and_by_tcpm_is_the_same() {
     let rapid = HEIDENHAIN.replacen("C+21 F250", "C+21 FMAX", 1);
     let moves = read("heidenhain", &rapid).unwrap();
     assert!(moves[2].rapid && moves[3].feed == Some(1000.0));
-    refused("heidenhain", "TX+0.17101007", "TX+0.1711", "length");
+    refused("heidenhain", "TX+0.17101007", "TX+0.18", "length");
     refused("heidenhain", "TX+0.17101007 ", "", "LN without TX");
-    refused("heidenhain", "L Z+350 R0 FMAX M91\n8", "8", "a tool change before the tool is at the retract height");
+    refused_at(
+        "heidenhain",
+        "7 L Z+350 R0 FMAX M91\n",
+        "",
+        8,
+        "a tool change before the tool is at the retract height",
+    );
 }
 
 #[test]

@@ -53,6 +53,7 @@ mod platform;
 mod plunge;
 mod posts;
 mod progress;
+mod quirks;
 mod ramp;
 mod refused_roughing;
 mod removal;

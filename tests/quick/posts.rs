@@ -41,8 +41,17 @@ fn texts_read_back_as_the_motion_within_the_word_quantum() {
         let found =
             post::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
         assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
-        assert!(found.tip <= 0.5e-4 + 1e-10, "{}: {}", post.name(), found.tip);
-        assert!(found.axis <= 2e-7, "{}: {}", post.name(), found.axis);
+        let digits = &program.post.decimals;
+        let half = |decimals: usize| 0.5 * 10f64.powi(-i32::try_from(decimals).unwrap());
+        assert!(found.tip <= half(digits.length) + 1e-10, "{}: {}", post.name(), found.tip);
+        // Two angles, or three components, each with an error of half a step.
+        let axis = match program.post.orientation {
+            Orientation::Angles => half(digits.angle).to_radians() * 2f64.sqrt(),
+            Orientation::Vectors => half(digits.vector) * 3f64.sqrt(),
+        };
+        // Rapids have the positions of the rotary axes in both.
+        let axis = axis.max(half(digits.angle).to_radians() * 2f64.sqrt());
+        assert!(found.axis <= axis + 1e-10, "{}: {}", post.name(), found.axis);
     }
 }
 

@@ -14,9 +14,9 @@ pub(super) const RATE_PLACES: (usize, usize) = (5, 3);
 /// Places of the components of vectors.
 const VECTOR_PLACES: (usize, usize) = (1, 8);
 
-/// Largest error of the length of a vector: it has at least five decimals. The manual asks for a length of 1 and for enough
+/// Largest error of the length of a vector: it has at least four decimals. The manual asks for a length of 1 and for enough
 /// decimals, and says nothing of what the control does with another length.
-const UNIT: f64 = 1e-5;
+const UNIT: f64 = 1e-4;
 
 /// Words of a block that are not in [`NcBlock`].
 #[derive(Default)]
@@ -274,7 +274,7 @@ impl Words {
         let length = self.block.vector.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
         if (length - 1.0).abs() > UNIT {
             return Err(format!(
-                "TX, TY and TZ have the length {length:.6}: the control needs a vector of length 1, with five decimals or \
+                "TX, TY and TZ have the length {length:.6}: the control needs a vector of length 1, with four decimals or \
                  more"
             ));
         }

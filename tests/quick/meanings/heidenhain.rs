@@ -567,8 +567,8 @@ fn end() -> Vec<Kind> {
         (C, Last("END PGM SMALL MM\n", "END PGM SMALL MM\n; done\n"), Harmless, "a comment"),
         (C, Last("M5\n", ""), Harmless, "M30 stops the spindle"),
         (C, First("M5\n", ""), Harmless, "the next change stops the spindle"),
-        (C, Last(" M9\n", "\n"), Harmless, "M30 stops the coolant"),
-        (C, First(" M9\n", "\n"), Harmless, "coolant over the change"),
+        (C, Last("M9\n", ""), Harmless, "M30 stops the coolant"),
+        (C, First("M9\n", ""), Harmless, "coolant over the change"),
         (
             C,
             Text("no M5, no M30", |t| t.rfind("M5\n").map(|at| format!("{}{}", &t[..at], &t[at + 7..])).unwrap()),

@@ -157,19 +157,7 @@ impl ControlState<'_> {
         self.judge_way(&direction);
         self.motion = block.motion.or(self.motion);
         let before = self.tip;
-        for (k, word) in block.tip.iter().enumerate() {
-            self.tip[k] = word.or(self.tip[k]);
-        }
-        if let Some(k) = (0..3).find(|k| self.tip[*k].is_none()) {
-            self.fault(format!(
-                "the first move after {} needs X Y Z, since their values change there: {} is missing",
-                self.control.transformation[0],
-                self.machine.names()[k]
-            ));
-        }
-        let [x, y, z] = self.tip.map(|x| x.unwrap_or(0.0));
-        self.tip = [Some(x), Some(y), Some(z)];
-        let tip = Point3::new(x, y, z);
+        let tip = self.target(block);
         let rapid = match self.motion {
             Some(MotionWord::Feed) => false,
             Some(MotionWord::Rapid) => true,
@@ -223,6 +211,23 @@ impl ControlState<'_> {
             });
             self.moves += 1;
         }
+    }
+
+    /// The tip at the end of a block.
+    fn target(&mut self, block: &NcBlock) -> Point3<f64> {
+        for (k, word) in block.tip.iter().enumerate() {
+            self.tip[k] = word.or(self.tip[k]);
+        }
+        if let Some(k) = (0..3).find(|k| self.tip[*k].is_none()) {
+            self.fault(format!(
+                "the first move after {} needs X Y Z, since their values change there: {} is missing",
+                self.control.transformation[0],
+                self.machine.names()[k]
+            ));
+        }
+        let [x, y, z] = self.tip.map(|x| x.unwrap_or(0.0));
+        self.tip = [Some(x), Some(y), Some(z)];
+        Point3::new(x, y, z)
     }
 
     /// Reports a turn for which the shorter way is not the one that the words mean.

@@ -1,0 +1,80 @@
+//! Quirks of controls as goldens: what the writer makes of a few moves, and what the reader says to texts that a control
+//! would misunderstand or refuse.
+
+mod heidenhain;
+
+use crate::support::{self, golden};
+use impellerc::ir::{JointMove, MotionOperation, MoveKind, Program};
+use impellerc::kin::Machine;
+use impellerc::post;
+use impellerc::post_file::Orientation;
+use nalgebra::Point3;
+
+/// A quirk of a dialect.
+pub struct Quirk {
+    /// Name of the golden.
+    name: &'static str,
+    /// Blocks that show how the writer keeps clear of it.
+    written: Vec<String>,
+    /// Texts that differ from one that is read: what is replaced, in the first place, by what.
+    texts: Vec<(String, &'static str, &'static str)>,
+}
+
+/// The blocks of a few moves: tip (mm), rotary axes (degrees), and feed (mm/min) or a rapid.
+pub fn blocks(dialect: &str, orientation: Orientation, moves: &[([f64; 3], [f64; 2], Option<f64>)]) -> Vec<String> {
+    let mut program: Program = support::program_for(dialect, &support::flank_only(&[0]));
+    program.post.orientation = orientation;
+    let step = |(tip, rotary, feed): &([f64; 3], [f64; 2], Option<f64>)| JointMove {
+        kind: if feed.is_some() { MoveKind::Cut } else { MoveKind::Rapid },
+        joints: program.machine.joints(&Point3::from(*tip), rotary.map(f64::to_radians)),
+        feed: *feed,
+        time: 1.0,
+        pass: 0,
+        stop: false,
+    };
+    let station = step(&([0.0; 3], [0.0; 2], None));
+    let mut all = vec![station];
+    all.extend(moves.iter().map(step));
+    all.push(station);
+    let operation = program.operations.iter().next().unwrap().0;
+    let operation = MotionOperation { operation, labels: vec![String::new()], moves: all };
+    let mut blocks = Vec::new();
+    post::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
+    blocks
+}
+
+fn shown(dialect: &str, machine: &Machine, quirk: &Quirk) -> String {
+    let post = post::find(dialect).unwrap();
+    let mut golden: Vec<String> = Vec::new();
+    if !quirk.written.is_empty() {
+        golden.push("written:".to_owned());
+        golden.extend(quirk.written.iter().map(|line| format!("    {line}")));
+    }
+    for (text, from, to) in &quirk.texts {
+        assert!(post.read(text, machine).is_ok(), "{}: {:?}", quirk.name, post.read(text, machine));
+        let at = text.find(from).unwrap_or_else(|| panic!("{from:?} is not in the text"));
+        let changed = text.replacen(from, to, 1);
+        let said = match post.read(&changed, machine) {
+            Ok(_) => "is read".to_owned(),
+            Err(faults) => format!("line {}: {}", faults[0].line, faults[0].reason),
+        };
+        let first = text[..at].matches('\n').count();
+        let lines = changed.lines().skip(first).take(to.matches('\n').count().max(1));
+        golden.push("text:".to_owned());
+        golden.extend(lines.map(|line| format!("    {line}")));
+        golden.push(format!("  {said}"));
+    }
+    golden.join("\n") + "\n"
+}
+
+fn check(dialect: &str, quirks: &[Quirk]) {
+    let machine = support::machine_for(dialect, &support::machine());
+    for quirk in quirks {
+        golden::check("posts", &format!("{}.{dialect}", quirk.name), &shown(dialect, &machine, quirk));
+    }
+}
+
+#[test]
+fn heidenhain() {
+    check("heidenhain", &heidenhain::quirks());
+}
