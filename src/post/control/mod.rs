@@ -114,7 +114,7 @@ impl Control {
         if self.change_sets_length {
             self.change.to_owned()
         } else {
-            format!("{}, then `{}`", self.change, self.length)
+            format!("{}, then `{}`,", self.change, self.length)
         }
     }
 }

@@ -483,7 +483,7 @@ fn moves() -> Vec<Kind> {
         (C, First("F150.000", "F150 M8"), Harmless, "coolant, said again"),
         (C, First("F150.000", "F150 M91"), Refused, "the machine frame under TCPM"),
         (C, First("F150.000", "F150 M128"), Refused, "M128 beside FUNCTION TCPM"),
-        (C, Text("no F behind the first rapid", |t| t.replacen(" F150.000", "", 1)), Refused, "the feed is left over"),
+        (C, Text("no F behind the first rapid", |t| t.replacen(" F1000.000", "", 1)), Refused, "the feed is left over"),
     ]
 }
 

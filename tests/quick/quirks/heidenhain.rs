@@ -47,8 +47,8 @@ pub fn quirks() -> Vec<Quirk> {
             name: "block-numbers",
             written: Vec::new(),
             texts: tcpm(&[
+                ("26 END PGM", "30 END PGM"),
                 ("20 L X+29", "25 L X+29"),
-                ("20 L X+29", "200 L X+29"),
                 ("20 L X+29", "19 L X+29"),
                 ("20 L X+29", "L X+29"),
                 ("20 L X+29", "N20 L X+29"),

@@ -330,7 +330,7 @@ impl<'a> ControlState<'a> {
                     .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
                 None => self.fault_apart(format!(
                     "{word} before any tool change: the tool in the spindle and its length are unknown; write \
-                     {}, before this block",
+                     {} before this block",
                     self.control.change_words()
                 )),
             }
