@@ -42,6 +42,8 @@ pub fn comment(text: &str) -> String {
             '(' | '[' | '{' => '<',
             ')' | ']' | '}' => '>',
             ';' => ',',
+            // Klartext goes on in the next line after it.
+            '~' => '-',
             c if c.is_ascii() && !c.is_ascii_control() => c,
             _ => '?',
         })

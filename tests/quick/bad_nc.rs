@@ -143,6 +143,12 @@ fn klartext_by_m128_and_by_tcpm_is_the_same() {
     let rapid = HEIDENHAIN.replacen("C+21 F250", "C+21 FMAX", 1);
     let moves = read("heidenhain", &rapid).unwrap();
     assert!(moves[2].rapid && moves[3].feed == Some(1000.0));
+    // On an axis without end M126 takes the other way.
+    let far = HEIDENHAIN.replace("C+22", "C+222");
+    let mut endless = machine("heidenhain").clone();
+    (endless.rotary[1].min, endless.rotary[1].max) = (-50.0, 50.0);
+    let faults = post::find("heidenhain").unwrap().read(&far, &endless).unwrap_err();
+    assert!(faults[0].line == 23 && faults[0].reason.contains("on the shorter way"), "{faults:?}");
     refused("heidenhain", "TX+0.17101007", "TX+0.18", "length");
     refused("heidenhain", "TX+0.17101007 ", "", "LN without TX");
     refused_at(

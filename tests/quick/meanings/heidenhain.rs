@@ -644,12 +644,7 @@ pub fn vectors() -> Vec<Kind> {
         (C, Text("Y is missing", |t| without(t, " Y")), Refused, "every component in every block"),
         (C, Text("Z is missing", |t| without(t, " Z")), Refused, "every component in every block"),
         (C, Text("TX before X", vector_first), Refused, "the order of words"),
-        (
-            C,
-            Text("the other side", |t| changed_sign(t, " TZ")),
-            Refused,
-            "no angle gives this direction, or by a long way",
-        ),
+        (C, Text("the other side", |t| changed_sign(t, " TZ")), Found, "A would turn beyond its travel"),
         (C, Cut("\nLN X", "\nL X"), Refused, "TX belongs to LN"),
         (C, Cut("\nLN X", "\nLN R0 X"), Refused, "the order of words"),
         (C, First("F150.000", "R0 F150"), Harmless, "no compensation, said again"),

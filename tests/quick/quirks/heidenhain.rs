@@ -1,12 +1,12 @@
 //! Quirks of Klartext.
 
-use super::{Quirk, blocks};
+use super::{Quirk, Step, blocks};
 use crate::bad_nc::HEIDENHAIN;
 use impellerc::post;
 use impellerc::post_file::Orientation::{Angles, Vectors};
 
 /// Tips, rotary axes, feeds.
-const MOVES: [([f64; 3], [f64; 2], Option<f64>); 4] = [
+const MOVES: [Step; 4] = [
     ([50.0, -40.0, 10.0], [30.0, 20.0], None),
     ([30.0, -0.000_04, 4.0], [30.0, -0.000_04], Some(1000.0)),
     ([29.0, 0.0, 3.0], [31.0, 0.0], Some(1000.0)),

@@ -4,7 +4,8 @@
 mod heidenhain;
 
 use crate::support::{self, golden};
-use impellerc::ir::{JointMove, MotionOperation, MoveKind, Program};
+use impellerc::diag::Sink;
+use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use impellerc::kin::Machine;
 use impellerc::post;
 use impellerc::post_file::Orientation;
@@ -20,11 +21,16 @@ pub struct Quirk {
     texts: Vec<(String, &'static str, &'static str)>,
 }
 
-/// The blocks of a few moves: tip (mm), rotary axes (degrees), and feed (mm/min) or a rapid.
-pub fn blocks(dialect: &str, orientation: Orientation, moves: &[([f64; 3], [f64; 2], Option<f64>)]) -> Vec<String> {
-    let mut program: Program = support::program_for(dialect, &support::flank_only(&[0]));
-    program.post.orientation = orientation;
-    let step = |(tip, rotary, feed): &([f64; 3], [f64; 2], Option<f64>)| JointMove {
+/// A move: tip (mm), rotary axes (degrees), and feed (mm/min) or a rapid.
+pub type Step = ([f64; 3], [f64; 2], Option<f64>);
+
+fn program(dialect: &str) -> Program {
+    support::program_for(dialect, &support::flank_only(&[0]))
+}
+
+/// An operation of a few moves.
+fn operation(program: &Program, moves: &[Step]) -> MotionOperation {
+    let step = |(tip, rotary, feed): &Step| JointMove {
         kind: if feed.is_some() { MoveKind::Cut } else { MoveKind::Rapid },
         joints: program.machine.joints(&Point3::from(*tip), rotary.map(f64::to_radians)),
         feed: *feed,
@@ -37,8 +43,15 @@ pub fn blocks(dialect: &str, orientation: Orientation, moves: &[([f64; 3], [f64;
     all.extend(moves.iter().map(step));
     all.push(station);
     let operation = program.operations.iter().next().unwrap().0;
-    let operation = MotionOperation { operation, labels: vec![String::new()], moves: all };
+    MotionOperation { operation, labels: vec![String::new()], moves: all }
+}
+
+/// The blocks of a few moves.
+pub fn blocks(dialect: &str, orientation: Orientation, moves: &[Step]) -> Vec<String> {
+    let mut program = program(dialect);
+    program.post.orientation = orientation;
     let mut blocks = Vec::new();
+    let operation = operation(&program, moves);
     post::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
     blocks
 }
@@ -77,4 +90,22 @@ fn check(dialect: &str, quirks: &[Quirk]) {
 #[test]
 fn heidenhain() {
     check("heidenhain", &heidenhain::quirks());
+}
+
+/// With M126 an axis without end takes the shorter way: the post refuses what would go the other way.
+#[test]
+fn half_a_turn_in_one_block_is_refused() {
+    let said = |travel: f64, turn: f64| {
+        let mut program = program("heidenhain");
+        (program.machine.rotary[1].min, program.machine.rotary[1].max) = (-travel, travel);
+        let moves = [([50.0, -40.0, 10.0], [30.0, 0.0], None), ([50.0, -40.0, 12.0], [30.0, turn], None)];
+        let motion = Motion { operations: vec![operation(&program, &moves)] };
+        let mut sink = Sink::default();
+        post::find("heidenhain").unwrap().check(&program, &motion, &mut sink);
+        sink.diags().iter().map(|d| d.code.id()).collect::<Vec<_>>()
+    };
+    assert_eq!(said(50.0, 200.0), ["IMP0811"]);
+    assert!(said(50.0, 170.0).is_empty());
+    // An axis of at most one turn has no other way.
+    assert!(said(3.1, 200.0).is_empty());
 }
