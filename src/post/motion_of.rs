@@ -6,7 +6,7 @@
 //! an operation, and the retract after it is the last. Nothing is corrected: whatever the job does not allow is a fault
 //! with its line.
 
-use super::nc::{Direction, NcMove, NcSection};
+use super::nc::{Direction, NcMove, NcSection, STANDS};
 use super::read_back::says_tool;
 use crate::diag::{Code, Diag, Sink, codes::post};
 use crate::geom::angle::nearest_turn;
@@ -175,6 +175,7 @@ impl Interpreter<'_> {
         let machine = &self.program.machine;
         let length = self.program.tools[operation.tool].length();
         let mut course = Course::new(section, id, machine, length);
+        self.check_start(section, length);
         let mut widest = 0.0;
         for m in &section.moves {
             let rotary = self.rotary(m, course.rotary);
@@ -184,9 +185,9 @@ impl Interpreter<'_> {
             let first = course.last.is_none();
             self.check_turn(m, first, course.rotary, rotary);
             self.check_interpolation(m, course.rotary, rotary);
-            if m.smoothing > widest {
-                self.check_smoothing(m, operation);
-                widest = m.smoothing;
+            if let Some(smoothing) = m.smoothing.filter(|s| *s > widest) {
+                self.check_smoothing(m, smoothing, operation);
+                widest = smoothing;
             }
             let way = course.way(m, rotary);
             let (kind, mut feed) = self.kind(m, operation, first, &way);
@@ -232,6 +233,19 @@ impl Interpreter<'_> {
         self.tell(diag);
     }
 
+    /// Reports linear axes that move while the tables turn to the start.
+    fn check_start(&mut self, section: &NcSection, length: f64) {
+        let Some(tip) = section.start.turned else { return };
+        let off = (tip - section.start.xyz + Vector3::z() * length).amax();
+        if off > STANDS {
+            let text = format!("the linear axes move by {off:.3} mm while the tables turn to the start of the path");
+            let help = "turn the tables with the tip where the tool stands at the retract height";
+            let line = section.moves.first().map_or(section.start.line, |m| m.line);
+            let diag = self.fault(post::NC_POSITIONING, line, text, help);
+            self.tell(diag);
+        }
+    }
+
     /// Reports rotary positions that are not certain, and turns while the tool moves down.
     fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles) {
         let names = self.program.machine.names();
@@ -275,15 +289,14 @@ impl Interpreter<'_> {
         self.tell(diag);
     }
 
-    fn check_smoothing(&mut self, m: &NcMove, operation: &Operation) {
+    fn check_smoothing(&mut self, m: &NcMove, smoothing: f64, operation: &Operation) {
         let t = &self.program.tolerances;
         let finish = t.chord.get();
         let allowed = if operation.kind.finishes() { finish } else { finish.max(t.chord_rough.get()) };
         // Half a step of the word.
-        if m.smoothing > allowed + 0.51e-4 {
+        if smoothing > allowed + 0.51e-4 {
             let text = format!(
-                "from here the control may deviate from the path by {} mm; the job allows {} mm",
-                m.smoothing, allowed
+                "from here the control may deviate from the path by {smoothing} mm; the job allows {allowed} mm"
             );
             let diag = self
                 .fault(
@@ -395,7 +408,7 @@ impl<'a> Course<'a> {
         // Stops matter only for this planner.
         let stops = self.machine.planning == Planning::LinuxCnc;
         if let (Some(before), Some(l)) = (made.moves.last_mut(), self.last) {
-            before.stop = stops && (l.smoothing == 0.0 && !l.rapid || l.rapid != m.rapid);
+            before.stop = stops && (l.smoothing == Some(0.0) && !l.rapid || l.rapid != m.rapid);
         }
         made.moves.push(JointMove { pass, stop: stops, ..step });
         self.lines.push(m.line);

@@ -57,6 +57,11 @@ pub enum NcTool {
     Capitals(Arc<str>),
 }
 
+/// Distance by which the linear axes may leave their positions while tables turn to the start of a path, mm. The tip runs
+/// on the chord of its circle about the table, so that a block of 1 deg takes axes 600 mm from the centre away by
+/// 0.023 mm.
+pub(super) const STANDS: f64 = 0.05;
+
 /// Positions of all axes with the transformation off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NcStation {
@@ -64,8 +69,12 @@ pub struct NcStation {
     pub line: usize,
     /// X and Y, and Z of the gauge line of the spindle, machine frame, mm.
     pub xyz: Vector3<f64>,
-    /// The rotary axes, radians, ISO sense.
+    /// The rotary axes, radians, ISO sense. Where the tables turn to the start with the transformation on, their
+    /// positions after that.
     pub rotary: Angles,
+    /// X, Y and Z of the tip, machine frame, mm, with which the tables turn to the start with the transformation on;
+    /// the axes stand still at [`Self::xyz`] if these are the positions of the tip of the tool there.
+    pub turned: Option<Vector3<f64>>,
 }
 
 /// Moves from the block that switches the transformation on to the block that switches it off.
@@ -102,8 +111,9 @@ pub struct NcMove {
     pub tool: NcTool,
     /// Spindle speed, rpm.
     pub speed: f64,
-    /// Largest deviation from the path with which the control may smooth it, mm.
-    pub smoothing: f64,
+    /// Largest deviation from the path with which the control may smooth it, mm; `None` where settings of the control
+    /// decide and the text gives no figure.
+    pub smoothing: Option<f64>,
 }
 
 /// A line that a reader does not understand, or that makes the program invalid.

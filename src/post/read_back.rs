@@ -1,7 +1,7 @@
 //! V5: interprets the NC text and compares it with the motion.
 
 use super::dialect::Post;
-use super::nc::{Direction, NcMove, NcSection, NcTool};
+use super::nc::{Direction, NcMove, NcSection, NcTool, STANDS};
 use super::words::INVERSE_DECIMALS;
 use crate::diag::{Diag, codes::post as codes};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
@@ -89,7 +89,7 @@ pub(super) fn compare_text(
             };
             compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
             // After the last move the transformation is switched off, at rest.
-            if meant.stop && read.smoothing > 0.0 && i + 3 < operation.moves.len() {
+            if meant.stop && read.smoothing != Some(0.0) && i + 3 < operation.moves.len() {
                 return Err(differs(read.line, "an exact stop is missing".to_owned()));
             }
             if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
@@ -125,6 +125,10 @@ fn stations(
     let off = (section.start.xyz - meant).amax();
     if off > half_step(digits.length) {
         return Err((false, format!("the axes are {off:.6} mm away from the first station")));
+    }
+    if let Some(tip) = section.start.turned.filter(|tip| (tip - first.joints.xyz).amax() > STANDS) {
+        let off = (tip - first.joints.xyz).amax();
+        return Err((false, format!("the axes are {off:.6} mm away from the first station while the tables turn")));
     }
     let turned = most_turn(section.start.rotary, first.joints.rotary).to_degrees();
     if turned > half_step(digits.angle) {

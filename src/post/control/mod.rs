@@ -96,6 +96,12 @@ pub(super) struct Control {
     pub(super) machine_frame_drops_length: bool,
     /// Switching the transformation cancels the work offset, its shifts and its rotations.
     pub(super) switching_drops_frames: bool,
+    /// The words that switch the transformation activate and cancel the tool length as well.
+    pub(super) switching_sets_length: bool,
+    /// The control fixes the work frame to the table as the table stands when the transformation is switched on. Rotary
+    /// axes that carry the part must then be at zero; they turn to the start of the path after that, in blocks in which the
+    /// other axes stand still.
+    pub(super) frame_of_switch: bool,
     /// A tool change activates a default tool length.
     pub(super) change_drops_length: bool,
     /// A tool change activates the length of the new tool.
@@ -173,6 +179,8 @@ pub(super) enum LengthWord {
 pub(super) enum Smoothing {
     /// At most this length, mm.
     Within(f64),
+    /// Limited by settings of the control; the text gives no figure.
+    AtControl,
     /// Not limited, by this word.
     Left(&'static str),
 }

@@ -17,6 +17,8 @@ pub(in crate::post) enum ModalGroup {
     SpindleMode,
     /// Cutter radius compensation.
     Compensation,
+    /// Exact stops, or none.
+    Cutting,
     /// Settable work offset.
     WorkOffset,
     /// Programmable shift of the work frame.

@@ -3,7 +3,7 @@
 mod moves;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
-use crate::kin::Machine;
+use crate::kin::{Carries, Machine, RotaryAxis};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
 use crate::post::nc::{Direction, NcSection, NcStation, NcTool, ReadError};
 use nalgebra::Vector3;
@@ -62,6 +62,10 @@ struct ControlState<'a> {
     smoothing: Option<Smoothing>,
     /// A section has begun, and its retract is still missing.
     open: bool,
+    /// The transformation is on, and no block but turns of tables has moved an axis since.
+    at_start: bool,
+    /// Position of the tip while tables turn at the start, machine frame, mm.
+    turned: Option<Vector3<f64>>,
     ended: bool,
     sections: Vec<NcSection>,
     moves: usize,
@@ -94,6 +98,8 @@ impl<'a> ControlState<'a> {
             speed: None,
             smoothing: None,
             open: false,
+            at_start: false,
+            turned: None,
             ended: false,
             sections: Vec::new(),
             moves: 0,
@@ -298,6 +304,9 @@ impl<'a> ControlState<'a> {
                 self.axes = [AxisPosition::Left; 5];
             }
             self.transformation = Transformation::Off;
+            if self.control.switching_sets_length {
+                self.length = Length::Off;
+            }
             return;
         }
         match self.transformation {
@@ -320,6 +329,12 @@ impl<'a> ControlState<'a> {
                 "the path to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
                  block, `{machine_frame} {axis}...{behind}`"
             ));
+        }
+        self.check_frame();
+        if self.control.switching_sets_length
+            && let Some(LengthWord::Of(number)) = block.length
+        {
+            self.length = Length::Of(NcTool::Number(number), self.line);
         }
         let Length::Of(of, _) = &self.length else {
             let length = self.control.length;
@@ -347,6 +362,28 @@ impl<'a> ControlState<'a> {
         self.begin();
     }
 
+    /// Reports a table that does not stand at zero where the control fixes the work frame to it.
+    fn check_frame(&mut self) {
+        if !self.control.frame_of_switch {
+            return;
+        }
+        let machine = self.machine;
+        let turned = (0..2).find(|k| {
+            machine.chain.axes()[*k].carries == Carries::Part
+                && self.axes[3 + *k].known().is_some_and(|angle| angle.abs() > ROUNDING.1)
+        });
+        if let Some(k) = turned {
+            let Control { machine_frame, behind, .. } = self.control;
+            let RotaryAxis { name, word_sign, .. } = &machine.rotary[k];
+            let at = figure(self.axes[3 + k].known().unwrap_or(0.0).to_degrees() * word_sign);
+            self.fault_apart(format!(
+                "the transformation is switched on with {name} at {at} deg: the control fixes the work frame to the table as \
+                 the table stands here, so that X Y Z would count in a turned frame; write `{machine_frame} {name}0.{behind}` \
+                 before, and turn the table after this block"
+            ));
+        }
+    }
+
     /// Begins a section at the present axis positions.
     fn begin(&mut self) {
         let [x, y, z, first, second] = self.axes.map(|p| p.known().unwrap_or(0.0));
@@ -354,8 +391,9 @@ impl<'a> ControlState<'a> {
         self.transformation = Transformation::On;
         self.tip = [None; 3];
         self.direction = Direction::Rotary(rotary);
+        (self.at_start, self.turned) = (true, None);
         if self.faults.is_empty() {
-            let start = NcStation { line: self.placed, xyz: Vector3::new(x, y, z), rotary };
+            let start = NcStation { line: self.placed, xyz: Vector3::new(x, y, z), rotary, turned: None };
             self.sections.push(NcSection { start, moves: Vec::new(), retract: None });
         }
         self.open = true;

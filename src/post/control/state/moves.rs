@@ -1,10 +1,10 @@
 //! Moves of single axes and of the tool tip, as changes of the state of the control.
 
 use super::{AxisPosition, ControlState, Length, Transformation};
-use crate::kin::Interpolation;
+use crate::kin::{Carries, Interpolation, Joints, between};
 use crate::post::control::modal::{ModalGroup, Setting};
 use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
-use crate::post::nc::{Direction, NcMove, NcTool};
+use crate::post::nc::{Direction, NcMove, NcTool, STANDS};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -172,8 +172,9 @@ impl ControlState<'_> {
             self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
         }
         let smoothing = match self.smoothing {
-            Some(Smoothing::Within(smoothing)) => smoothing,
-            _ if rapid => 0.0,
+            Some(Smoothing::Within(smoothing)) => Some(smoothing),
+            Some(Smoothing::AtControl) => None,
+            _ if rapid => Some(0.0),
             left => {
                 let word = self.control.smoothing;
                 let why = match left {
@@ -182,16 +183,17 @@ impl ControlState<'_> {
                     }
                     _ => "the tolerance of the path is unknown".to_owned(),
                 };
-                self.fault_once(
-                    "smoothing",
-                    format!("a move at feed, and {why}: write {word} with a tolerance before"),
-                );
-                0.0
+                self.fault_once("smoothing", format!("a move at feed, and {why}: write {word} before"));
+                Some(0.0)
             }
         };
         if self.moves >= MOST_MOVES {
             self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
         }
+        if self.turns_at_start(&tip, &direction, rapid) {
+            return;
+        }
+        self.at_start = false;
         self.direction = direction;
         self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
@@ -254,6 +256,34 @@ impl ControlState<'_> {
             Setting::Said(word, _) if self.control.great_circle.contains(&word) => Interpolation::GreatCircle,
             _ => Interpolation::RotaryLinear,
         }
+    }
+
+    /// Executes a block that only turns the rotary axes at the start of the path, where the control fixes the work frame
+    /// to the table before: such a block leaves the tip where it is in the machine. True when the block is one.
+    fn turns_at_start(&mut self, tip: &Point3<f64>, direction: &Direction, rapid: bool) -> bool {
+        let (Direction::Rotary(from), Direction::Rotary(to)) = (self.direction, *direction) else { return false };
+        let machine = self.machine;
+        let heads = (0..2).any(|k| machine.chain.axes()[k].carries == Carries::Tool && from[k] != to[k]);
+        if !(self.control.frame_of_switch && self.at_start && rapid) || from == to || heads {
+            return false;
+        }
+        let end = machine.joints(tip, to);
+        let at = self.turned.unwrap_or(end.xyz);
+        let start = Joints { xyz: at, rotary: from };
+        let away = [0.25, 0.5, 0.75, 1.0].map(|share| {
+            let pose = Interpolation::RotaryLinear.pose(machine, &start, &end, share);
+            (machine.joints(&pose.tip, between(from, to, share)).xyz - at).amax()
+        });
+        if away.into_iter().fold(0.0, f64::max) > STANDS {
+            return false;
+        }
+        self.turned = Some(at);
+        self.direction = *direction;
+        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
+            section.start.rotary = to;
+            section.start.turned = self.turned;
+        }
+        true
     }
 
     /// Feed of a block in mm/min, and its time in s in inverse time, where the feed follows from the length of the
