@@ -7,6 +7,8 @@
 
 mod control;
 mod dialect;
+#[cfg(test)]
+mod fanuc;
 mod form;
 mod heidenhain;
 mod linuxcnc;

@@ -1,0 +1,19 @@
+//! Fanuc 30i and 31i, Mitsubishi M700 and M800, Makino: one family, whose members differ by data.
+//!
+//! Tool centre point control is G43.4 with rotary words. G43.4 also activates the tool length, and G49 cancels both. With
+//! G43.4 the control fixes the work frame to the table as the table stands in that block (Fanuc A-79348E, page 19;
+//! Mitsubishi M700V 13.24). So the tables stand at zero there. Then they turn to the start of the path in small blocks, in
+//! which the other axes stand still: each block gives X Y Z of the place on the part that is below the tool.
+//!
+//! A number has a decimal point always: without a point the unit depends on a setting of the control.
+//!
+//! The head of the program resets what an aborted program can have left active. G49 comes first: the axes jump with any
+//! change of tool length under tool centre point control. `G92.1` takes back shifts of the work frame. With the control off, axes move in
+//! the machine frame (G53).
+
+mod control;
+mod reader;
+mod text;
+
+#[cfg(test)]
+mod tests;
