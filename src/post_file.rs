@@ -253,8 +253,11 @@ pub enum Field {
     FinishTolerance,
     /// Orientation tolerance of the operation, degrees.
     OrientationTolerance,
-    /// Words of both rotary axes at the first target.
+    /// Words of both rotary axes where tool centre point control is switched on: at the first target, or on controls that
+    /// fix the work frame to the table there, with the tables at zero.
     Rotary,
+    /// Words of both rotary axes at zero.
+    RotaryZero,
     /// Machine X over the first target.
     X,
     /// Machine Y over the first target.
@@ -283,6 +286,7 @@ impl Field {
         Self::FinishTolerance,
         Self::OrientationTolerance,
         Self::Rotary,
+        Self::RotaryZero,
         Self::X,
         Self::Y,
         Self::Z,
@@ -307,6 +311,7 @@ impl Field {
             Self::FinishTolerance => "finish-tolerance",
             Self::OrientationTolerance => "orientation-tolerance",
             Self::Rotary => "rotary",
+            Self::RotaryZero => "rotary-zero",
             Self::X => "x",
             Self::Y => "y",
             Self::Z => "z",
@@ -318,9 +323,12 @@ impl Field {
     fn scope(self) -> &'static [Frame] {
         use Frame::{End, Head, OperationEnd, OperationStart, Start};
         match self {
-            Self::ProgramName | Self::ProgramFile | Self::ProgramNumber | Self::Retract | Self::SmoothingOff => {
-                &[Start, Head, OperationStart, OperationEnd, End]
-            }
+            Self::ProgramName
+            | Self::ProgramFile
+            | Self::ProgramNumber
+            | Self::Retract
+            | Self::RotaryZero
+            | Self::SmoothingOff => &[Start, Head, OperationStart, OperationEnd, End],
             // In a head: the finest of all operations.
             Self::Smoothing => &[Head, OperationStart],
             Self::OperationName | Self::ToolName | Self::ToolNumber | Self::ToolLength => {

@@ -143,9 +143,12 @@ pub mod shipped {
     pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../jobs/_lib/tools/carbide.toml"))];
     /// Post files by name.
     pub const POSTS: &[(&str, &str)] = &[
+        ("fanuc", include_str!("../../jobs/_lib/posts/fanuc.toml")),
         ("heidenhain", include_str!("../../jobs/_lib/posts/heidenhain.toml")),
         ("heidenhain-itnc530", include_str!("../../jobs/_lib/posts/heidenhain-itnc530.toml")),
         ("linuxcnc", include_str!("../../jobs/_lib/posts/linuxcnc.toml")),
+        ("makino", include_str!("../../jobs/_lib/posts/makino.toml")),
+        ("mitsubishi", include_str!("../../jobs/_lib/posts/mitsubishi.toml")),
         ("siemens-840d", include_str!("../../jobs/_lib/posts/siemens-840d.toml")),
     ];
 }

@@ -5,7 +5,7 @@ use super::nc::{NcSection, ReadError};
 use super::words;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
-use crate::kin::Machine;
+use crate::kin::{Angles, Machine};
 
 /// A dialect.
 pub trait Post: Sync {
@@ -13,12 +13,21 @@ pub trait Post: Sync {
     fn name(&self) -> &'static str;
     /// One line for the help.
     fn about(&self) -> &'static str;
+    /// Dialects with the same words have one family; its first dialect in the table stands for a text in these words.
+    fn family(&self) -> &'static str {
+        self.name()
+    }
     /// Refuses a machine that the transformation of the control does not support.
     fn check_machine(&self, machine: &Machine, sink: &mut Sink);
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
     /// How the dialect writes text.
     fn form(&self) -> &'static TextForm;
+    /// Positions of the rotary axes, radians, with which tool centre point control is switched on for a path that begins
+    /// at the positions `start`.
+    fn at_switch(&self, _machine: &Machine, start: Angles) -> Angles {
+        start
+    }
     /// A number in a word, with at most some digits behind the point.
     fn number(&self, value: f64, decimals: usize) -> String {
         words::fixed(value, decimals)

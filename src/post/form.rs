@@ -18,6 +18,8 @@ pub struct TextForm {
 pub struct NumberForm {
     /// Text before a number.
     pub prefix: &'static str,
+    /// Largest number; the next block has the first number again.
+    pub largest: u64,
     /// Every block has a number, in steps of 1 from 0. Otherwise the post file gives the step.
     pub always: bool,
     /// Comments have numbers as well.

@@ -7,7 +7,6 @@
 
 mod control;
 mod dialect;
-#[cfg(test)]
 mod fanuc;
 mod form;
 mod heidenhain;
@@ -28,7 +27,13 @@ pub use read_back::{ReadBack, read_back};
 pub use write::emit;
 
 /// The available dialects.
-pub const POSTS: &[&dyn Post] = &[&siemens_840d::Siemens840d, &linuxcnc::LinuxCnc, &heidenhain::Heidenhain];
+pub const POSTS: &[&dyn Post] = &[
+    &siemens_840d::Siemens840d,
+    &linuxcnc::LinuxCnc,
+    &heidenhain::Heidenhain,
+    &fanuc::Family::FANUC,
+    &fanuc::Family::MITSUBISHI,
+];
 
 /// The dialect with a name.
 pub fn find(name: &str) -> Option<&'static dyn Post> {
@@ -52,12 +57,13 @@ fn own_words(text: &str) -> Vec<usize> {
 }
 
 /// The dialect of a text: the dialect with the most lines that hold its own words, within the first lines. `None` when
-/// no dialect has such lines, or two dialects have the same number.
+/// no dialect has such lines, or dialects of two families have the same number.
 pub fn recognise(text: &str) -> Option<&'static dyn Post> {
     let counts = own_words(text);
     let most = *counts.iter().max()?;
     let mut best = counts.iter().zip(POSTS).filter(|(n, _)| **n == most && most > 0).map(|(_, p)| *p);
-    best.next().filter(|_| best.next().is_none())
+    let first = best.next()?;
+    best.all(|other| other.family() == first.family()).then_some(first)
 }
 
 /// Ratio of the lines of another dialect to those of the expected one from which on the text counts as the other

@@ -44,6 +44,8 @@ pub fn comment(text: &str) -> String {
             ';' => ',',
             // Klartext goes on in the next line after it.
             '~' => '-',
+            // It ends a program of the Fanuc family.
+            '%' => '?',
             c if c.is_ascii() && !c.is_ascii_control() => c,
             _ => '?',
         })

@@ -5,7 +5,7 @@ use super::form::TextForm;
 use super::nc::{NcLine, NcProgram};
 use super::words::{self, fixed};
 use crate::ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
-use crate::kin::Joints;
+use crate::kin::{Angles, Joints};
 use crate::post_file::{Field, Frame, Orientation, Template};
 use crate::source::Span;
 use crate::verify::Verified;
@@ -72,11 +72,11 @@ pub(super) fn between(operation: &MotionOperation) -> impl Iterator<Item = (usiz
 }
 
 /// Words of both rotary axes in the sense of the machine.
-pub(super) fn rotary(post: &dyn Post, program: &Program, joints: &Joints) -> String {
+pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> String {
     let (between, decimals) = (post.form().rotary, program.post.decimals.angle);
     let [first, second] = [0, 1].map(|k| {
         let axis = &program.machine.rotary[k];
-        let angle = joints.rotary[k].to_degrees() * axis.word_sign;
+        let angle = angles[k].to_degrees() * axis.word_sign;
         format!("{}{between}{}", axis.name, post.number(angle, decimals))
     });
     format!("{first} {second}")
@@ -129,6 +129,9 @@ impl Lines {
         } else {
             let numbered = format!("{}{} {text}", numbers.prefix, self.number);
             self.number += self.step;
+            if self.number > numbers.largest {
+                self.number = self.step;
+            }
             numbered
         };
         self.nc.lines.push(NcLine { text, source, frame });
@@ -180,6 +183,7 @@ impl Values<'_> {
             Field::ProgramFile => program.name.to_ascii_uppercase().replace('-', "_"),
             Field::ProgramNumber => format!("{:04}", file.program_number),
             Field::Retract => self.length(program.machine.retract),
+            Field::RotaryZero => rotary(self.post, program, [0.0; 2]),
             Field::SmoothingOff => self.filled(&file.smoothing[2]),
             Field::Smoothing => {
                 let finishes = operation.as_ref().is_none_or(|o| o.declared.kind.finishes());
@@ -206,7 +210,7 @@ impl Values<'_> {
             Field::ToolNumber => o.tool.number.to_string(),
             Field::ToolLength => self.length(o.tool.length()),
             Field::Spindle => fixed(o.declared.speed.get(), 0),
-            Field::Rotary => rotary(self.post, self.program, &o.first.joints),
+            Field::Rotary => rotary(self.post, self.program, self.post.at_switch(machine, o.first.joints.rotary)),
             Field::X => at(o.first, 0),
             Field::Y => at(o.first, 1),
             Field::Z => at(o.last, 2),

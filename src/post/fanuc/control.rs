@@ -61,19 +61,6 @@ pub(super) const MITSUBISHI: Member = Member {
     point: "parameter #1078",
 };
 
-/// Makino Professional: a Fanuc 30i or 31i with words of the machine.
-pub(super) const MAKINO: Member = Member {
-    name: "makino",
-    about: "Makino Professional: as fanuc, with the words of the machine",
-    program_digits: 4,
-    program_names: true,
-    block_digits: 8,
-    decimals: 4,
-    posture: true,
-    levels: true,
-    point: "parameter 3401#0",
-};
-
 /// The control.
 pub(super) const CONTROL: Control = Control {
     modal: &[

@@ -14,6 +14,73 @@
 mod control;
 mod reader;
 mod text;
+mod writer;
 
 #[cfg(test)]
 mod tests;
+
+use crate::diag::Sink;
+use crate::ir::{Motion, MotionOperation, Program};
+use crate::kin::{Angles, Machine};
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::TextForm;
+use crate::post::nc::{NcSection, ReadError};
+use control::Member;
+
+/// A dialect of the family.
+pub(super) struct Family {
+    member: &'static Member,
+    form: &'static TextForm,
+}
+
+impl Family {
+    /// Fanuc, and Makino with the words of its machine in a post file.
+    pub(super) const FANUC: Self = Self { member: &control::FANUC, form: &writer::FANUC };
+    /// Mitsubishi.
+    pub(super) const MITSUBISHI: Self = Self { member: &control::MITSUBISHI, form: &writer::MITSUBISHI };
+}
+
+impl Post for Family {
+    fn name(&self) -> &'static str {
+        self.member.name
+    }
+
+    fn about(&self) -> &'static str {
+        self.member.about
+    }
+
+    fn family(&self) -> &'static str {
+        control::FANUC.name
+    }
+
+    // The sense of each rotary axis is a parameter of the control.
+    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        writer::check(program, motion, sink);
+    }
+
+    fn form(&self) -> &'static TextForm {
+        self.form
+    }
+
+    fn at_switch(&self, machine: &Machine, start: Angles) -> Angles {
+        writer::at_switch(machine, start)
+    }
+
+    fn number(&self, value: f64, decimals: usize) -> String {
+        writer::number(value, decimals)
+    }
+
+    fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::moves(self, program, operation, write);
+    }
+
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine, self.member)
+    }
+
+    fn recognises(&self, code: &str) -> bool {
+        reader::recognises(code)
+    }
+}

@@ -1,6 +1,6 @@
 //! Texts as a reader meets them: what is understood, and the reason for what is not.
 
-use super::control::{FANUC, MAKINO, MITSUBISHI, Member};
+use super::control::{FANUC, MITSUBISHI, Member};
 use super::reader;
 use crate::kin::{Angles, AxisLine, Carries, Chain, Interpolation, Joints, Machine, RotaryAxis};
 use crate::post::nc::{Direction, NcSection};
@@ -73,7 +73,7 @@ fn with(from: &str, to: &str) -> String {
 
 #[test]
 fn a_program_is_read() {
-    for member in [&FANUC, &MAKINO] {
+    for member in [&FANUC] {
         let sections = read_for(member, &good()).unwrap();
         let [section] = sections.as_slice() else { panic!("{} sections", sections.len()) };
         let [a, c] = section.start.rotary.map(f64::to_degrees);

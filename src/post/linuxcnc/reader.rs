@@ -525,11 +525,9 @@ fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
 
 /// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
-    const OWN: [&str; 6] = ["M428", "M429", "G43", "G49", "G92.1", "G21"];
-    let mut words = code.split_whitespace();
-    let first = words.next().unwrap_or_default().to_ascii_uppercase();
-    // In the 840D dialect rotary words have an equals sign.
-    let number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
-    let rotary = |w: &str| w.strip_prefix(['A', 'C']).is_some_and(|n| !n.is_empty() && n.chars().all(number));
-    OWN.contains(&first.as_str()) || words.any(rotary)
+    // Rotary words, G49 and G92.1 are those of other controls as well.
+    const OWN: [&str; 5] = ["M428", "M429", "G8", "G10L2P1R0", "G61.1G1"];
+    let code: String = code.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let word = |own: &str| code.split(own).skip(1).any(|behind| !behind.starts_with(|c: char| c.is_ascii_digit()));
+    OWN.iter().any(|own| word(own)) || code.contains("G64P")
 }

@@ -95,7 +95,7 @@ fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOp
 pub(super) const FORM: TextForm = TextForm {
     comment: ["(", ")"],
     rotary: "",
-    numbers: NumberForm { prefix: "N", always: false, comments: false, without: &["%"] },
+    numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%"] },
     continued: "",
     longest: 252,
 };
@@ -146,7 +146,7 @@ fn block(program: &Program, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
         modes.feed.clear();
     }
     modes.inverse = inverse;
-    let [tip, rotary] = [write::tip(post, program, &m.joints), write::rotary(post, program, &m.joints)];
+    let [tip, rotary] = [write::tip(post, program, &m.joints), write::rotary(post, program, m.joints.rotary)];
     text.push_str(&format!("G1 {tip} {rotary}"));
     let f = if inverse { inverse_time(m.time) } else { fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals) };
     if inverse || f != modes.feed {

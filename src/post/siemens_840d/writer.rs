@@ -19,7 +19,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 pub(super) const FORM: TextForm = TextForm {
     comment: ["; ", ""],
     rotary: "=",
-    numbers: NumberForm { prefix: "N", always: false, comments: false, without: &["%"] },
+    numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%"] },
     continued: "",
     longest: 512,
 };
@@ -33,7 +33,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
     for (i, m) in write::between(operation) {
         let tip = write::tip(post, program, &m.joints);
         let text = match m.kind {
-            MoveKind::Rapid => format!("G0 {tip} {}", write::rotary(post, program, &m.joints)),
+            MoveKind::Rapid => format!("G0 {tip} {}", write::rotary(post, program, m.joints.rotary)),
             MoveKind::Link | MoveKind::Cut => {
                 let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
                 // After a rapid F is written again, so that every pass can be read by itself.
@@ -42,7 +42,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
                 last_feed = f;
                 let direction = match program.post.orientation {
                     Orientation::Vectors => write::vector(post, program, &m.joints, ["A3=", "B3=", "C3="]),
-                    Orientation::Angles => write::rotary(post, program, &m.joints),
+                    Orientation::Angles => write::rotary(post, program, m.joints.rotary),
                 };
                 format!("G1 {tip} {direction}{word}")
             }

@@ -1,0 +1,143 @@
+//! From the moves of an operation to blocks.
+
+use super::Family;
+use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
+use crate::kin::{Angles, Carries, Joints, Machine, between, most_turn};
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::{NumberForm, TextForm};
+use crate::post::words::{self, feed, fixed};
+use crate::post::write;
+use crate::post_file::Orientation;
+
+/// Largest number of a tool and of its length.
+const LARGEST_TOOL: u32 = 999;
+
+/// Turn of the tables in one block before the start of a path, radians: 1 deg.
+const TURN: f64 = std::f64::consts::PI / 180.0;
+
+/// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
+const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
+
+/// Text of Fanuc.
+pub(super) const FANUC: TextForm = form(99_999_999);
+
+/// Text of Mitsubishi.
+pub(super) const MITSUBISHI: TextForm = form(999_999);
+
+const fn form(largest: u64) -> TextForm {
+    TextForm {
+        comment: ["(", ")"],
+        rotary: "",
+        numbers: NumberForm { prefix: "N", largest, always: false, comments: false, without: &["%", "O", "<"] },
+        continued: "",
+        longest: 128,
+    }
+}
+
+/// A number that has its point also without digits behind it.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.contains('.') { text } else { format!("{text}.") }
+}
+
+/// The rotary axes with the tables at zero.
+pub(super) fn at_switch(machine: &Machine, start: Angles) -> Angles {
+    let axes = machine.chain.axes();
+    [0, 1].map(|k| if axes[k].carries == Carries::Part { 0.0 } else { start[k] })
+}
+
+/// Refuses a motion that the dialect cannot express.
+pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+    words::check(program, motion, sink);
+    let vectors = program.post.orientation == Orientation::Vectors;
+    let tables = program.machine.chain.axes().iter().all(|axis| axis.carries == Carries::Part);
+    if vectors && tables {
+        let mut diag = Diag::error(
+            post::AMBIGUOUS_VECTOR,
+            format!("post {} cannot write vectors for a machine with two tables", program.post.name),
+        )
+        .note("G43.5 is switched on with the tables at zero; from there two pairs of angles have the same way, and the control chooses")
+        .help("write `orientation angles`");
+        if let Some(span) = program.post.span {
+            diag = diag.label(span, "required here");
+        }
+        sink.push(diag);
+        return;
+    }
+    for operation in &motion.operations {
+        let declared = &program.operations[operation.operation];
+        let tool = &program.tools[declared.tool];
+        if tool.number == 0 || tool.number > LARGEST_TOOL {
+            sink.push(
+                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
+                    .label(tool.span, "declared here")
+                    .help(format!("T and H take numbers from 1 to {LARGEST_TOOL}: `number 1`")),
+            );
+        }
+        let unsure = |pair: &&[JointMove]| {
+            let [a, b] = [pair[0].joints.rotary, pair[1].joints.rotary];
+            a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN
+        };
+        if let Some(pair) = operation.moves.windows(2).find(unsure).filter(|_| vectors) {
+            let label = operation.labels.get(pair[1].pass as usize).cloned().unwrap_or_default();
+            let name = &program.machine.rotary[1].name;
+            sink.push(
+                Diag::error(
+                    post::AMBIGUOUS_VECTOR,
+                    format!("`{}` turns {name} by 90 deg or more in one block, or runs through the pole", declared.name),
+                )
+                .label(declared.span, "in this operation")
+                .place(label, program.machine.forward(&pair[1].joints).tip)
+                .note("after G43.5 every block has a vector, also a rapid; the control chooses the angles")
+                .help("write `orientation angles`"),
+            );
+        }
+    }
+}
+
+/// Writes the blocks of the moves of an operation.
+pub(super) fn moves(post: &Family, program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
+    let mut last_feed = String::new();
+    let mut last_kind = None;
+    if let Some(first) = operation.moves.first() {
+        turns(post, program, &first.joints, write);
+    }
+    for (i, m) in write::between(operation) {
+        let tip = write::tip(post, program, &m.joints);
+        let direction = direction(post, program, &m.joints);
+        let text = match m.kind {
+            MoveKind::Rapid => format!("G0 {tip} {direction}"),
+            MoveKind::Link | MoveKind::Cut => {
+                let decimals = program.post.decimals.feed;
+                let f = post.number(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+                // After a rapid F is written again, so that every pass can be read by itself.
+                let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
+                let word = if say { format!(" F{f}") } else { String::new() };
+                last_feed = f;
+                format!("G1 {tip} {direction}{word}")
+            }
+        };
+        last_kind = Some(m.kind);
+        write(text, Some(i));
+    }
+}
+
+/// Turns the tables to the start of a path. X Y Z of each block are the place on the part below the tool, which stands
+/// still.
+fn turns(post: &Family, program: &Program, start: &Joints, write: &mut WriteBlock<'_>) {
+    let from = at_switch(&program.machine, start.rotary);
+    let count = (most_turn(from, start.rotary) / TURN).ceil() as u32;
+    for k in 1..=count {
+        let rotary = between(from, start.rotary, f64::from(k) / f64::from(count));
+        let joints = Joints { rotary, ..*start };
+        write(format!("G0 {} {}", write::tip(post, program, &joints), direction(post, program, &joints)), None);
+    }
+}
+
+fn direction(post: &Family, program: &Program, joints: &Joints) -> String {
+    match program.post.orientation {
+        Orientation::Angles => write::rotary(post, program, joints.rotary),
+        Orientation::Vectors => write::vector(post, program, joints, ["I", "J", "K"]),
+    }
+}
