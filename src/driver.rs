@@ -444,7 +444,7 @@ impl Written {
         post: &dyn Post,
         inputs: Inputs,
     ) -> Result<Self, Diag> {
-        let mut nc = post::emit(post, program, motion, &header(program, certificate, &inputs));
+        let mut nc = post::emit(post, program, motion, &header(program, certificate, post, &inputs));
         // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;
         let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
@@ -452,7 +452,9 @@ impl Written {
         };
         let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
         fill(&mut nc, of_body, &body);
+        let assumed = post.assumptions().iter().map(|what| (*what).to_owned()).collect();
         let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
+        let text = NcText { assumed, ..text };
         let certificate = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
         let certificate = certificate.map_err(|reason| {
             Diag::error(files::INTERNAL, format!("the certificate cannot be written: {reason}"))
@@ -530,7 +532,7 @@ fn file_lines(file: &InputFile) -> Vec<String> {
 }
 
 /// Lines of the comment block at the head of the NC text; placeholders stand for the hashes of body and certificate.
-fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<String> {
+fn header(program: &Program, certificate: &Certificate, post: &dyn Post, inputs: &Inputs) -> Vec<String> {
     let mut head = certificate.head();
     let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
     lines.extend(head);
@@ -540,6 +542,7 @@ fn header(program: &Program, certificate: &Certificate, inputs: &Inputs) -> Vec<
         "part {}, machine {}, zero at the origin of the part frame, mm",
         program.name, program.machine.name
     ));
+    lines.extend(post.assumptions().iter().map(|what| format!("assumed: {what}")));
     for c in &certificate.contracts {
         lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }

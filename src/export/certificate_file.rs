@@ -82,6 +82,9 @@ pub struct NcText {
     pub runs: Vec<String>,
     /// Lines of the operations.
     pub operations: Vec<OperationLines>,
+    /// What the proof assumes of those who take the text further.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<String>,
 }
 
 /// Content of the file.
@@ -217,6 +220,7 @@ impl NcText {
             body_starts,
             runs: runs(body),
             operations,
+            assumed: Vec::new(),
         }
     }
 

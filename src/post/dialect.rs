@@ -21,6 +21,10 @@ pub trait Post: Sync {
     fn check_machine(&self, machine: &Machine, sink: &mut Sink);
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
+    /// What the proof assumes of those who take the text further, a line each; for the head and the certificate.
+    fn assumptions(&self) -> &'static [&'static str] {
+        &[]
+    }
     /// How the dialect writes text.
     fn form(&self) -> &'static TextForm;
     /// Positions of the rotary axes, radians, with which tool centre point control is switched on for a path that begins

@@ -711,8 +711,10 @@ fn files_that_are_no_text_or_too_large_or_missing() {
     // read as the job's.
     std::fs::write(&path, LINUXCNC).unwrap();
     fails("IMP0808", "LinuxCNC needs");
-    std::fs::write(&path, "O1\nG91 G28 Z0\n").unwrap();
-    fails("IMP0821", "line 1: `O1` is not understood");
+    std::fs::write(&path, "Q1\nG91 G28 Z0\n").unwrap();
+    fails("IMP0821", "line 1: `Q1` is not understood");
+    std::fs::write(&path, "%\nO1\nG91 G28 Z0\nM30\n%\n").unwrap();
+    fails("IMP0821", "line 3: `G28` is not understood: its target is set at the control");
     std::fs::write(&path, SIEMENS.replace("Z350", "Z650")).unwrap();
     fails("IMP0822", "operation 1 of the text uses tool \"t2\"");
     // What is no NC text at all is told once.

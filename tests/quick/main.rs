@@ -22,6 +22,7 @@ mod envelope;
 mod error_formats;
 mod errors;
 mod facts;
+mod fanuc_quirks;
 mod faults;
 mod feeds;
 mod finite;

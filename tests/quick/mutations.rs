@@ -324,12 +324,14 @@ fn extreme_numbers_in_certificates() {
 static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     let Compiled { program, motion, .. } = jobs::flank();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
-    let of = |p: &dyn Post| post::emit(p, &support::program_for(p.name(), program), motion, &[]).text();
+    let of = |p: &dyn Post| post::emit(p, &support::program_for(p.name(), program), motion, &[]).lines;
     let whole = post::POSTS.iter().map(|p| of(*p));
-    let texts = whole.map(|text| {
-        let lines: Vec<&str> = text.lines().collect();
+    let texts = whole.map(|lines| {
         let ends = lines.len() - 12;
-        lines.iter().enumerate().filter(|(i, _)| *i < 60 || *i >= ends).map(|(_, l)| format!("{l}\n")).collect()
+        // Some controls turn the tables to the first target in blocks of their own.
+        let starts = lines.iter().position(|l| l.source == Some((0, 1))).unwrap();
+        let kept = lines.iter().enumerate().filter(|(i, _)| *i < starts + 48 || *i >= ends);
+        kept.map(|(_, l)| format!("{}\n", l.text)).collect()
     });
     (program.clone(), texts.collect())
 });

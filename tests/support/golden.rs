@@ -9,7 +9,21 @@ use std::path::Path;
 pub const GOLDENS: &[(&str, &[&str])] = &[
     (
         "reduced",
-        &["ast", "job", "ir", "cc", "cl", "motion", "certificate", "siemens-840d", "linuxcnc", "heidenhain", "bytes"],
+        &[
+            "ast",
+            "job",
+            "ir",
+            "cc",
+            "cl",
+            "motion",
+            "certificate",
+            "siemens-840d",
+            "linuxcnc",
+            "heidenhain",
+            "fanuc",
+            "mitsubishi",
+            "bytes",
+        ],
     ),
     (
         "posts",
@@ -32,6 +46,21 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
     ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
     // For LinuxCNC, `.ci/run` compiles the whole job, and the interpreter of LinuxCNC reads it.
     ("wei2021", &["ir", "plan", "certificate", "siemens-840d"]),
+    (
+        "posts",
+        &[
+            "block-numbers.fanuc",
+            "block-numbers.mitsubishi",
+            "components.fanuc",
+            "digits.fanuc",
+            "frame-at-switch.fanuc",
+            "length-order.fanuc",
+            "missing-point.fanuc",
+            "missing-point.mitsubishi",
+            "program-number.fanuc",
+            "program-number.mitsubishi",
+        ],
+    ),
 ];
 
 /// Compares a text with its golden.

@@ -30,6 +30,8 @@ pub(in crate::post) struct Member {
     pub(super) posture: bool,
     /// G05.1 Q1 may have a level R1 to R10.
     pub(super) levels: bool,
+    /// What the control must be set to; the text cannot say it.
+    pub(super) assumed: &'static [&'static str],
     /// Setting that gives a number without a decimal point its unit.
     pub(super) point: &'static str,
 }
@@ -44,6 +46,15 @@ pub(super) const FANUC: Member = Member {
     decimals: 4,
     posture: true,
     levels: true,
+    assumed: &[
+        "G0 runs linearly (parameter 1401#1 LRP = 1)",
+        "G43.4 and G49 alone in a block move no axis (5006#6 TOS = 1)",
+        "under G43.4 X Y Z turn with the table (19696#5 WKP = 0)",
+        "a block turns the rotary axes linearly (19604#0 TPC = 0)",
+        "a rotary axis that rolls over takes the shorter way (1008#1 RAB = 0)",
+        "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
+        "G54 is the part origin with the rotary axes at zero, and has no rotary offsets",
+    ],
     point: "parameter 3401#0",
 };
 
@@ -58,6 +69,15 @@ pub(super) const MITSUBISHI: Member = Member {
     decimals: 4,
     posture: false,
     levels: false,
+    assumed: &[
+        "G0 runs linearly",
+        "G43.4 and G49 alone in a block move no axis",
+        "under G43.4 X Y Z turn with the table: the programming coordinate system is that of the table",
+        "a block turns the rotary axes linearly: joint interpolation, not rotation about a single axis",
+        "a rotary axis that rolls over takes the shorter way",
+        "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
+        "G54 is the part origin with the rotary axes at zero, and has no rotary offsets",
+    ],
     point: "parameter #1078",
 };
 

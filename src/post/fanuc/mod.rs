@@ -60,6 +60,10 @@ impl Post for Family {
         writer::check(program, motion, sink);
     }
 
+    fn assumptions(&self) -> &'static [&'static str] {
+        self.member.assumed
+    }
+
     fn form(&self) -> &'static TextForm {
         self.form
     }

@@ -85,7 +85,10 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
             sink.push(
                 Diag::error(
                     post::AMBIGUOUS_VECTOR,
-                    format!("`{}` turns {name} by 90 deg or more in one block, or runs through the pole", declared.name),
+                    format!(
+                        "`{}` turns {name} by 90 deg or more in one block, or runs through the pole",
+                        declared.name
+                    ),
                 )
                 .label(declared.span, "in this operation")
                 .place(label, program.machine.forward(&pair[1].joints).tip)

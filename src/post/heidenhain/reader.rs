@@ -125,6 +125,8 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         great_circle: &["PATHCTRL VECTOR"],
         machine_frame_drops_length: true,
         switching_drops_frames: false,
+        switching_sets_length: false,
+        frame_of_switch: false,
         change_drops_length: false,
         change_sets_length: true,
         shorter_way: true,

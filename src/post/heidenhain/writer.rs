@@ -57,7 +57,7 @@ fn check_way(program: &Program, operation: &MotionOperation, sink: &mut Sink) {
 pub(super) const FORM: TextForm = TextForm {
     comment: ["; ", ""],
     rotary: "",
-    numbers: NumberForm { prefix: "", always: true, comments: true, without: &[] },
+    numbers: NumberForm { prefix: "", largest: u64::MAX, always: true, comments: true, without: &[] },
     continued: "~",
     longest: 128,
 };
@@ -75,7 +75,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
     let mut last_feed = String::new();
     for (i, m) in write::between(operation) {
         let tip = write::tip(post, program, &m.joints);
-        let rotary = || write::rotary(post, program, &m.joints);
+        let rotary = || write::rotary(post, program, m.joints.rotary);
         if m.kind == MoveKind::Rapid {
             // After a rapid F is written again, so that every pass can be read by itself.
             last_feed.clear();

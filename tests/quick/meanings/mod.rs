@@ -5,6 +5,7 @@
 //! `cargo test --test quick meanings -- --nocapture` prints the counts.
 
 mod certificates;
+mod fanuc;
 mod heidenhain;
 mod linuxcnc;
 mod operations;
@@ -289,4 +290,14 @@ fn siemens_840d_means_what_its_manual_says() {
 fn heidenhain_means_what_its_manual_says() {
     campaign("heidenhain", Orientation::Angles, heidenhain::kinds(), 200);
     campaign("heidenhain", Orientation::Vectors, heidenhain::vectors(), 20);
+}
+
+#[test]
+fn fanuc_means_what_its_manual_says() {
+    campaign("fanuc", Orientation::Angles, fanuc::kinds(), 200);
+}
+
+#[test]
+fn mitsubishi_means_what_its_manual_says() {
+    campaign("mitsubishi", Orientation::Angles, fanuc::mitsubishi(), 13);
 }
