@@ -270,7 +270,7 @@ pub enum Field {
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
