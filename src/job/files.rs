@@ -138,6 +138,7 @@ pub mod shipped {
         ("5mc850-c", include_str!("../../jobs/_lib/machines/5mc850-c.toml")),
         ("5mc850-c-linuxcnc", include_str!("../../jobs/_lib/machines/5mc850-c-linuxcnc.toml")),
         ("linuxcnc-xyzac-trt", include_str!("../../jobs/_lib/machines/linuxcnc-xyzac-trt.toml")),
+        ("linuxcnc-xyzbc-trt", include_str!("../../jobs/_lib/machines/linuxcnc-xyzbc-trt.toml")),
     ];
     /// Tool libraries by name.
     pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../jobs/_lib/tools/carbide.toml"))];

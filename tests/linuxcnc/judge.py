@@ -10,11 +10,13 @@ import json, math, os, re, sys
 room, program, certificate = sys.argv[1:4]
 FLUTE = float(os.environ["FLUTE"])
 PERIOD = 0.001
-# Limits of xyzac-trt.ini: mm/s or deg/s, and the same for accelerations.
+# Limits of xyzac-trt.ini and xyzbc-trt.ini: mm/s or deg/s, and the same for accelerations.
 SPEED = [20.0, 20.0, 20.0, 30.0, 30.0]
 ACCELERATION = [300.0] * 5
-# A axis beside and over the rotation point, mm.
-BESIDE, OVER = 20.0, 10.0
+# The axis that tilts, A or B, and how far it lies beside (Y or X) and over the rotation point, mm.
+TILT = json.load(open(certificate))["measured"]["machine"]["axes"][3]["axis"]
+BESIDE, OVER = {"A": (20.0, 10.0), "B": (-20.0, -15.0)}[TILT]
+AXES = f"XYZ{TILT}C"
 # Difference of a time to the certificate's, as a share.
 TIME = 0.03
 # Lines from the last move with the kinematics on to the way up: M429, G49, G53 G0 Z.
@@ -32,24 +34,27 @@ def fault(text):
 
 def tool(joints, length):
     """Tip and end of the flutes, from joints with the kinematics on."""
-    x, y, z, a, c = joints
-    a, c = math.radians(a), math.radians(c)
-    sa, ca, sc, cc = math.sin(a), math.cos(a), math.sin(c), math.cos(c)
-    v, w = y - BESIDE, z - OVER - length
-    v, w = ca * v + sa * w + BESIDE, -sa * v + ca * w + OVER
-    tip = (cc * x + sc * v, -sc * x + cc * v, w)
-    return tip, (tip[0] + FLUTE * sc * sa, tip[1] + FLUTE * cc * sa, tip[2] + FLUTE * ca)
+    x, y, z, tilt, c = joints
+    s, k = math.sin(math.radians(tilt)), math.cos(math.radians(tilt))
+    sc, cc = math.sin(math.radians(c)), math.cos(math.radians(c))
+    w = z - OVER - length
+    # Back to the untilted table: a positive word turns Y to Z (A), or Z to X (B).
+    if TILT == "A":
+        v = y - BESIDE
+        y, z = k * v + s * w + BESIDE, -s * v + k * w + OVER
+    else:
+        u = x - BESIDE
+        x, z = k * u - s * w + BESIDE, s * u + k * w + OVER
+    return ends((cc * x + sc * y, -sc * x + cc * y, z, tilt, c))
 
 
 def ends(pose):
-    """Tip and end of the flutes of a programmed pose."""
-    x, y, z, a, c = pose
-    a, c = math.radians(a), math.radians(c)
-    return (x, y, z), (
-        x + FLUTE * math.sin(c) * math.sin(a),
-        y + FLUTE * math.cos(c) * math.sin(a),
-        z + FLUTE * math.cos(a),
-    )
+    """Tip and end of the flutes of a pose in the part frame."""
+    x, y, z, tilt, c = pose
+    s, k = math.sin(math.radians(tilt)), math.cos(math.radians(tilt))
+    sc, cc = math.sin(math.radians(c)), math.cos(math.radians(c))
+    i, j = (sc * s, cc * s) if TILT == "A" else (-cc * s, sc * s)
+    return (x, y, z), (x + FLUTE * i, y + FLUTE * j, z + FLUTE * k)
 
 
 def read_program():
@@ -62,14 +67,14 @@ def read_program():
             on, pose = True, None
         if "M429" in code:
             on = False
-        words = dict(re.findall(r"([XYZAC])\s*(-?[\d.]+)", code))
+        words = dict(re.findall(rf"([{AXES}])\s*(-?[\d.]+)", code))
         inverse = "G93" in code or (inverse and "G94" not in code)
         if re.search(r"\bG0?[01]\b", code):
             rapid = bool(re.search(r"\bG0?0\b", code))
         if not on or not words:
             continue
         last = pose or [0.0] * 5
-        to = [float(words.get(k, v)) for k, v in zip("XYZAC", last)]
+        to = [float(words.get(k, v)) for k, v in zip(AXES, last)]
         moves[number] = (pose, to, rapid or inverse)
         pose = to
     return moves, lines
@@ -167,8 +172,8 @@ def main():
     for what, limit, found in (("speed", SPEED, speeds), ("acceleration", ACCELERATION, accelerations)):
         for kind in kinds:
             shares = [f"{100 * f[0] / l:.1f} % ({f[1]})" for f, l in zip(found[kind], limit)]
-            print(f"largest {what} of X Y Z A C, {kind}: of the limits, with the line:", ", ".join(shares))
-            for joint, f, l in zip("XYZAC", found[kind], limit):
+            print(f"largest {what} of {' '.join(AXES)}, {kind}: of the limits, with the line:", ", ".join(shares))
+            for joint, f, l in zip(AXES, found[kind], limit):
                 if what == "speed" and f[0] > l * 1.001:
                     fault(f"joint {joint} runs at {f[0]:.2f} of {l} a second in line {f[1]}: {lines[f[1] - 1]}")
     for o in operations:

@@ -5,11 +5,12 @@
 //! where it is installed; when the variable is set, the package must be there. Without the variable and the package the
 //! tests report that they were skipped.
 
+use crate::support;
 use impellerc::driver::{self, Emit, Options, Outcome, RunOptions, Stages};
 use impellerc::ir::Program;
 use impellerc::kin::Machine;
-use impellerc::post::{self, Direction, NcMove};
-use nalgebra::Point3;
+use impellerc::post::{self, Direction, NcMove, NcTool};
+use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use serde_json::Value;
@@ -39,16 +40,7 @@ impl LinuxCnc {
             std::io::stderr().write_all(b"skipped: LinuxCNC (package linuxcnc-uspace) is not installed\n").unwrap();
             return None;
         }
-        let home = tempfile::tempdir().unwrap();
-        let ours = ours();
-        let ini = std::fs::read_to_string(ours.join("interpreter.ini")).unwrap();
-        let remap = ours.join("remap");
-        std::fs::write(
-            home.path().join("interpreter.ini"),
-            ini.replace("= REMAP\n", &format!("= {}\n", remap.display())),
-        )
-        .unwrap();
-        Some(Self { root, home })
+        Some(Self { root, home: tempfile::tempdir().unwrap() })
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -67,8 +59,13 @@ impl LinuxCnc {
         command
     }
 
-    /// Writes a program and its tool tables, in mm and in inches.
-    fn prepare(&self, text: &str, tools: &[u32]) {
+    /// Writes a program, the configuration for its machine, and its tool tables, in mm and in inches.
+    fn prepare(&self, machine: &Machine, text: &str, tools: &[u32]) {
+        let ini = std::fs::read_to_string(ours().join("interpreter.ini")).unwrap();
+        let ini = ini
+            .replace("= REMAP\n", &format!("= {}\n", ours().join("remap").display()))
+            .replace("= AXES\n", &format!("= {}\n", machine.names().concat()));
+        std::fs::write(self.path("interpreter.ini"), ini).unwrap();
         std::fs::write(self.path("program.ngc"), text).unwrap();
         for (name, unit) in [("mm.tbl", 1.0), ("inch.tbl", MM_PER_INCH)] {
             let line = |n: &u32| format!("T{n} P{n} Z{} D{}\n", TOOL_LENGTH / unit, 2.0 / unit);
@@ -105,27 +102,32 @@ impl LinuxCnc {
         Ok(text.lines().map(|l| serde_json::from_str(l).unwrap()).collect())
     }
 
-    /// Joints X Y Z (mm) A C (degrees) of poses, by the kinematics module with the pins of the machine.
-    fn joints(&self, machine: &Machine, poses: &[[f64; 5]]) -> Vec<[f64; 5]> {
+    /// Joints X Y Z (mm) and both tables (degrees), and tool axis in the part frame, of poses in the part frame (tip, mm,
+    /// and both words, degrees), by the kinematics module that has the tables of the machine.
+    fn joints(&self, machine: &Machine, poses: &[[f64; 5]]) -> Vec<[f64; 8]> {
         let hal = self.path("hal.so");
         let built = Command::new("cc").args(["-shared", "-fPIC", "-o"]).arg(&hal).arg(ours().join("hal.c")).output();
         let built = built.unwrap();
         assert!(built.status.success(), "{}", said(&built));
-        // The zero of the part is the rotation point; from there the A axis lies off by the offsets.
+        // The rotation point lies on the C axis; from there the table that tilts lies off by the offsets.
         let [tilt, point] = machine.chain.axes().map(|axis| axis.point);
-        assert_eq!(machine.part_origin, point.coords);
+        let (module, across) = match machine.names()[3] {
+            "A" => ("xyzac-trt-kins", ("y-offset", tilt.y - point.y)),
+            "B" => ("xyzbc-trt-kins", ("x-offset", tilt.x - point.x)),
+            other => panic!("no module for {other}"),
+        };
         let pins = [
             ("x-rot-point", point.x),
             ("y-rot-point", point.y),
             ("z-rot-point", point.z),
-            ("y-offset", tilt.y - point.y),
+            across,
             ("z-offset", tilt.z - point.z),
             ("tool-offset", TOOL_LENGTH),
         ];
         let mut child = self
             .command("/usr/bin/python3")
             .arg(ours().join("joints.py"))
-            .arg(self.root.join("usr/lib/linuxcnc/modules/xyzac-trt-kins.so"))
+            .arg(self.root.join(format!("usr/lib/linuxcnc/modules/{module}.so")))
             .arg(&hal)
             .args(pins.map(|(name, value)| format!("{name}={value:?}")))
             .stdin(Stdio::piped())
@@ -134,7 +136,12 @@ impl LinuxCnc {
             .spawn()
             .unwrap();
         let mut input = child.stdin.take().unwrap();
-        let lines: String = poses.iter().map(|[x, y, z, a, c]| format!("{x:?} {y:?} {z:?} {a:?} {c:?}\n")).collect();
+        // In the frame of the machine, as G54 puts them, with the tool length of G43.
+        let shift = machine.part_origin + Vector3::z() * TOOL_LENGTH;
+        let line = |[x, y, z, tilt, c]: &[f64; 5]| {
+            format!("{:?} {:?} {:?} {tilt:?} {c:?}\n", x + shift.x, y + shift.y, z + shift.z)
+        };
+        let lines: String = poses.iter().map(line).collect();
         let writer = std::thread::spawn(move || input.write_all(lines.as_bytes()));
         let run = child.wait_with_output().unwrap();
         assert!(run.status.success(), "{}", said(&run));
@@ -154,9 +161,15 @@ fn said(run: &Output) -> String {
 }
 
 fn options(job: &str, machine: &str) -> Options {
-    // Travel of the shipped machine is too short for usual holders.
-    let library = (machine == "linuxcnc-xyzac-trt").then(|| ours().join("library"));
+    let library = match machine {
+        // Travel of the shipped machines is too short for usual holders.
+        "linuxcnc-xyzac-trt" | "linuxcnc-xyzbc-trt" => Some(ours().join("library")),
+        "5mc850-bc-linuxcnc" => Some(ours().join("bc")),
+        _ => None,
+    };
     let run = RunOptions {
+        // Nothing here looks at the stock.
+        stock_cell: Some(1.0),
         post: Some("linuxcnc".to_owned()),
         machine: Some(machine.to_owned()),
         library,
@@ -179,7 +192,7 @@ fn compiled(job: &str, machine: &str) -> (Program, String) {
 struct Meant {
     line: usize,
     rapid: bool,
-    /// X Y Z in mm, A and C in degrees.
+    /// X Y Z in mm, both tables in degrees.
     to: [f64; 5],
     /// mm/min.
     feed: f64,
@@ -192,7 +205,10 @@ struct Meant {
 
 /// The moves of the program that was prepared, from both faces of the interpreter: the module knows lines and digits,
 /// `rs274` what the remapped words do.
-fn meant(linuxcnc: &LinuxCnc) -> Result<Vec<Meant>, String> {
+fn meant(linuxcnc: &LinuxCnc, machine: &Machine) -> Result<Vec<Meant>, String> {
+    // Among A, B and C.
+    let tilt = "ABC".find(machine.names()[3]).unwrap();
+    assert_eq!(machine.names()[4], "C");
     let calls = linuxcnc.calls()?;
     // Kinematics at each move.
     let mut on = false;
@@ -212,15 +228,18 @@ fn meant(linuxcnc: &LinuxCnc) -> Result<Vec<Meant>, String> {
     for event in linuxcnc.events()? {
         let number = |i: usize| event[i].as_f64().unwrap();
         match event[1].as_str().unwrap() {
-            kind @ ("G0" | "G1") => moves.push(Meant {
-                line: usize::try_from(event[0].as_u64().unwrap()).unwrap(),
-                rapid: kind == "G0",
-                to: [2, 3, 4, 5, 7].map(number),
-                feed: number(8),
-                transformed: *transformed.get(moves.len()).expect("as many moves as calls"),
-                tool,
-                length,
-            }),
+            kind @ ("G0" | "G1") => {
+                assert_eq!(number(6 - tilt), 0.0, "the axis that the machine has not: {event}");
+                moves.push(Meant {
+                    line: usize::try_from(event[0].as_u64().unwrap()).unwrap(),
+                    rapid: kind == "G0",
+                    to: [2, 3, 4, 5 + tilt, 7].map(number),
+                    feed: number(8),
+                    transformed: *transformed.get(moves.len()).expect("as many moves as calls"),
+                    tool,
+                    length,
+                });
+            }
             "tool" => tool = event[2].as_i64().unwrap(),
             "length" => length = number(2),
             "offset" => assert!(event.as_array().unwrap()[3..].iter().all(|x| *x == 0.0), "{event}"),
@@ -232,12 +251,12 @@ fn meant(linuxcnc: &LinuxCnc) -> Result<Vec<Meant>, String> {
     Ok(moves)
 }
 
-/// Compares every move under the kinematics with our reader's, and its joints with our machine's where the module has the
-/// machine. Gives their number.
-fn compare(linuxcnc: &LinuxCnc, machine: &Machine, text: &str, kinematics: bool) -> Result<usize, String> {
+/// Compares every move under the kinematics with our reader's, and its joints and its tool axis with those of our machine.
+/// Gives their number.
+fn compare(linuxcnc: &LinuxCnc, machine: &Machine, text: &str) -> Result<usize, String> {
     let sections = post::find("linuxcnc").unwrap().read(text, machine).map_err(|faults| format!("{faults:?}"))?;
     let read: Vec<NcMove> = sections.into_iter().flat_map(|s| s.moves).collect();
-    let all = meant(linuxcnc)?;
+    let all = meant(linuxcnc, machine)?;
     let meant: Vec<&Meant> = all.iter().filter(|m| m.transformed).collect();
     if meant.len() != read.len() {
         return Err(format!("{} moves where our reader finds {}", meant.len(), read.len()));
@@ -245,12 +264,9 @@ fn compare(linuxcnc: &LinuxCnc, machine: &Machine, text: &str, kinematics: bool)
     for (m, r) in meant.iter().zip(&read) {
         alike(m, r)?;
     }
-    if kinematics {
-        let poses: Vec<[f64; 5]> =
-            meant.iter().map(|m| [m.to[0], m.to[1], m.to[2] + TOOL_LENGTH, m.to[3], m.to[4]]).collect();
-        for (joints, r) in linuxcnc.joints(machine, &poses).iter().zip(&read) {
-            same_joints(machine, r, joints)?;
-        }
+    let poses: Vec<[f64; 5]> = meant.iter().map(|m| m.to).collect();
+    for (joints, r) in linuxcnc.joints(machine, &poses).iter().zip(&read) {
+        same_joints(machine, r, joints)?;
     }
     Ok(read.len())
 }
@@ -270,79 +286,144 @@ fn alike(meant: &Meant, read: &NcMove) -> Result<(), String> {
     Err(format!("line {}: {:?} at {} mm/min, T{}; our reader: {read:?}", meant.line, meant.to, meant.feed, meant.tool))
 }
 
-fn same_joints(machine: &Machine, read: &NcMove, joints: &[f64; 5]) -> Result<(), String> {
-    let Direction::Rotary([a, c]) = read.direction else { return Err("a vector".to_owned()) };
-    let ours = machine.joints(&read.tip, [a, c]).xyz;
+fn same_joints(machine: &Machine, read: &NcMove, module: &[f64; 8]) -> Result<(), String> {
+    let Direction::Rotary(rotary) = read.direction else { return Err("a vector".to_owned()) };
+    let joints = machine.joints(&read.tip, rotary);
+    let (ours, axis) = (joints.xyz, machine.forward(&joints).axis);
+    let [x, y, z, first, second, i, j, k] = *module;
     // The tool keeps its tip where ours has it: the joint of Z holds the length.
-    let off = (ours.x - joints[0]).abs().max((ours.y - joints[1]).abs()).max((ours.z + TOOL_LENGTH - joints[2]).abs());
-    let words = [a * machine.rotary[0].word_sign, c * machine.rotary[1].word_sign].map(f64::to_degrees);
-    let turned = (words[0] - joints[3]).abs().max((words[1] - joints[4]).abs());
-    if off < 1e-8 && turned < 1e-9 {
+    let off = (ours + Vector3::z() * TOOL_LENGTH - Vector3::new(x, y, z)).amax();
+    let words = [0, 1].map(|k| (rotary[k] * machine.rotary[k].word_sign).to_degrees());
+    let turned = (words[0] - first).abs().max((words[1] - second).abs());
+    let leant = (axis - Vector3::new(i, j, k)).amax();
+    if off < 1e-8 && turned < 1e-9 && leant < 1e-9 {
         return Ok(());
     }
-    Err(format!("line {}: joints {joints:?}; ours {ours:?}, A {}, C {}", read.line, words[0], words[1]))
+    Err(format!("line {}: joints and axis {module:?}; ours {ours:?}, {words:?}, {axis:?}", read.line))
+}
+
+/// Numbers of the tools of a program.
+fn tools(program: &Program) -> Vec<u32> {
+    program.tools.iter().map(|(_, t)| t.number).collect()
 }
 
 /// Runs all of it on one program.
-fn accepted(linuxcnc: &LinuxCnc, program: &Program, text: &str, kinematics: bool) -> usize {
-    let tools: Vec<u32> = program.tools.iter().map(|(_, t)| t.number).collect();
-    linuxcnc.prepare(text, &tools);
-    compare(linuxcnc, &program.machine, text, kinematics).unwrap_or_else(|why| panic!("{why}"))
+fn accepted(linuxcnc: &LinuxCnc, program: &Program, text: &str) -> usize {
+    linuxcnc.prepare(&program.machine, text, &tools(program));
+    compare(linuxcnc, &program.machine, text).unwrap_or_else(|why| panic!("{why}"))
 }
+
+/// The machines that ship with LinuxCNC: A tilts, and B tilts.
+const SIMULATIONS: [&str; 2] = ["linuxcnc-xyzac-trt", "linuxcnc-xyzbc-trt"];
 
 #[test]
 fn small_is_what_the_interpreter_and_the_kinematics_mean() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
-    let (program, text) = compiled("jobs/small/small.imp", "linuxcnc-xyzac-trt");
-    assert!(accepted(&linuxcnc, &program, &text, true) > 2000);
-    // What would be noticed: a program that the interpreter refuses, and one that means another pose.
-    let tools: Vec<u32> = program.tools.iter().map(|(_, t)| t.number).collect();
-    linuxcnc.prepare(&text.replacen("\nM2\n", "\n", 1), &tools);
-    assert!(meant(&linuxcnc).is_err_and(|why| why.contains("no percent sign or program end")));
-    let moved = text.replacen("\nG1 X", "\nG1 Y0.001 X", 1);
-    linuxcnc.prepare(&moved, &tools);
-    assert!(meant(&linuxcnc).is_err_and(|why| why.contains("Multiple y words")));
-    let other = text.replacen("\nG1 X1", "\nG1 X2", 1);
-    assert_ne!(other, text);
-    linuxcnc.prepare(&other, &tools);
-    let why = compare(&linuxcnc, &program.machine, &text, false).unwrap_err();
-    assert!(why.contains("our reader"), "{why}");
+    for machine in SIMULATIONS {
+        let (program, text) = compiled("jobs/small/small.imp", machine);
+        assert!(accepted(&linuxcnc, &program, &text) > 2000, "{machine}");
+        // What would be noticed: a program that the interpreter refuses, and one that means another pose.
+        let prepare = |text: &str| linuxcnc.prepare(&program.machine, text, &tools(&program));
+        prepare(&text.replacen("\nM2\n", "\n", 1));
+        let refused = meant(&linuxcnc, &program.machine);
+        assert!(refused.is_err_and(|why| why.contains("no percent sign or program end")));
+        prepare(&text.replacen("\nG1 X", "\nG1 Y0.001 X", 1));
+        assert!(meant(&linuxcnc, &program.machine).is_err_and(|why| why.contains("Multiple y words")));
+        let other = text.replacen("\nG1 X1", "\nG1 X2", 1);
+        assert_ne!(other, text);
+        prepare(&other);
+        let why = compare(&linuxcnc, &program.machine, &text).unwrap_err();
+        assert!(why.contains("our reader"), "{why}");
+    }
+}
+
+/// A sense or an offset that the machine file has wrong is noticed by the module.
+#[test]
+fn a_machine_file_with_another_sense_or_offset_is_noticed() {
+    let Some(linuxcnc) = LinuxCnc::find() else { return };
+    for name in SIMULATIONS {
+        let machine = machine(name);
+        let pose = [[12.0, -7.0, 5.0, 31.0, 25.0]];
+        let module = linuxcnc.joints(&machine, &pose)[0];
+        let judge = |machine: &Machine| {
+            let rotary = [0, 1].map(|k| pose[0][3 + k].to_radians() * machine.rotary[k].word_sign);
+            same_joints(machine, &at(pose[0], rotary), &module)
+        };
+        judge(&machine).unwrap();
+        for k in 0..2 {
+            let mut other = machine.clone();
+            other.rotary[k].word_sign = 1.0;
+            assert!(judge(&other).is_err(), "{name}: axis {k}");
+        }
+        for by in [[0.01, 0.01, 0.0], [0.0, 0.0, 0.01]] {
+            let moved = Machine { chain: support::shifted(&machine.chain, [by, [0.0; 3]]), ..machine.clone() };
+            assert!(judge(&moved).is_err(), "{name}: {by:?}");
+        }
+    }
 }
 
 #[test]
 fn reduced_is_what_the_interpreter_means() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
     let (program, text) = compiled("jobs/reduced/reduced.imp", "5mc850-c-linuxcnc");
-    assert!(accepted(&linuxcnc, &program, &text, false) > 500);
+    assert!(accepted(&linuxcnc, &program, &text) > 500);
 }
 
-/// The program that `IMPELLERC_PROGRAM` names, of the main job for the machine 5mc850-c-linuxcnc.
+/// The programs of the main job in the folder that `IMPELLERC_PROGRAMS` names, each with the name of its machine.
 #[test]
-#[ignore = "takes a program that was compiled before"]
+#[ignore = "takes programs that were compiled before"]
 fn the_main_job_is_what_the_interpreter_means() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
-    let text = std::fs::read_to_string(std::env::var_os("IMPELLERC_PROGRAM").expect("IMPELLERC_PROGRAM")).unwrap();
-    let options = options("jobs/wei2021/wei2021.imp", "5mc850-c-linuxcnc");
-    let program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
-    assert!(accepted(&linuxcnc, &program, &text, false) > 100_000);
+    let folder = PathBuf::from(std::env::var_os("IMPELLERC_PROGRAMS").expect("IMPELLERC_PROGRAMS"));
+    for machine in ["5mc850-c-linuxcnc", "5mc850-bc-linuxcnc"] {
+        let text = std::fs::read_to_string(folder.join(machine).with_extension("ngc")).unwrap();
+        let options = options("jobs/wei2021/wei2021.imp", machine);
+        let program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
+        assert!(accepted(&linuxcnc, &program, &text) > 100_000, "{machine}");
+    }
 }
 
-/// Poses anywhere, not only where impellers have them, for the machine that ships with LinuxCNC.
+fn machine(name: &str) -> Machine {
+    let options = options("jobs/small/small.imp", name);
+    driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap().machine
+}
+
+/// A move to a pose; what else it says matters to nobody here.
+fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
+    NcMove {
+        line: 0,
+        rapid: true,
+        tip: Point3::new(x, y, z),
+        direction: Direction::Rotary(rotary),
+        feed: None,
+        time: None,
+        tool: NcTool::Number(1),
+        speed: 0.0,
+        smoothing: 0.0,
+    }
+}
+
+/// Poses anywhere, not only where impellers have them, for the machines that ship with LinuxCNC, and for ones with other
+/// axes and with another zero of the part.
 #[test]
-fn our_kinematics_are_those_of_the_module() {
+fn our_kinematics_are_those_of_the_modules() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
-    let options = options("jobs/small/small.imp", "linuxcnc-xyzac-trt");
-    let machine = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap().machine;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     let any = (prop::array::uniform3(-150.0..150.0_f64), -180.0..180.0_f64, -720.0..720.0_f64);
-    let words: Vec<([f64; 3], f64, f64)> = (0..5000).map(|_| any.new_tree(&mut runner).unwrap().current()).collect();
-    let poses: Vec<[f64; 5]> = words.iter().map(|([x, y, z], a, c)| [*x, *y, z + TOOL_LENGTH, *a, *c]).collect();
-    for ((tip, a, c), joints) in words.iter().zip(linuxcnc.joints(&machine, &poses)) {
-        let [a, c] = [a.to_radians() * machine.rotary[0].word_sign, c.to_radians() * machine.rotary[1].word_sign];
-        let ours = machine.joints(&Point3::from(*tip), [a, c]);
-        let off = [ours.xyz.x - joints[0], ours.xyz.y - joints[1], ours.xyz.z + TOOL_LENGTH - joints[2]];
-        assert!(off.iter().all(|d| d.abs() < 1e-9), "{tip:?} {a} {c}: {off:?}");
-        let back = machine.forward(&ours);
-        assert!((back.tip - Point3::from(*tip)).norm() < 1e-9);
+    let mut pose = || {
+        let ([x, y, z], tilt, c) = any.new_tree(&mut runner).unwrap().current();
+        [x, y, z, tilt, c]
+    };
+    for name in SIMULATIONS {
+        let shipped = machine(name);
+        let chain = support::shifted(&shipped.chain, [[3.0, -8.0, 21.0], [-7.0, 4.0, 13.0]]);
+        let other = Machine { chain, part_origin: Vector3::new(5.0, -11.0, 30.0), ..shipped.clone() };
+        for machine in [shipped, other] {
+            let poses: Vec<[f64; 5]> = (0..3000).map(|_| pose()).collect();
+            for (pose, module) in poses.iter().zip(linuxcnc.joints(&machine, &poses)) {
+                let rotary = [0, 1].map(|k| pose[3 + k].to_radians() * machine.rotary[k].word_sign);
+                same_joints(&machine, &at(*pose, rotary), &module).unwrap_or_else(|why| panic!("{name}: {why}"));
+            }
+        }
     }
 }

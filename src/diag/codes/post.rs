@@ -25,19 +25,21 @@ each word. Here they differ. Nothing was written.\n\nRemedy: report the job file
         "The post file names a dialect that the compiler does not have.\n\nRemedy: use one of the dialects that the message lists.";
     SENSE = "IMP0808", "sense of a rotary axis that the post does not support",
         "The machine file states for each rotary axis its sense: `iso` if a positive word turns the tool right-handed \
-relative to the part, otherwise `opposite`. In the kinematics xyzac-trt of LinuxCNC 2.9 a positive word turns the \
-work right-handed. This sense is `opposite`, and no setting changes it. With a machine file that says `iso`, the \
+relative to the part, otherwise `opposite`. In the kinematics xyzac-trt and xyzbc-trt of LinuxCNC 2.9 a positive \
+word turns the work right-handed. This sense is `opposite`, and no setting changes it. With a machine file that says `iso`, the \
 table would turn in the opposite direction, and the tool would cut into the part or the table.\n\nRemedy: choose the \
-machine file of a machine that LinuxCNC controls (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), in the job or with \
-`--machine`. Or choose the post of the control that the machine has.";
+machine file of a machine that LinuxCNC controls (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`, `linuxcnc-xyzbc-trt`), in the \
+job or with `--machine`. Or choose the post of the control that the machine has.";
     CONTROL = "IMP0809", "machine file and post belong to different controls",
         "The compiler plans speeds for one control. A control with look-ahead keeps every axis within its speed. \
 LinuxCNC 2.9 limits the speed of the tip; at the joint of two blocks it adds their speeds, and it deviates from the \
 path by more than its tolerance where rotary axes change their rate. For LinuxCNC the compiler therefore writes \
 rapids in inverse time, stops at such corners, and states these times in the certificate. It does so only for machine \
-files with `planning = \"linuxcnc-2.9\"`, and the post for LinuxCNC accepts only such machine files.\n\nRemedy: \
-choose such a machine file (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`), in the job or with `--machine`. Or choose the \
-post of the control that the machine has.";
+files with `planning = \"linuxcnc-2.9\"`, and the post for LinuxCNC accepts only such machine files.\n\n\
+Under LinuxCNC the kinematics must be those of the machine as well. The post writes for xyzac-trt and xyzbc-trt: the \
+rotary axes are A about X or B about Y, which tilts, and C about Z on it.\n\nRemedy: \
+choose such a machine file (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`, `linuxcnc-xyzbc-trt`), in the job or with \
+`--machine`. Or choose the post of the control that the machine has.";
     FRAME = "IMP0810", "a frame of a post file that the dialect refuses",
         "A post file holds the frames of a program as templates: head, start and end of an operation, end of the \
 program. Before anything is planned, a small trial program is written with the frames. The reader of the dialect reads \

@@ -1,4 +1,4 @@
-//! LinuxCNC with the xyzac-trt kinematics.
+//! LinuxCNC with the kinematics xyzac-trt or xyzbc-trt, after the names of the rotary axes of the machine.
 //!
 //! M428 switches tool centre point kinematics on, M429 switches them off (remaps of the trt simulations). The feed mode
 //! is G94: under these kinematics X Y Z are the tip in the part frame, so F is the feed of the tip, as in the motion.
@@ -32,7 +32,7 @@ impl Post for LinuxCnc {
     }
 
     fn about(&self) -> &'static str {
-        "LinuxCNC with xyzac-trt kinematics: M428, rotary words, G94"
+        "LinuxCNC with xyzac-trt or xyzbc-trt kinematics: M428, rotary words, G94"
     }
 
     fn check_machine(&self, machine: &Machine, sink: &mut Sink) {

@@ -1,6 +1,6 @@
 //! Reader of the LinuxCNC dialect: words of lines. It shares no code with the writer.
 //!
-//! Modal: G0 and G1, X Y Z A C, F, S. Comments stand in brackets or after a semicolon; blanks and case have no meaning.
+//! Modal: G0 and G1, X Y Z and the rotary axes of the machine, F, S. Comments stand in brackets or after a semicolon; blanks and case have no meaning.
 //! The reader accepts the words that the interpreter accepts, and they act in the same order (manual, "Order of
 //! Execution").
 

@@ -3,15 +3,29 @@
 use super::LinuxCnc;
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
-use crate::kin::Machine;
+use crate::kin::{Carries, Machine};
 use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed, inverse_time};
 use crate::post::write;
+use nalgebra::Vector3;
 
-/// Rotary axes of the kinematics xyzac-trt.
-const ROTARY: [&str; 2] = ["A", "C"];
+/// A kinematics module of LinuxCNC.
+struct Kinematics {
+    name: &'static str,
+    /// Names of the rotary axes: of the table that tilts, and of the table on it.
+    rotary: [&'static str; 2],
+    /// Directions that these axes turn about, machine frame.
+    directions: [[f64; 3]; 2],
+}
+
+/// The kinematics with tool centre point control that the post writes for. In all of them both tables turn the work
+/// right-handed with a positive word.
+const KINEMATICS: [Kinematics; 2] = [
+    Kinematics { name: "xyzac-trt", rotary: ["A", "C"], directions: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] },
+    Kinematics { name: "xyzbc-trt", rotary: ["B", "C"], directions: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] },
+];
 
 /// Largest tool number of the standard tool table.
 const LARGEST_TOOL: u32 = 99_999;
@@ -30,19 +44,7 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
             ),
         );
     }
-    let [.., first, second] = machine.names();
-    if [first, second] != ROTARY {
-        sink.push(
-            Diag::error(
-                post::CONTROL,
-                format!(
-                    "the machine {} turns {first} and {second}; this post writes for xyzac-trt kinematics",
-                    machine.name
-                ),
-            )
-            .help("use a machine file whose table tilts about A and turns about C, or another post"),
-        );
-    }
+    let Some(kinematics) = kinematics(machine, sink) else { return };
     for axis in &machine.rotary {
         let name = &axis.name;
         if axis.word_sign > 0.0 {
@@ -51,11 +53,39 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
                     post::SENSE,
                     format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC needs \"opposite\"", machine.name),
                 )
-                .note("under xyzac-trt kinematics a positive word turns the work right-handed")
+                .note(format!("under {} kinematics a positive word turns the work right-handed", kinematics.name))
                 .help("use a machine file with `sense = \"opposite\"` for both rotary axes if the machine turns so, or another post"),
             );
         }
     }
+}
+
+/// The kinematics with the rotary axes of a machine; refuses other axes.
+fn kinematics(machine: &Machine, sink: &mut Sink) -> Option<&'static Kinematics> {
+    let [.., first, second] = machine.names();
+    let axes = machine.chain.axes();
+    let fault = match KINEMATICS.iter().find(|k| k.rotary == [first, second]) {
+        None => format!("the machine {} turns {first} and {second}", machine.name),
+        Some(_) if axes.iter().any(|axis| axis.carries != Carries::Part) => {
+            format!("the machine {} turns the tool", machine.name)
+        }
+        Some(kinematics) => {
+            let other = (0..2).find(|k| axes[*k].direction.into_inner() != Vector3::from(kinematics.directions[*k]));
+            let Some(other) = other else { return Some(kinematics) };
+            let [x, y, z] = axes[other].direction.into_inner().into();
+            let name = kinematics.rotary[other];
+            format!("axis {name} of the machine {} has the direction [{x:.4}, {y:.4}, {z:.4}]", machine.name)
+        }
+    };
+    sink.push(
+        Diag::error(post::CONTROL, fault)
+            .note(
+                "this post writes for the kinematics xyzac-trt and xyzbc-trt of LinuxCNC: a table tilts about X (A) or \
+                 Y (B) and carries the table C, which turns about Z",
+            )
+            .help("use a machine file of such a machine, such as `linuxcnc-xyzac-trt` or `linuxcnc-xyzbc-trt`, or another post"),
+    );
+    None
 }
 
 /// Refuses a motion that the dialect cannot express.
@@ -154,4 +184,52 @@ fn block(program: &Program, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
         modes.feed = f;
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kin::{AxisLine, Chain, RotaryAxis};
+    use nalgebra::{Point3, Unit};
+
+    /// What is said of a machine of LinuxCNC with these axes.
+    fn told(names: [&str; 2], carries: [Carries; 2], directions: [[f64; 3]; 2], word_sign: f64) -> Vec<String> {
+        let line = |k: usize| AxisLine {
+            carries: carries[k],
+            direction: Unit::new_normalize(Vector3::from(directions[k])),
+            point: Point3::new(3.0, -2.0, 7.0),
+        };
+        let rotary = names.map(|name| RotaryAxis { word_sign, ..RotaryAxis::wide(name) });
+        let chain = Chain::new([line(0), line(1)]).unwrap();
+        let machine = Machine { planning: Planning::LinuxCnc, rotary, ..Machine::wide(chain) };
+        let mut sink = Sink::default();
+        check_machine(&machine, &mut sink);
+        sink.diags().iter().map(|d| d.message.clone()).collect()
+    }
+
+    #[test]
+    fn the_axes_of_a_machine_decide_its_kinematics() {
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let tables = [Carries::Part; 2];
+        assert!(told(["A", "C"], tables, [x, z], -1.0).is_empty());
+        assert!(told(["B", "C"], tables, [y, z], -1.0).is_empty());
+        let cases = [
+            (["A", "B"], tables, [x, y], "turns A and B"),
+            (["C", "A"], tables, [y, x], "turns C and A"),
+            (["B", "C"], tables, [x, z], "axis B of the machine  has the direction [1.0000, 0.0000, 0.0000]"),
+            (["A", "C"], tables, [y, z], "axis A of the machine  has the direction"),
+            (["B", "C"], tables, [[0.0, 1.0, 1.0], z], "has the direction [0.0000, 0.7071, 0.7071]"),
+            (["A", "C"], tables, [x, [0.0, 0.0, -1.0]], "axis C"),
+            (["B", "C"], [Carries::Tool, Carries::Part], [y, z], "turns the tool"),
+            (["B", "C"], [Carries::Tool; 2], [y, z], "turns the tool"),
+        ];
+        for (names, carries, directions, said) in cases {
+            let found = told(names, carries, directions, -1.0);
+            assert!(found.len() == 1 && found[0].contains(said), "{said}: {found:?}");
+        }
+        for names in [["A", "C"], ["B", "C"]] {
+            let found = told(names, tables, [if names[0] == "A" { x } else { y }, z], 1.0);
+            assert!(found.len() == 2 && found.iter().all(|f| f.contains("needs \"opposite\"")), "{found:?}");
+        }
+    }
 }
