@@ -13,8 +13,10 @@ mod heidenhain;
 mod linuxcnc;
 pub mod motion_of;
 mod nc;
+mod positions;
 mod read_back;
 mod siemens_840d;
+mod tool_shape;
 pub mod trial;
 pub mod words;
 mod write;
@@ -22,8 +24,12 @@ mod write;
 pub use control::MOST_FAULTS;
 pub use dialect::{Post, WriteBlock};
 pub use form::{NumberForm, TextForm};
-pub use nc::{Direction, NcLine, NcMove, NcProgram, NcSection, NcStation, NcTool, ReadError};
+pub use nc::{
+    Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, NcToolShape,
+    ReadError,
+};
 pub use read_back::{ReadBack, read_back};
+pub use tool_shape::NcCutter;
 pub use write::emit;
 
 /// The available dialects.

@@ -4,14 +4,14 @@
 //! its tool and its spindle speed. The rotary axes have the positions to which the control would turn them. Times
 //! follow from feeds and axis speeds. The position at which the transformation is switched on is the first station of
 //! an operation, and the retract after it is the last. Nothing is corrected: whatever the job does not allow is a fault
-//! with its line.
+//! with its line. CL data have poses alone: `positions` chooses the rotary positions, as a later post-processor would.
 
-use super::nc::{Direction, NcMove, NcSection, STANDS};
+use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, STANDS};
 use super::read_back::says_tool;
+use super::{positions, tool_shape};
 use crate::diag::{Code, Diag, Sink, codes::post};
-use crate::geom::angle::nearest_turn;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Angles, Chain, Interpolation, Joints, Machine, linuxcnc, most_turn};
+use crate::kin::{Angles, Interpolation, Joints, Machine, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -76,7 +76,7 @@ pub fn motion_of(
             );
             break;
         };
-        if reader.belongs(&section.moves, *id, operation, k) {
+        if reader.belongs(section, *id, operation, k) {
             let (moves, lines) = reader.section(section, *id, operation);
             result.motion.operations.push(moves);
             result.lines.push(lines);
@@ -131,12 +131,18 @@ impl Interpreter<'_> {
     }
 
     /// Whether a section has the tool and the spindle speed of an operation of the job.
-    fn belongs(&mut self, section: &[NcMove], id: OperationId, operation: &Operation, number: usize) -> bool {
+    fn belongs(&mut self, section: &NcSection, id: OperationId, operation: &Operation, number: usize) -> bool {
         let tool = &self.program.tools[operation.tool];
+        if let Some(why) = tool_shape::difference(&section.shape, tool) {
+            let text = format!("operation {} of the text, `{}` of the job, has {why}", number + 1, operation.name);
+            let help = "give the job from which the text was made, or the tool of the job in the text";
+            self.fatal(post::NC_OPERATIONS, section.start.line, text, help);
+            return false;
+        }
         let fits = |m: &NcMove| {
             says_tool(m, tool) && (m.speed - operation.speed.get()).abs() <= 0.5 + ROUNDING * operation.speed.get()
         };
-        let Some(wrong) = section.iter().find(|m| !fits(m)) else { return true };
+        let Some(wrong) = section.moves.iter().find(|m| !fits(m)) else { return true };
         let known = self.program.tools.iter().any(|(_, t)| says_tool(wrong, t));
         let text = if known {
             format!(
@@ -174,16 +180,21 @@ impl Interpreter<'_> {
     ) -> (MotionOperation, Vec<usize>) {
         let machine = &self.program.machine;
         let length = self.program.tools[operation.tool].length();
-        let mut course = Course::new(section, id, machine, length);
+        let free = matches!(section.start.place, NcPlace::Pose(_));
+        let start = match section.start.place {
+            NcPlace::Axes { xyz, rotary, .. } => Joints { xyz: xyz - Vector3::z() * length, rotary },
+            NcPlace::Pose(pose) => self.start(section, &pose),
+        };
+        let mut course = Course::new(section, id, machine, length, start);
         self.check_start(section, length);
         let mut widest = 0.0;
         for m in &section.moves {
-            let rotary = self.rotary(m, course.rotary);
+            let rotary = self.rotary(m, course.rotary, free);
             if course.stays(m, rotary) {
                 continue;
             }
             let first = course.last.is_none();
-            self.check_turn(m, first, course.rotary, rotary);
+            self.check_turn(m, first, (course.rotary, rotary), free);
             self.check_interpolation(m, course.rotary, rotary);
             if let Some(smoothing) = m.smoothing.filter(|s| *s > widest) {
                 self.check_smoothing(m, smoothing, operation);
@@ -203,27 +214,46 @@ impl Interpreter<'_> {
             }
             course.go(m, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
         }
-        if let Some(retract) = section.retract {
-            course.retract(retract);
+        match section.retract {
+            Some((line, NcRetract::Height(z))) => course.retract(line, z),
+            Some((line, NcRetract::Pose(pose))) => {
+                let rotary = positions::nearest(&machine.chain, &pose.axis, course.rotary).unwrap_or(course.rotary);
+                course.leave(line, machine.joints(&pose.tip, rotary));
+            }
+            None => {}
         }
         (course.made, course.lines)
     }
 
-    /// Positions to which the control turns the rotary axes in a block, from the positions `before`.
-    fn rotary(&mut self, m: &NcMove, before: Angles) -> Angles {
+    /// Positions to which the control turns the rotary axes in a block, from the positions `before`. In a text that knows
+    /// no machine they are `free` at rapid.
+    fn rotary(&mut self, m: &NcMove, before: Angles, free: bool) -> Angles {
         let machine = &self.program.machine;
-        match m.direction {
-            Direction::Rotary(angles) => angles,
-            Direction::Axis(axis) => match nearest(&machine.chain, &axis, before) {
-                Some(angles) => angles,
-                None => {
-                    let names = machine.names();
-                    let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
-                    self.fatal(post::NC_POSITIONING, m.line, text, "use a direction that the rotary axes reach");
-                    before
-                }
-            },
-        }
+        let found = match m.direction {
+            Direction::Rotary(angles) => Some(angles),
+            Direction::Axis(axis) if free && m.rapid => positions::within_travel(machine, &axis, before),
+            Direction::Axis(axis) => positions::nearest(&machine.chain, &axis, before),
+        };
+        found.unwrap_or_else(|| {
+            self.tell_unreached(m.line);
+            before
+        })
+    }
+
+    /// Positions of all axes at the start of a section of a text that knows no machine.
+    fn start(&mut self, section: &NcSection, pose: &NcPose) -> Joints {
+        let machine = &self.program.machine;
+        let rotary = positions::at_start(machine, section, &pose.axis).unwrap_or_else(|| {
+            self.tell_unreached(section.start.line);
+            [0.0; 2]
+        });
+        machine.joints(&pose.tip, rotary)
+    }
+
+    fn tell_unreached(&mut self, line: usize) {
+        let names = self.program.machine.names();
+        let text = format!("no angles of {} and {} give this direction", names[3], names[4]);
+        self.fatal(post::NC_POSITIONING, line, text, "use a direction that the rotary axes reach");
     }
 
     fn tell_standstill(&mut self, m: &NcMove) {
@@ -235,8 +265,8 @@ impl Interpreter<'_> {
 
     /// Reports linear axes that move while the tables turn to the start.
     fn check_start(&mut self, section: &NcSection, length: f64) {
-        let Some(tip) = section.start.turned else { return };
-        let off = (tip - section.start.xyz + Vector3::z() * length).amax();
+        let NcPlace::Axes { xyz, turned: Some(tip), .. } = section.start.place else { return };
+        let off = (tip - xyz + Vector3::z() * length).amax();
         if off > STANDS {
             let text = format!("the linear axes move by {off:.3} mm while the tables turn to the start of the path");
             let help = "turn the tables with the tip where the tool stands at the retract height";
@@ -247,7 +277,7 @@ impl Interpreter<'_> {
     }
 
     /// Reports rotary positions that are not certain, and turns while the tool moves down.
-    fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles) {
+    fn check_turn(&mut self, m: &NcMove, first: bool, (before, to): (Angles, Angles), free: bool) {
         let names = self.program.machine.names();
         if first && most_turn(before, to) > PARKED {
             let text = "the table turns during the approach to the first target".to_owned();
@@ -259,7 +289,7 @@ impl Interpreter<'_> {
             self.tell(diag);
         }
         let unsure = (to[1] - before[1]).abs() >= FRAC_PI_2 || to[0] * before[0] < 0.0;
-        if matches!(m.direction, Direction::Axis(_)) && unsure {
+        if matches!(m.direction, Direction::Axis(_)) && unsure && !(free && m.rapid) {
             let turn = (to[1] - before[1]).to_degrees().abs();
             let [.., first, second] = names;
             let text = format!("this direction turns {second} by {turn:.1} deg in one block, or runs through the pole");
@@ -351,13 +381,6 @@ impl Interpreter<'_> {
     }
 }
 
-/// The rotary position that the control takes for a direction: the nearest of both solutions with all their windings.
-fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
-    let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
-    let [one, other] = chain.inverse(axis, before[1])?.map(|[first, second]| [first, nearest_turn(second, before[1])]);
-    Some(if way(&other) < way(&one) { other } else { one })
-}
-
 /// An operation, up to the block that was read last.
 struct Course<'a> {
     machine: &'a Machine,
@@ -373,14 +396,18 @@ struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// Begins at the station where the transformation is switched on.
-    fn new(section: &'a NcSection, operation: OperationId, machine: &'a Machine, length_of_tool: f64) -> Self {
-        let start = &section.start;
+    fn new(
+        section: &NcSection,
+        operation: OperationId,
+        machine: &'a Machine,
+        length_of_tool: f64,
+        start: Joints,
+    ) -> Self {
         let count = section.moves.len() + 2;
         let mut made = MotionOperation { operation, labels: Vec::new(), moves: Vec::with_capacity(count) };
         let mut lines = Vec::with_capacity(count);
-        let xyz = start.xyz - Vector3::z() * length_of_tool;
-        made.moves.push(station(Joints { xyz, rotary: start.rotary }));
-        lines.push(start.line);
+        made.moves.push(station(start));
+        lines.push(section.start.line);
         Self { machine, length_of_tool, made, lines, rotary: start.rotary, last: None }
     }
 
@@ -417,10 +444,16 @@ impl<'a> Course<'a> {
     }
 
     /// Adds the retract to a height of the gauge line.
-    fn retract(&mut self, (line, z): (usize, f64)) {
-        let Some(from) = self.made.moves.last().copied() else { return };
+    fn retract(&mut self, line: usize, z: f64) {
+        let Some(from) = self.made.moves.last() else { return };
         let mut joints = from.joints;
         joints.xyz.z = z - self.length_of_tool;
+        self.leave(line, joints);
+    }
+
+    /// Adds the last station.
+    fn leave(&mut self, line: usize, joints: Joints) {
+        let Some(from) = self.made.moves.last().copied() else { return };
         // With the transformation off each axis has its own speed limit.
         let time = self.machine.least_time(&from.joints, &joints, self.length_of_tool);
         self.made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
@@ -491,6 +524,7 @@ impl ReadMove<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kin::Chain;
     use proptest::prelude::*;
 
     proptest! {
@@ -501,7 +535,7 @@ mod tests {
         ) {
             let a = if branch { -a } else { a };
             let chain = Chain::tilting_table();
-            let found = nearest(&chain, &chain.tool_axis([a + da, c + dc]), [a, c]).unwrap();
+            let found = positions::nearest(&chain, &chain.tool_axis([a + da, c + dc]), [a, c]).unwrap();
             prop_assert!((found[0] - a - da).abs() < 1e-9 && (found[1] - c - dc).abs() < 1e-8);
         }
     }

@@ -1,5 +1,6 @@
 //! NC text as blocks, and the result of a reader.
 
+use super::tool_shape::NcCutter;
 use crate::kin::{Angles, Interpolation};
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -62,31 +63,73 @@ pub enum NcTool {
 /// 0.023 mm.
 pub(super) const STANDS: f64 = 0.05;
 
-/// Positions of all axes with the transformation off.
+/// Where a section begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NcStation {
-    /// Line of the block that moved the last axis to its position, from 1.
-    pub line: usize,
-    /// X and Y, and Z of the gauge line of the spindle, machine frame, mm.
-    pub xyz: Vector3<f64>,
-    /// The rotary axes, radians, ISO sense. Where the tables turn to the start with the transformation on, their
-    /// positions after that.
-    pub rotary: Angles,
-    /// X, Y and Z of the tip, machine frame, mm, with which the tables turn to the start with the transformation on;
-    /// the axes stand still at [`Self::xyz`] if these are the positions of the tip of the tool there.
-    pub turned: Option<Vector3<f64>>,
+pub enum NcPlace {
+    /// Positions of all axes with the transformation off.
+    Axes {
+        /// X and Y, and Z of the gauge line of the spindle, machine frame, mm.
+        xyz: Vector3<f64>,
+        /// The rotary axes, radians, ISO sense. Where the tables turn to the start with the transformation on, their
+        /// positions after that.
+        rotary: Angles,
+        /// X, Y and Z of the tip, machine frame, mm, with which the tables turn to the start with the transformation
+        /// on; the axes stand still at `xyz` if these are the positions of the tip of the tool there.
+        turned: Option<Vector3<f64>>,
+    },
+    /// Pose of the tool, in a text that knows no machine.
+    Pose(NcPose),
 }
 
-/// Moves from the block that switches the transformation on to the block that switches it off.
+/// A pose of the tool, part frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NcPose {
+    /// Tool tip, mm.
+    pub tip: Point3<f64>,
+    /// Vector from the tip to the holder, length 1.
+    pub axis: Vector3<f64>,
+}
+
+/// Start of a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NcStation {
+    /// Line of the block after which the tool stands there, from 1.
+    pub line: usize,
+    /// Place.
+    pub place: NcPlace,
+}
+
+/// End of a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NcRetract {
+    /// Machine Z of the gauge line, mm, with the transformation off; no other axis moves.
+    Height(f64),
+    /// Pose of the tool, in a text that knows no machine.
+    Pose(NcPose),
+}
+
+/// What a text says of the tool of a section besides its number or name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NcToolShape {
+    /// Length from the tip to the gauge line, mm.
+    pub length: Option<f64>,
+    /// Cutter.
+    pub cutter: Option<NcCutter>,
+}
+
+/// Moves from the block that switches the transformation on to the block that switches it off. In a text that knows no
+/// machine: the moves with one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NcSection {
-    /// Positions of the axes when the transformation is switched on.
+    /// Where the tool stands at the start.
     pub start: NcStation,
     /// The moves with the transformation on.
     pub moves: Vec<NcMove>,
-    /// Line of the retract after the transformation is switched off, and machine Z of the gauge line there, mm. Every
-    /// text that is read without a fault has this retract.
-    pub retract: Option<(usize, f64)>,
+    /// Line of the retract after the transformation is switched off, and its target. Every text that is read without a
+    /// fault has this retract.
+    pub retract: Option<(usize, NcRetract)>,
+    /// Shape of the tool, as far as the text states it.
+    pub shape: NcToolShape,
 }
 
 /// A move with the transformation on.

@@ -1,7 +1,8 @@
 //! V5: interprets the NC text and compares it with the motion.
 
 use super::dialect::Post;
-use super::nc::{Direction, NcMove, NcSection, NcTool, STANDS};
+use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcTool, STANDS};
+use super::tool_shape;
 use super::words::INVERSE_DECIMALS;
 use crate::diag::{Diag, codes::post as codes};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
@@ -77,11 +78,14 @@ pub(super) fn compare_text(
         let Some(section) = found.next() else {
             return Err(differs(0, "the text ends before the motion".to_owned()));
         };
-        let (line, height) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
-        stations(program, operation, section, height)
+        let (line, retract) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
+        stations(program, operation, section, &retract)
             .map_err(|(at_end, why)| differs(if at_end { line } else { section.start.line }, why))?;
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
+        if let Some(why) = tool_shape::difference(&section.shape, tool) {
+            return Err(differs(section.start.line, why));
+        }
         let meant = operation.moves.get(1..operation.moves.len().saturating_sub(1)).unwrap_or_default();
         for (i, meant) in meant.iter().enumerate() {
             let Some(read) = section.moves.get(i) else {
@@ -113,30 +117,43 @@ fn stations(
     program: &Program,
     operation: &MotionOperation,
     section: &NcSection,
-    height: f64,
+    retract: &NcRetract,
 ) -> Result<(), (bool, String)> {
     let digits = &program.post.decimals;
     let length = program.tools[program.operations[operation.operation].tool].length();
     let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
         return Err((false, "an operation without moves".to_owned()));
     };
-    let mut meant = first.joints.xyz;
-    meant.z += length;
-    let off = (section.start.xyz - meant).amax();
-    if off > half_step(digits.length) {
-        return Err((false, format!("the axes are {off:.6} mm away from the first station")));
+    match &section.start.place {
+        NcPlace::Pose(pose) => {
+            same_pose(program, first, pose).map_err(|why| (false, format!("at the start, {why}")))?
+        }
+        NcPlace::Axes { xyz, rotary, turned } => {
+            if let Some(tip) = turned.filter(|tip| (tip - first.joints.xyz).amax() > STANDS) {
+                let off = (tip - first.joints.xyz).amax();
+                let reason = format!("the axes are {off:.6} mm away from the first station while the tables turn");
+                return Err((false, reason));
+            }
+            let mut meant = first.joints.xyz;
+            meant.z += length;
+            let off = (xyz - meant).amax();
+            if off > half_step(digits.length) {
+                return Err((false, format!("the axes are {off:.6} mm away from the first station")));
+            }
+            let turned = most_turn(*rotary, first.joints.rotary).to_degrees();
+            if turned > half_step(digits.angle) {
+                return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
+            }
+        }
     }
-    if let Some(tip) = section.start.turned.filter(|tip| (tip - first.joints.xyz).amax() > STANDS) {
-        let off = (tip - first.joints.xyz).amax();
-        return Err((false, format!("the axes are {off:.6} mm away from the first station while the tables turn")));
-    }
-    let turned = most_turn(section.start.rotary, first.joints.rotary).to_degrees();
-    if turned > half_step(digits.angle) {
-        return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
-    }
-    let off = (height - last.joints.xyz.z - length).abs();
-    if off > half_step(digits.length) {
-        return Err((true, format!("the retract is off by {off:.6} mm")));
+    match retract {
+        NcRetract::Pose(pose) => same_pose(program, last, pose).map_err(|why| (true, format!("at the end, {why}")))?,
+        NcRetract::Height(height) => {
+            let off = (height - last.joints.xyz.z - length).abs();
+            if off > half_step(digits.length) {
+                return Err((true, format!("the retract is off by {off:.6} mm")));
+            }
+        }
     }
     // Above the last target, where the text has no word of an axis but Z.
     let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
@@ -144,6 +161,20 @@ fn stations(
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
     if beside > half_step(digits.length) || turned > 0.0 {
         return Err((true, "the last station is not above the last target".to_owned()));
+    }
+    Ok(())
+}
+
+/// Compares a pose of a text with that of a move.
+fn same_pose(program: &Program, meant: &JointMove, read: &NcPose) -> Result<(), String> {
+    let pose = program.machine.forward(&meant.joints);
+    let tip = (read.tip - pose.tip).amax();
+    if tip > half_step(program.post.decimals.length) {
+        return Err(format!("the tip is off by {tip:.6} mm"));
+    }
+    let axis = (read.axis - pose.axis).norm();
+    if axis > half_step(program.post.decimals.vector) * 3f64.sqrt() {
+        return Err(format!("the tool axis is off by {axis:.3e} rad"));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@
 pub(super) mod modal;
 mod state;
 
-pub(super) use state::read;
+pub(super) use state::{control_character, read};
 
 use crate::kin::Machine;
 use crate::post::nc::NcTool;

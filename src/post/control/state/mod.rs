@@ -5,7 +5,7 @@ mod moves;
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Carries, Machine, RotaryAxis};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
-use crate::post::nc::{Direction, NcSection, NcStation, NcTool, ReadError};
+use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, NcToolShape, ReadError};
 use nalgebra::Vector3;
 
 /// Tool centre point control.
@@ -393,8 +393,9 @@ impl<'a> ControlState<'a> {
         self.direction = Direction::Rotary(rotary);
         (self.at_start, self.turned) = (true, None);
         if self.faults.is_empty() {
-            let start = NcStation { line: self.placed, xyz: Vector3::new(x, y, z), rotary, turned: None };
-            self.sections.push(NcSection { start, moves: Vec::new(), retract: None });
+            let place = NcPlace::Axes { xyz: Vector3::new(x, y, z), rotary, turned: None };
+            let start = NcStation { line: self.placed, place };
+            self.sections.push(NcSection { start, moves: Vec::new(), retract: None, shape: NcToolShape::default() });
         }
         self.open = true;
     }
@@ -504,7 +505,7 @@ pub(in crate::post) fn read(
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
 }
 
-fn control_character(line: &str) -> Option<String> {
+pub(in crate::post) fn control_character(line: &str) -> Option<String> {
     let found = line.chars().find(|c| c.is_control() && *c != '\t')?;
     Some(format!("the control character U+{:04X}", u32::from(found)))
 }

@@ -4,7 +4,7 @@ use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::kin::{Carries, Interpolation, Joints, between};
 use crate::post::control::modal::{ModalGroup, Setting};
 use crate::post::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
-use crate::post::nc::{Direction, NcMove, NcTool, STANDS};
+use crate::post::nc::{Direction, NcMove, NcPlace, NcRetract, NcTool, STANDS};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -136,7 +136,7 @@ impl ControlState<'_> {
             if section.moves.is_empty() {
                 self.sections.pop();
             } else {
-                section.retract = Some((self.line, z));
+                section.retract = Some((self.line, NcRetract::Height(z)));
             }
         }
     }
@@ -280,8 +280,9 @@ impl ControlState<'_> {
         self.turned = Some(at);
         self.direction = *direction;
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.start.rotary = to;
-            section.start.turned = self.turned;
+            if let NcPlace::Axes { rotary, turned, .. } = &mut section.start.place {
+                (*rotary, *turned) = (to, self.turned);
+            }
         }
         true
     }
