@@ -266,11 +266,17 @@ pub enum Field {
     Z,
     /// Words that switch tool centre point control on.
     Transformation,
+    /// Tip and axis of the tool at the first station, part frame: six numbers.
+    StartPose,
+    /// The same at the last station.
+    EndPose,
+    /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
+    Cutter,
 }
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 23] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
@@ -291,6 +297,9 @@ impl Field {
         Self::Y,
         Self::Z,
         Self::Transformation,
+        Self::StartPose,
+        Self::EndPose,
+        Self::Cutter,
     ];
 
     /// Its name in templates.
@@ -316,6 +325,9 @@ impl Field {
             Self::Y => "y",
             Self::Z => "z",
             Self::Transformation => "transformation",
+            Self::StartPose => "start-pose",
+            Self::EndPose => "end-pose",
+            Self::Cutter => "cutter",
         }
     }
 
@@ -336,8 +348,10 @@ impl Field {
             }
             Self::FinishTolerance => &[Head, OperationStart],
             Self::Spindle | Self::Tolerance | Self::OrientationTolerance => &[OperationStart],
-            Self::Rotary | Self::X | Self::Y | Self::Transformation => &[OperationStart],
-            Self::Z => &[OperationEnd],
+            Self::Rotary | Self::X | Self::Y | Self::Transformation | Self::StartPose | Self::Cutter => {
+                &[OperationStart]
+            }
+            Self::Z | Self::EndPose => &[OperationEnd],
         }
     }
 }

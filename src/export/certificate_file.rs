@@ -157,7 +157,9 @@ pub fn body(text: &str) -> (usize, &str) {
     let mut line = 1;
     while let Some(end) = rest.find('\n') {
         let first = unnumbered(rest[..end].trim());
-        let comment = first.starts_with(';') || (first.starts_with('(') && first.find(')') == Some(first.len() - 1));
+        let comment = first.starts_with(';')
+            || first.starts_with("$$")
+            || (first.starts_with('(') && first.find(')') == Some(first.len() - 1));
         if !(first.is_empty() || comment || opens(first)) {
             break;
         }
@@ -193,7 +195,8 @@ fn head(text: &str) -> Vec<(usize, &str)> {
 
 /// The rest of a line after the word with which its comment begins.
 fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
-    unnumbered(line).strip_prefix([';', '('])?.trim_start().strip_prefix(word)
+    let line = unnumbered(line);
+    line.strip_prefix([';', '(']).or_else(|| line.strip_prefix("$$"))?.trim_start().strip_prefix(word)
 }
 
 fn in_short(text: &str) -> String {

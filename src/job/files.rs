@@ -144,6 +144,7 @@ pub mod shipped {
     pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../jobs/_lib/tools/carbide.toml"))];
     /// Post files by name.
     pub const POSTS: &[(&str, &str)] = &[
+        ("apt-cl", include_str!("../../jobs/_lib/posts/apt-cl.toml")),
         ("fanuc", include_str!("../../jobs/_lib/posts/fanuc.toml")),
         ("heidenhain", include_str!("../../jobs/_lib/posts/heidenhain.toml")),
         ("heidenhain-itnc530", include_str!("../../jobs/_lib/posts/heidenhain-itnc530.toml")),

@@ -5,6 +5,7 @@
 //! text would not be understood, before anything is planned. [`read_back`] interprets the text with a reader
 //! that shares no code with the writer, and compares the result with the motion (V5).
 
+mod apt_cl;
 mod control;
 mod dialect;
 mod fanuc;
@@ -39,6 +40,7 @@ pub const POSTS: &[&dyn Post] = &[
     &heidenhain::Heidenhain,
     &fanuc::Family::FANUC,
     &fanuc::Family::MITSUBISHI,
+    &apt_cl::AptCl,
 ];
 
 /// The dialect with a name.

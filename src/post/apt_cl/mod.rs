@@ -12,3 +12,57 @@
 
 mod reader;
 mod statements;
+mod writer;
+
+use crate::diag::Sink;
+use crate::ir::{Motion, MotionOperation, Program};
+use crate::kin::Machine;
+use crate::post::dialect::{Post, WriteBlock};
+use crate::post::form::TextForm;
+use crate::post::nc::{NcSection, ReadError};
+
+/// The dialect.
+pub(super) struct AptCl;
+
+impl Post for AptCl {
+    fn name(&self) -> &'static str {
+        "apt-cl"
+    }
+
+    fn about(&self) -> &'static str {
+        "CL data of APT for a later post-processor: GOTO with tool axis, FEDRAT, RAPID"
+    }
+
+    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        writer::check_machine(machine, sink);
+    }
+
+    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        writer::check(program, motion, sink);
+    }
+
+    fn assumptions(&self) -> &'static [&'static str] {
+        &[
+            "between two poses the tip goes straight; how the rotary axes turn is the choice of the post-processor",
+            "this proof holds where both rotary axes of the machine file turn evenly between the poses",
+            "from LOADTL to FROM all axes but Z stay at the retract height; the post-processor sees to it",
+            "zero and axes of the work offset are those of the part frame; the length of LOADTL acts",
+        ]
+    }
+
+    fn form(&self) -> &'static TextForm {
+        &writer::FORM
+    }
+
+    fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::moves(program, operation, write);
+    }
+
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine)
+    }
+
+    fn recognises(&self, code: &str) -> bool {
+        reader::recognises(code)
+    }
+}

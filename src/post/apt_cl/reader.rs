@@ -11,6 +11,7 @@
 //! - Behind LOADTL nobody knows where the tool stands, and whether spindle and coolant run.
 
 use super::statements::{self, Statement};
+use crate::kin::Interpolation;
 use crate::kin::Machine;
 use crate::post::control::{MOST_FAULTS, number, shown};
 use crate::post::nc::{
@@ -89,8 +90,6 @@ struct Path {
 struct State<'a> {
     machine: &'a Machine,
     line: usize,
-    /// The program has its name.
-    named: bool,
     millimetres: bool,
     multax: bool,
     tool: Option<u32>,
@@ -119,7 +118,6 @@ impl<'a> State<'a> {
         Self {
             machine,
             line: 0,
-            named: false,
             millimetres: false,
             multax: false,
             tool: None,
@@ -178,7 +176,7 @@ impl<'a> State<'a> {
         let word = statement.word;
         let values: &[&str] = statement.arguments.as_deref().unwrap_or_default();
         match (word, statement.arguments.is_some()) {
-            ("PARTNO", _) => self.name(first),
+            ("PARTNO", _) => Self::name(first),
             ("PPRINT", _) => Ok(()),
             ("RAPID", false) => {
                 self.rapid = Some(self.line);
@@ -210,11 +208,10 @@ impl<'a> State<'a> {
         }
     }
 
-    fn name(&mut self, first: bool) -> Result<(), String> {
+    fn name(first: bool) -> Result<(), String> {
         if !first {
             return Err("PARTNO is the first statement, and stands once".to_owned());
         }
-        self.named = true;
         Ok(())
     }
 
@@ -253,7 +250,9 @@ impl<'a> State<'a> {
         match values {
             [name] if is_name(name) => Ok(()),
             [name, n] if is_name(name) && number(n).is_ok_and(|n| n.fract() == 0.0) => Ok(()),
-            _ => Err("MACHIN with more than a name and a number: its options are those of one post-processor".to_owned()),
+            _ => {
+                Err("MACHIN with more than a name and a number: its options are those of one post-processor".to_owned())
+            }
         }
     }
 
@@ -267,7 +266,9 @@ impl<'a> State<'a> {
         let mut register = None;
         while let [key, value, more @ ..] = rest {
             match *key {
-                "LENGTH" if self.shape.length.is_none() => self.shape.length = Some(self.positive(key, value, FARTHEST)?),
+                "LENGTH" if self.shape.length.is_none() => {
+                    self.shape.length = Some(self.positive(key, value, FARTHEST)?)
+                }
                 "OSETNO" if register.is_none() => register = Some(self.tool_number(value)?),
                 "LENGTH" | "OSETNO" => return Err(format!("`{key}` occurs twice in one statement")),
                 _ => return Err(format!("`{}` of LOADTL is not understood", shown(key, 20))),
@@ -338,7 +339,10 @@ impl<'a> State<'a> {
             _ => return Err(format!("CUTTER has 1, 2 or 7 numbers, not {}", numbers.len())),
         };
         if cutter.diameter <= 0.0 || cutter.corner < 0.0 || cutter.upper.abs() >= std::f64::consts::FRAC_PI_2 {
-            return Err("CUTTER: diameter and corner radius cannot be negative, and the side leans by less than 90 deg".to_owned());
+            return Err(
+                "CUTTER: diameter and corner radius cannot be negative, and the side leans by less than 90 deg"
+                    .to_owned(),
+            );
         }
         match self.shape.cutter.replace(cutter) {
             Some(_) => Err("a second CUTTER for one tool".to_owned()),
@@ -354,7 +358,10 @@ impl<'a> State<'a> {
             }
             _ => {
                 self.spindle = Spindle::Unknown;
-                return Err(format!("`SPINDL/{}` is not understood: write SPINDL/RPM, the speed, and CLW", listed(values)));
+                return Err(format!(
+                    "`SPINDL/{}` is not understood: write SPINDL/RPM, the speed, and CLW",
+                    listed(values)
+                ));
             }
         };
         Ok(())
@@ -428,7 +435,9 @@ impl<'a> State<'a> {
         let axis = Vector3::new(i, j, k);
         let length = axis.norm();
         if (length - 1.0).abs() > UNIT {
-            return Err(format!("{word}: the direction i, j, k has the length {length:.6}; a direction has the length 1"));
+            return Err(format!(
+                "{word}: the direction i, j, k has the length {length:.6}; a direction has the length 1"
+            ));
         }
         Ok(NcPose { tip: Point3::new(x, y, z), axis: axis / length })
     }
@@ -436,7 +445,9 @@ impl<'a> State<'a> {
     fn from(&mut self, values: &[&str]) -> Result<(), String> {
         let pose = self.pose("FROM", values)?;
         if self.tool.is_none() {
-            self.fault("FROM before a tool is loaded: the tool in the spindle and its length are unknown; write LOADTL before");
+            self.fault(
+                "FROM before a tool is loaded: the tool in the spindle and its length are unknown; write LOADTL before",
+            );
         }
         if self.path.is_some() {
             return Err("FROM in a path: it moves nothing, so that the tool stands elsewhere; write GOTO".to_owned());
@@ -495,7 +506,11 @@ impl<'a> State<'a> {
         let smoothing = self.tolerance.unwrap_or(0.0);
         if let Some(path) = self.path.as_mut().filter(|_| self.faults.is_empty()) {
             let (tip, direction) = (pose.tip, Direction::Axis(pose.axis));
-            path.moves.push(NcMove { line, rapid, tip, direction, feed, time: None, tool, speed, smoothing });
+            // What the axes do between the poses is for the post-processor; the proof assumes that they turn evenly.
+            let interpolation = Interpolation::RotaryLinear;
+            let smoothing = Some(smoothing);
+            let time = None;
+            path.moves.push(NcMove { line, rapid, tip, direction, interpolation, feed, time, tool, speed, smoothing });
             self.moves += 1;
         }
         Ok(())
@@ -516,7 +531,9 @@ impl<'a> State<'a> {
         }
         match self.coolant {
             Coolant::On(_) => {}
-            Coolant::Off => self.fault_once("coolant", "a move at feed with the coolant off: write COOLNT/FLOOD before"),
+            Coolant::Off => {
+                self.fault_once("coolant", "a move at feed with the coolant off: write COOLNT/FLOOD before")
+            }
             Coolant::Unknown => self.fault_once(
                 "coolant",
                 "a move at feed, and no statement since LOADTL starts the coolant: write COOLNT/FLOOD before",
@@ -542,7 +559,9 @@ impl<'a> State<'a> {
     /// The path with the tool ends: its last move is the retract.
     fn leave(&mut self) {
         let Some(Path { from, start, mut moves }) = self.path.take() else { return };
-        let Some(start) = start else { return self.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO") };
+        let Some(start) = start else {
+            return self.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO");
+        };
         if !self.faults.is_empty() {
             return;
         }

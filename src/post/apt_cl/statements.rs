@@ -137,7 +137,10 @@ mod tests {
 
     #[test]
     fn lines_make_statements() {
-        assert_eq!(all("RAPID\n\n  GOTO / 1 ,2,\t3 $$ far $ $$ away\n"), ["1: RAPID []", "3: GOTO [\"1\", \"2\", \"3\"]"]);
+        assert_eq!(
+            all("RAPID\n\n  GOTO / 1 ,2,\t3 $$ far $ $$ away\n"),
+            ["1: RAPID []", "3: GOTO [\"1\", \"2\", \"3\"]"]
+        );
         assert_eq!(all("GOTO/1,2, $ $$ more\n  3,4\nFINI"), ["1: GOTO [\"1\", \"2\", \"3\", \"4\"]", "3: FINI []"]);
         assert_eq!(all("PARTNO A $ B $$ C / D\n$$ all\nFINI\r\n"), ["1: PARTNO []", "3: FINI []"]);
         let starts = [

@@ -1,0 +1,81 @@
+//! From the moves of an operation to statements.
+
+use super::AptCl;
+use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::{Motion, MotionOperation, MoveKind, Program};
+use crate::kin::Machine;
+use crate::method::Planning;
+use crate::post::dialect::WriteBlock;
+use crate::post::form::{NumberForm, TextForm};
+use crate::post::words::{self, feed, fixed};
+use crate::post::write;
+
+/// Text of the dialect.
+pub(super) const FORM: TextForm = TextForm {
+    comment: ["$$ ", ""],
+    rotary: "",
+    numbers: NumberForm { prefix: "", largest: u64::MAX, always: false, comments: false, without: &[] },
+    continued: "$",
+    longest: 72,
+};
+
+/// Refuses a machine whose motion CL data cannot express.
+pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
+    if machine.planning == Planning::LinuxCnc {
+        sink.push(
+            Diag::error(
+                post::CONTROL,
+                format!(
+                    "motions of machine {} have exact stops and times of rapids, and CL data have no words for both",
+                    machine.name
+                ),
+            )
+            .note("without them LinuxCNC leaves the path and the speeds of the joints")
+            .help("use the post `linuxcnc`, or the file of a machine without `planning = \"linuxcnc-2.9\"`"),
+        );
+    }
+}
+
+/// Refuses a motion that CL data cannot express.
+pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+    check_machine(&program.machine, sink);
+    words::check(program, motion, sink);
+    words::check_vectors(program, motion, sink);
+    for operation in &motion.operations {
+        let tool = &program.tools[program.operations[operation.operation].tool];
+        if tool.number == 0 {
+            sink.push(
+                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number 0", tool.name))
+                    .label(tool.span, "declared here")
+                    .help("LOADTL takes numbers from 1: `number 1`"),
+            );
+        }
+    }
+}
+
+/// Writes the statements of the moves of an operation.
+pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
+    let decimals = program.post.decimals.feed;
+    let mut last_feed = String::new();
+    for (i, m) in write::between(operation) {
+        if m.kind == MoveKind::Rapid {
+            write("RAPID".to_owned(), None);
+            last_feed.clear();
+        } else {
+            let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+            if f != last_feed {
+                write(format!("FEDRAT/{f},MMPM"), None);
+                last_feed = f;
+            }
+        }
+        let text = format!("GOTO/{}", write::pose(&AptCl, program, &m.joints));
+        if text.len() <= FORM.longest {
+            write(text, Some(i));
+            continue;
+        }
+        // Between tip and axis.
+        let middle = text.match_indices(',').nth(2).map_or(text.len(), |(at, _)| at + 1);
+        write(format!("{}$", &text[..middle]), Some(i));
+        write(format!("  {}", &text[middle..]), None);
+    }
+}
