@@ -266,17 +266,21 @@ pub enum Field {
     Z,
     /// Words that switch tool centre point control on.
     Transformation,
-    /// Tip and axis of the tool at the first station, part frame: six numbers.
-    StartPose,
-    /// The same at the last station.
-    EndPose,
+    /// Tip of the tool at the first station, part frame: three numbers with commas.
+    StartTip,
+    /// Vector from the tip to the holder there.
+    StartAxis,
+    /// Tip of the tool at the last station.
+    EndTip,
+    /// Vector from the tip to the holder there.
+    EndAxis,
     /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
     Cutter,
 }
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 25] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
@@ -297,8 +301,10 @@ impl Field {
         Self::Y,
         Self::Z,
         Self::Transformation,
-        Self::StartPose,
-        Self::EndPose,
+        Self::StartTip,
+        Self::StartAxis,
+        Self::EndTip,
+        Self::EndAxis,
         Self::Cutter,
     ];
 
@@ -325,8 +331,10 @@ impl Field {
             Self::Y => "y",
             Self::Z => "z",
             Self::Transformation => "transformation",
-            Self::StartPose => "start-pose",
-            Self::EndPose => "end-pose",
+            Self::StartTip => "start-tip",
+            Self::StartAxis => "start-axis",
+            Self::EndTip => "end-tip",
+            Self::EndAxis => "end-axis",
             Self::Cutter => "cutter",
         }
     }
@@ -348,10 +356,14 @@ impl Field {
             }
             Self::FinishTolerance => &[Head, OperationStart],
             Self::Spindle | Self::Tolerance | Self::OrientationTolerance => &[OperationStart],
-            Self::Rotary | Self::X | Self::Y | Self::Transformation | Self::StartPose | Self::Cutter => {
-                &[OperationStart]
-            }
-            Self::Z | Self::EndPose => &[OperationEnd],
+            Self::Rotary
+            | Self::X
+            | Self::Y
+            | Self::Transformation
+            | Self::StartTip
+            | Self::StartAxis
+            | Self::Cutter => &[OperationStart],
+            Self::Z | Self::EndTip | Self::EndAxis => &[OperationEnd],
         }
     }
 }

@@ -273,6 +273,22 @@ impl Cutter {
         }
     }
 
+    /// The cutter as an end across the axis, a corner arc and a straight side: diameter where the lines of end and side
+    /// meet, radius of the arc, distance of its centre from the axis and from the end, and angle between side and axis
+    /// (radians). Lengths in mm. `None` for cutters with more arcs or a neck.
+    pub fn corner_arc(&self) -> Option<[f64; 5]> {
+        match *self {
+            Self::Flat { radius } => Some([2.0 * radius, 0.0, radius, 0.0, 0.0]),
+            Self::Ball { radius } => Some([2.0 * radius, radius, 0.0, radius, 0.0]),
+            Self::Bull { radius, corner } => Some([2.0 * radius, corner, radius - corner, corner, 0.0]),
+            Self::TaperedBall { ball, half_angle } => {
+                let meeting = ball * (1.0 - libm::sin(half_angle)) / libm::cos(half_angle);
+                Some([2.0 * meeting, ball, 0.0, ball, half_angle])
+            }
+            Self::Barrel { .. } | Self::Lollipop { .. } => None,
+        }
+    }
+
     /// Name in the job language.
     pub fn keyword(&self) -> &'static str {
         match self {

@@ -26,11 +26,10 @@ pub use control::MOST_FAULTS;
 pub use dialect::{Post, WriteBlock};
 pub use form::{NumberForm, TextForm};
 pub use nc::{
-    Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, NcToolShape,
-    ReadError,
+    Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, ReadError,
 };
 pub use read_back::{ReadBack, read_back};
-pub use tool_shape::NcCutter;
+pub use tool_shape::{NcCutter, NcToolShape};
 pub use write::emit;
 
 /// The available dialects.

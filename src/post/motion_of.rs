@@ -183,7 +183,7 @@ impl Interpreter<'_> {
         let free = matches!(section.start.place, NcPlace::Pose(_));
         let start = match section.start.place {
             NcPlace::Axes { xyz, rotary, .. } => Joints { xyz: xyz - Vector3::z() * length, rotary },
-            NcPlace::Pose(pose) => self.start(section, &pose),
+            NcPlace::Pose(pose) => at_retract(machine, length, self.start(section, &pose)),
         };
         let mut course = Course::new(section, id, machine, length, start);
         self.check_start(section, length);
@@ -218,7 +218,7 @@ impl Interpreter<'_> {
             Some((line, NcRetract::Height(z))) => course.retract(line, z),
             Some((line, NcRetract::Pose(pose))) => {
                 let rotary = positions::nearest(&machine.chain, &pose.axis, course.rotary).unwrap_or(course.rotary);
-                course.leave(line, machine.joints(&pose.tip, rotary));
+                course.leave(line, at_retract(machine, length, machine.joints(&pose.tip, rotary)));
             }
             None => {}
         }
@@ -243,10 +243,17 @@ impl Interpreter<'_> {
     /// Positions of all axes at the start of a section of a text that knows no machine.
     fn start(&mut self, section: &NcSection, pose: &NcPose) -> Joints {
         let machine = &self.program.machine;
-        let rotary = positions::at_start(machine, section, &pose.axis).unwrap_or_else(|| {
-            self.tell_unreached(section.start.line);
-            [0.0; 2]
-        });
+        let rotary = match positions::at_start(machine, section, &pose.axis) {
+            Ok(rotary) => rotary,
+            Err(line) => {
+                let [.., first, second] = machine.names();
+                let text =
+                    format!("no positions of {first} and {second} within their travel give all directions up to here");
+                let help = "turn the axes back at rapid before, or use a machine with more travel";
+                self.fatal(post::NC_POSITIONING, line, text, help);
+                [0.0; 2]
+            }
+        };
         machine.joints(&pose.tip, rotary)
     }
 
@@ -459,6 +466,15 @@ impl<'a> Course<'a> {
         self.made.moves.push(JointMove { pass: from.pass, time, ..station(joints) });
         self.lines.push(line);
     }
+}
+
+/// A station of a text of poses: where it is at the retract height within the digits of the words, it is there.
+fn at_retract(machine: &Machine, length_of_tool: f64, mut joints: Joints) -> Joints {
+    let over = machine.positions(&joints, length_of_tool)[2] - machine.retract;
+    if over.abs() < QUANTUM.0 {
+        joints.xyz.z -= over;
+    }
+    joints
 }
 
 /// A move that cuts nothing.

@@ -1,6 +1,6 @@
 //! NC text as blocks, and the result of a reader.
 
-use super::tool_shape::NcCutter;
+use super::tool_shape::NcToolShape;
 use crate::kin::{Angles, Interpolation};
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
@@ -106,15 +106,6 @@ pub enum NcRetract {
     Height(f64),
     /// Pose of the tool, in a text that knows no machine.
     Pose(NcPose),
-}
-
-/// What a text says of the tool of a section besides its number or name.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NcToolShape {
-    /// Length from the tip to the gauge line, mm.
-    pub length: Option<f64>,
-    /// Cutter.
-    pub cutter: Option<NcCutter>,
 }
 
 /// Moves from the block that switches the transformation on to the block that switches it off. In a text that knows no

@@ -32,22 +32,19 @@ pub(super) fn within_travel(machine: &Machine, axis: &Vector3<f64>, before: Angl
 }
 
 /// Rotary positions at the start of a section of poses: the first of those for its direction from which all moves stay
-/// within the travel. Where there is none, the one that leaves the travel last.
-pub(super) fn at_start(machine: &Machine, section: &NcSection, axis: &Vector3<f64>) -> Option<Angles> {
-    let mut best: Option<(usize, Angles)> = None;
-    for start in candidates(machine, axis, 0.0) {
-        if !reaches(machine, start) && best.is_some() {
-            continue;
-        }
-        let kept = moves_within(machine, section, start);
-        if kept == section.moves.len() && reaches(machine, start) {
-            return Some(start);
-        }
-        if best.is_none_or(|(most, _)| kept > most) {
-            best = Some((kept, start));
+/// within the travel.
+///
+/// # Errors
+/// There are none; the line up to which most moves stay within the travel.
+pub(super) fn at_start(machine: &Machine, section: &NcSection, axis: &Vector3<f64>) -> Result<Angles, usize> {
+    let mut line = section.start.line;
+    for start in candidates(machine, axis, 0.0).into_iter().filter(|p| reaches(machine, *p)) {
+        match section.moves.get(moves_within(machine, section, start)) {
+            Some(m) => line = line.max(m.line),
+            None => return Ok(start),
         }
     }
-    best.map(|(_, start)| start)
+    Err(line)
 }
 
 /// Number of moves of a section that stay within the travel.
@@ -83,7 +80,8 @@ fn reaches(machine: &Machine, rotary: Angles) -> bool {
 mod tests {
     use super::*;
     use crate::kin::RotaryAxis;
-    use crate::post::nc::{NcMove, NcPlace, NcPose, NcStation, NcTool, NcToolShape};
+    use crate::post::nc::{NcMove, NcPlace, NcPose, NcStation, NcTool};
+    use crate::post::tool_shape::NcToolShape;
     use nalgebra::Point3;
 
     fn machine(first: [f64; 2], second: [f64; 2]) -> Machine {
@@ -107,7 +105,8 @@ mod tests {
             time: None,
             tool: NcTool::Number(1),
             speed: 0.0,
-            smoothing: 0.0,
+            interpolation: crate::kin::Interpolation::RotaryLinear,
+            smoothing: Some(0.0),
         });
         let place = NcPlace::Pose(NcPose { tip, axis: axis(through[0].0) });
         let start = NcStation { line: 1, place };

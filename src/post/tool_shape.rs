@@ -1,6 +1,5 @@
 //! What a text says of the shape of a tool, and whether the tool of the job has it.
 
-use super::nc::NcToolShape;
 use crate::ir::Tool;
 
 /// Largest difference of a length from that of the tool, mm: the digits of words, and their effect on the profile.
@@ -8,6 +7,15 @@ const ROUNDING: f64 = 2e-4;
 
 /// Places of the profile that are compared.
 const PLACES: u32 = 64;
+
+/// What a text says of the tool of a section besides its number or name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NcToolShape {
+    /// Length from the tip to the gauge line, mm.
+    pub length: Option<f64>,
+    /// Cutter.
+    pub cutter: Option<NcCutter>,
+}
 
 /// A cutter by the seven parameters of APT: a lower line from the end of the axis outwards, a corner arc, and an upper
 /// line. Lengths in mm, angles in radians.

@@ -4,7 +4,6 @@ use super::dialect::Post;
 use super::form::TextForm;
 use super::nc::{NcLine, NcProgram};
 use super::words::{self, fixed};
-use crate::collide::Cutter;
 use crate::ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
 use crate::kin::{Angles, Joints};
 use crate::post_file::{Field, Frame, Orientation, Template};
@@ -43,11 +42,11 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         let tool = &program.tools[declared.tool];
         let values = Values { post, program, operation: Some(OperationValues { declared, tool, first, last }) };
         let source = |i: usize| (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
-        lines.frame(Frame::OperationStart, &values, Some((&[Field::X, Field::Y, Field::StartPose], source(0))));
+        lines.frame(Frame::OperationStart, &values, Some((&[Field::X, Field::Y, Field::StartTip], source(0))));
         let smoothing = values.value(Field::Smoothing);
         post.moves(program, operation, &smoothing, &mut |text, index| lines.block(text, index.map(source), None));
         let end = source(operation.moves.len() - 1);
-        lines.frame(Frame::OperationEnd, &values, Some((&[Field::Z, Field::EndPose], end)));
+        lines.frame(Frame::OperationEnd, &values, Some((&[Field::Z, Field::EndTip], end)));
     }
     lines.frame(Frame::End, &whole, None);
     lines.nc
@@ -97,12 +96,12 @@ pub(super) fn vector(post: &dyn Post, program: &Program, joints: &Joints, addres
     format!("{} {} {}", w(0), w(1), w(2))
 }
 
-/// Tip and axis of the tool on the part as six numbers.
-pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> String {
+/// Tip and axis of the tool on the part, three numbers each.
+pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [String; 2] {
     let pose = program.machine.forward(joints);
     let digits = &program.post.decimals;
     let numbers = |of: [f64; 3], decimals: usize| of.map(|x| post.number(x, decimals)).join(",");
-    format!("{},{}", numbers(pose.tip.coords.into(), digits.length), numbers(pose.axis.into(), digits.vector))
+    [numbers(pose.tip.coords.into(), digits.length), numbers(pose.axis.into(), digits.vector)]
 }
 
 /// Largest error of the tool direction through smoothing in an operation, radians: that of the post, or else the angle
@@ -223,8 +222,10 @@ impl Values<'_> {
             Field::X => at(o.first, 0),
             Field::Y => at(o.first, 1),
             Field::Z => at(o.last, 2),
-            Field::StartPose => pose(self.post, self.program, &o.first.joints),
-            Field::EndPose => pose(self.post, self.program, &o.last.joints),
+            Field::StartTip => pose(self.post, self.program, &o.first.joints)[0].clone(),
+            Field::StartAxis => pose(self.post, self.program, &o.first.joints)[1].clone(),
+            Field::EndTip => pose(self.post, self.program, &o.last.joints)[0].clone(),
+            Field::EndAxis => pose(self.post, self.program, &o.last.joints)[1].clone(),
             Field::Cutter => self.cutter(o.tool),
             Field::Transformation => {
                 let index = usize::from(self.program.post.orientation == Orientation::Vectors);
@@ -235,23 +236,12 @@ impl Values<'_> {
     }
 
     /// `CUTTER` with diameter, corner radius, distance of its centre from the axis and from the end, angle of the end,
-    /// angle of the side, height. Arcs of large radius and necks have no numbers there.
+    /// angle of the side, height. No text where these do not describe the cutter.
     fn cutter(&self, tool: &Tool) -> String {
-        let height = tool.solid.flute_length;
-        let [diameter, corner, across, up, side] = match tool.solid.cutter {
-            Cutter::Flat { radius } => [2.0 * radius, 0.0, radius, 0.0, 0.0],
-            Cutter::Ball { radius } => [2.0 * radius, radius, 0.0, radius, 0.0],
-            Cutter::Bull { radius, corner } => [2.0 * radius, corner, radius - corner, corner, 0.0],
-            Cutter::TaperedBall { ball, half_angle } => {
-                // The side meets the plane of the end there.
-                let meeting = ball * (1.0 - libm::sin(half_angle)) / libm::cos(half_angle);
-                [2.0 * meeting, ball, 0.0, ball, half_angle.to_degrees()]
-            }
-            Cutter::Barrel { .. } | Cutter::Lollipop { .. } => return String::new(),
-        };
+        let Some([diameter, corner, across, up, side]) = tool.solid.cutter.corner_arc() else { return String::new() };
         let lengths = [diameter, corner, across, up].map(|value| self.length(value)).join(",");
-        let angle = |value: f64| self.post.number(value, self.program.post.decimals.angle);
-        format!("CUTTER/{lengths},{},{},{}", angle(0.0), angle(side), self.length(height))
+        let angle = |value: f64| self.post.number(value.to_degrees(), self.program.post.decimals.angle);
+        format!("CUTTER/{lengths},{},{},{}", angle(0.0), angle(side), self.length(tool.solid.flute_length))
     }
 
     fn length(&self, value: f64) -> String {

@@ -4,7 +4,9 @@ use crate::support;
 use crate::support::bounded;
 use impellerc::diag::Sink;
 use impellerc::kin::Machine;
-use impellerc::post::{self, Direction, MOST_FAULTS, NcMove, NcSection, Post, ReadError, motion_of::motion_of};
+use impellerc::post::{
+    self, Direction, MOST_FAULTS, NcMove, NcPlace, NcRetract, NcSection, Post, ReadError, motion_of::motion_of,
+};
 use impellerc::source::Span;
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -168,12 +170,10 @@ fn the_originals_are_read() {
         let moves = &section.moves;
         assert_eq!(moves.iter().map(|m| m.line).collect::<Vec<_>>(), lines.collect::<Vec<_>>());
         assert_eq!(moves.iter().map(|m| m.feed).collect::<Vec<_>>(), [None, Some(1000.0), Some(250.0), Some(250.0)]);
-        assert_eq!((section.start.line, section.start.xyz.as_slice()), (placed, &[50.0, -40.0, 350.0][..]));
-        assert!(
-            (section.start.rotary[0].to_degrees() - 30.0).abs() < 1e-12
-                && (section.start.rotary[1].to_degrees() - 20.0).abs() < 1e-12
-        );
-        assert_eq!(section.retract, Some((up, 350.0)));
+        let NcPlace::Axes { xyz, rotary, .. } = section.start.place else { panic!("{section:?}") };
+        assert_eq!((section.start.line, xyz.as_slice()), (placed, &[50.0, -40.0, 350.0][..]));
+        assert!((rotary[0].to_degrees() - 30.0).abs() < 1e-12 && (rotary[1].to_degrees() - 20.0).abs() < 1e-12);
+        assert_eq!(section.retract, Some((up, NcRetract::Height(350.0))));
     }
 }
 
@@ -454,7 +454,7 @@ fn harmless_spellings_are_understood() {
         let bare = |all: &[NcSection]| {
             let of = |m: &NcMove| (m.rapid, m.tip, m.direction, m.feed, m.speed);
             all.iter()
-                .map(|s| (s.start.xyz, s.moves.iter().map(of).collect::<Vec<_>>(), s.retract.map(|r| r.1)))
+                .map(|s| (s.start.place, s.moves.iter().map(of).collect::<Vec<_>>(), s.retract.map(|r| r.1)))
                 .collect::<Vec<_>>()
         };
         assert_eq!(bare(&found), bare(&meant), "{what}");

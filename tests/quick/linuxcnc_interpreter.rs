@@ -399,7 +399,8 @@ fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
         time: None,
         tool: NcTool::Number(1),
         speed: 0.0,
-        smoothing: 0.0,
+        smoothing: Some(0.0),
+        interpolation: impellerc::kin::Interpolation::RotaryLinear,
     }
 }
 

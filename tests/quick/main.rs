@@ -9,6 +9,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bad_cl;
 mod bad_input;
 mod bad_nc;
 mod bull_noses;

@@ -8,6 +8,7 @@ use impellerc::post::{self, NcMove, NcProgram, NcSection, Post};
 use impellerc::post_file::{Decimals, LineEnd, Orientation};
 use impellerc::verify::{Verified, verify};
 use proptest::prelude::*;
+use std::ops::Range;
 use std::sync::LazyLock;
 
 /// A flank operation on one vane, planned and verified once.
@@ -82,13 +83,30 @@ fn bytes_are_plain() {
     }
 }
 
+/// Where the text of a coordinate stands in a line: 0, 1 and 2 are X, Y and Z.
+fn coordinate(line: &str, axis: usize) -> Option<Range<usize>> {
+    let (start, end) = match line.split_once('/') {
+        Some((word @ ("GOTO" | "FROM"), values)) => {
+            let before: usize = values.split(',').take(axis).map(|value| value.len() + 1).sum();
+            (word.len() + 1 + before, ',')
+        }
+        _ => (line.find([" X", " Y", " Z"][axis])? + 2, ' '),
+    };
+    Some(start..line[start..].find(end).map_or(line.len(), |at| start + at))
+}
+
+/// A line with other characters in the place of some.
+fn put(line: &str, range: Range<usize>, text: &str) -> String {
+    format!("{}{text}{}", &line[..range.start], &line[range.end..])
+}
+
 /// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.
 #[test]
 fn a_changed_text_is_noticed() {
     for post in post::POSTS {
         let (program, motion) = program(*post);
         let nc = written(*post);
-        let poses = nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some() && l.text.contains(" Z"));
+        let poses = nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some() && coordinate(&l.text, 2).is_some());
         let mut moves: Vec<usize> = poses.map(|(i, _)| i).collect();
         let up = moves.pop().unwrap();
         let judge = |lines: Vec<String>| post::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
@@ -101,26 +119,33 @@ fn a_changed_text_is_noticed() {
             assert!(judge(dropped).is_err());
         }
         let placed = nc.lines.iter().position(|l| l.source == Some((0, 0))).unwrap();
-        for (at, from, to) in [(placed, " Y", " Y1"), (placed, " X", " X1"), (placed - 1, "C", "C1"), (up, " Z", " Z1")]
-        {
+        for (at, axis) in [(placed, 0), (placed, 1), (up, 2)] {
             let mut moved = lines();
-            let plus = moved[at].replacen(from, to, 1);
-            assert_ne!(moved[at], plus);
-            moved[at] = plus;
-            assert!(judge(moved).is_err(), "{}: {to} in {}", post.name(), lines()[at]);
+            let place = coordinate(&moved[at], axis).unwrap().start;
+            moved[at] = put(&moved[at], place..place, "1");
+            assert!(judge(moved).is_err(), "{}: {axis} in {}", post.name(), lines()[at]);
         }
+        // Before: the rotary axes, or where CL data say that the tool stands.
+        let mut turned = lines();
+        match turned[placed - 1].as_str() {
+            "RAPID" => turned[placed - 3] = turned[placed - 3].replacen("FROM/", "FROM/1", 1),
+            _ => turned[placed - 1] = turned[placed - 1].replacen('C', "C1", 1),
+        }
+        assert_ne!(turned, lines());
+        assert!(judge(turned).is_err(), "{}", post.name());
         for at in moves.iter().step_by(97) {
             let mut dropped = lines();
             dropped.remove(*at);
             assert!(judge(dropped).is_err());
             let mut word_lost = lines();
-            let cut = word_lost[*at].find(" Y").unwrap();
-            let end = word_lost[*at][cut + 1..].find(' ').unwrap() + cut + 1;
-            word_lost[*at].replace_range(cut..end, "");
+            let word = coordinate(&word_lost[*at], 1).unwrap();
+            let address = if word_lost[*at].starts_with("GOTO/") { 0 } else { " Y".len() };
+            let comma = 1 - address.min(1);
+            word_lost[*at] = put(&word_lost[*at], word.start - address..word.end + comma, "");
             assert!(judge(word_lost).is_err());
             let mut digit = lines();
             // The third decimal of Z: a micrometre.
-            let z = digit[*at].find(" Z").unwrap();
+            let z = coordinate(&digit[*at], 2).unwrap().start;
             let place = digit[*at][z..].find('.').unwrap() + z + 3;
             let old: u32 = digit[*at][place..=place].parse().unwrap();
             digit[*at].replace_range(place..=place, &((old + 1) % 10).to_string());

@@ -14,10 +14,8 @@ use super::statements::{self, Statement};
 use crate::kin::Interpolation;
 use crate::kin::Machine;
 use crate::post::control::{MOST_FAULTS, number, shown};
-use crate::post::nc::{
-    Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, NcToolShape, ReadError,
-};
-use crate::post::tool_shape::NcCutter;
+use crate::post::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::post::tool_shape::{NcCutter, NcToolShape};
 use nalgebra::{Point3, Vector3};
 
 /// Most moves of one text: it bounds the memory of the checks that follow.

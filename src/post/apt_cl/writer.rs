@@ -9,6 +9,7 @@ use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
+use crate::post_file::Decimals;
 
 /// Text of the dialect.
 pub(super) const FORM: TextForm = TextForm {
@@ -41,6 +42,18 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     check_machine(&program.machine, sink);
     words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
+    let (digits, fine) = (&program.post.decimals, Decimals::FINE);
+    if digits.length < fine.length || digits.vector < fine.vector {
+        // Rounding on the way to the control adds to what a post-processor rounds.
+        sink.push(
+            Diag::error(
+                post::FRAME,
+                format!("post {} writes poses with {} and {} digits", program.post.name, digits.length, digits.vector),
+            )
+            .note("a post-processor computes positions of axes from the poses, and rounds once more")
+            .help(format!("write `length = {}` and `vector = {}` in `decimals`", fine.length, fine.vector)),
+        );
+    }
     for operation in &motion.operations {
         let tool = &program.tools[program.operations[operation.operation].tool];
         if tool.number == 0 {
@@ -68,14 +81,13 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
                 last_feed = f;
             }
         }
-        let text = format!("GOTO/{}", write::pose(&AptCl, program, &m.joints));
+        let [tip, axis] = write::pose(&AptCl, program, &m.joints);
+        let text = format!("GOTO/{tip},{axis}");
         if text.len() <= FORM.longest {
             write(text, Some(i));
-            continue;
+        } else {
+            write(format!("GOTO/{tip},$"), Some(i));
+            write(format!("  {axis}"), None);
         }
-        // Between tip and axis.
-        let middle = text.match_indices(',').nth(2).map_or(text.len(), |(at, _)| at + 1);
-        write(format!("{}$", &text[..middle]), Some(i));
-        write(format!("  {}", &text[middle..]), None);
     }
 }

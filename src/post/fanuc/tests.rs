@@ -3,7 +3,7 @@
 use super::control::{FANUC, MITSUBISHI, Member};
 use super::reader;
 use crate::kin::{Angles, AxisLine, Carries, Chain, Interpolation, Joints, Machine, RotaryAxis};
-use crate::post::nc::{Direction, NcSection};
+use crate::post::nc::{Direction, NcPlace, NcRetract, NcSection};
 use nalgebra::{Point3, Vector3};
 
 const TOOL: f64 = 120.0;
@@ -76,10 +76,11 @@ fn a_program_is_read() {
     for member in [&FANUC] {
         let sections = read_for(member, &good()).unwrap();
         let [section] = sections.as_slice() else { panic!("{} sections", sections.len()) };
-        let [a, c] = section.start.rotary.map(f64::to_degrees);
+        let NcPlace::Axes { xyz, rotary, turned } = section.start.place else { panic!("axes") };
+        let [a, c] = rotary.map(f64::to_degrees);
         assert!((a - 30.0).abs() < 1e-9 && (c - 20.0).abs() < 1e-9, "{a} {c}");
-        assert_eq!(section.start.xyz, Vector3::new(50.0, -40.0, 350.0));
-        let turned = section.start.turned.unwrap();
+        assert_eq!(xyz, Vector3::new(50.0, -40.0, 350.0));
+        let turned = turned.unwrap();
         assert!((turned - Vector3::new(50.0, -40.0, 230.0)).amax() < 1e-3, "{turned}");
         assert_eq!(section.moves.len(), 4);
         let last = &section.moves[3];
@@ -88,7 +89,7 @@ fn a_program_is_read() {
             (Point3::new(28.0, -19.0, 2.0), false, Some(250.0), None)
         );
         assert_eq!(last.interpolation, Interpolation::RotaryLinear);
-        assert!(section.retract.is_some_and(|(_, z)| z == 350.0));
+        assert!(section.retract.is_some_and(|(_, z)| z == NcRetract::Height(350.0)));
     }
 }
 
@@ -98,7 +99,7 @@ fn the_table_stands_at_zero_where_the_control_fixes_the_frame() {
     refused(&turned, "the control fixes the work frame to the table");
     // One block that turns the table as far is a motion of the linear axes.
     let at_once = program(&turns(&machine(), [30.0, 20.0], 40.0));
-    assert_eq!(sections(&at_once)[0].start.turned, None);
+    assert!(matches!(sections(&at_once)[0].start.place, NcPlace::Axes { turned: None, .. }));
     // A head does not carry the part.
     let text = "G21 G17 G90 G94 G40 G49 G69 G64 G54\nG92.1 X0. Y0. Z0. B0. C0.\nG53 G0 Z350.\nT1 M6\nS900 M3\n\
                 G53 G0 B30. C0.\nG53 G0 X5. Y5.\nG05.1 Q1\nM8\nG43.4 H1\nG0 X0. Y0. Z99. B30. C0.\nG1 Z9. F90.\nG49\n\

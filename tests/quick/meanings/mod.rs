@@ -4,6 +4,7 @@
 //!
 //! `cargo test --test quick meanings -- --nocapture` prints the counts.
 
+mod apt_cl;
 mod certificates;
 mod fanuc;
 mod heidenhain;
@@ -177,7 +178,7 @@ fn same(a: &Motion, b: &Motion) -> bool {
 }
 
 /// What becomes of a text, with the reason.
-fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Verdict, String) {
+fn judged(post: &dyn Post, program: &Program, text: &str, (own, meant): (&Machine, &Motion)) -> (Verdict, String) {
     let mut sink = Sink::default();
     let said = |sink: &Sink| sink.diags().iter().find(|d| d.severity == Severity::Error).map(|d| d.message.clone());
     post.check_machine(&program.machine, &mut sink);
@@ -193,7 +194,7 @@ fn judged(post: &dyn Post, program: &Program, text: &str, meant: &Motion) -> (Ve
         return (Verdict::Refused, reason);
     }
     let motion = motion.expect("a motion where nothing is refused").motion;
-    if same(&motion, meant) {
+    if same(&motion, meant) && program.machine.travel() == own.travel() {
         return (Verdict::Harmless, String::new());
     }
     let mut settings = Settings { cell: Some(4.0), after: None };
@@ -255,15 +256,16 @@ fn campaign(dialect: &str, orientation: Orientation, kinds: Vec<Kind>, least: us
     let sections = post.read(&numbered(post, &text), &program.machine).unwrap();
     let meant = motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
     let whole = post::emit(post, program, motion, &[]).text();
-    assert_eq!(judged(post, program, &whole, &meant).0, Verdict::Harmless, "block numbers");
+    assert_eq!(judged(post, program, &whole, (&program.machine, &meant)).0, Verdict::Harmless, "block numbers");
     let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
     let mut complaints = Vec::new();
     let mut seen = std::collections::BTreeSet::new();
     for (class, change, due, why) in &kinds {
         assert!(seen.insert(change.shown()), "{} stands twice", change.shown());
+        let own = &program.machine;
         let mut program = program.clone();
         let changed = numbered(post, &change.made(&text, &mut program));
-        let (found, reason) = judged(post, &program, &changed, &meant);
+        let (found, reason) = judged(post, &program, &changed, (own, &meant));
         *counts.entry((class, found)).or_default() += 1;
         if found != *due {
             complaints.push(format!("{dialect} {class}: {}: {found:?}, due {due:?} ({why}): {reason}", change.shown()));
@@ -300,4 +302,9 @@ fn fanuc_means_what_its_manual_says() {
 #[test]
 fn mitsubishi_means_what_its_manual_says() {
     campaign("mitsubishi", Orientation::Angles, fanuc::mitsubishi(), 13);
+}
+
+#[test]
+fn cl_data_mean_the_same_for_every_post_processor() {
+    campaign("apt-cl", Orientation::Vectors, apt_cl::kinds(), 100);
 }

@@ -1,6 +1,7 @@
 //! Quirks of controls as goldens: what the writer makes of a few moves, and what the reader says to texts that a control
 //! would misunderstand or refuse.
 
+mod apt_cl;
 mod heidenhain;
 
 use crate::support::{self, golden};

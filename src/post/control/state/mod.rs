@@ -5,7 +5,8 @@ mod moves;
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Carries, Machine, RotaryAxis};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
-use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, NcToolShape, ReadError};
+use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, ReadError};
+use crate::post::tool_shape::NcToolShape;
 use nalgebra::Vector3;
 
 /// Tool centre point control.
