@@ -6,7 +6,7 @@
 //! words. Rapids carry the positions of the rotary axes in any case, and thus select one of the two positions that a
 //! vector fits; [`Post::check`] makes sure that the nearest position is the right one in every later block.
 //!
-//! The head of the program resets what an aborted program can have left active. With tool centre point control off, axes
+//! Each operation first resets what an aborted program can have left active. With tool centre point control off, axes
 //! move in the machine frame (M91), in which the tool length is not compensated: Z alone to the retract height, there the
 //! rotary axes, then X and Y. The rotary axes have the words of the preset there too, as in the path. TOOL CALL activates
 //! the length of its tool at once; M128 must be off before M91 and before TOOL CALL.

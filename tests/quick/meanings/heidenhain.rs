@@ -1,6 +1,6 @@
 //! Changes for iTNC 530 and TNC 640. Reasons come from their user's manuals.
 
-use super::Change::{All, Cut, First, Job, Last, Machine, Move, Text, Word};
+use super::Change::{All, Cut, First, Job, Last, Machine, Move, Operations, Text, Word};
 use super::How::{Address, Double, Number};
 use super::Kind;
 use super::Verdict::{Found, Harmless, Refused};
@@ -21,7 +21,7 @@ pub fn kinds() -> Vec<Kind> {
     all.extend(numbers());
     all.extend(spelling());
     all.extend(end());
-    all.extend(operations::kinds(parts));
+    all.extend(operations());
     all.extend(wrong());
     all
 }
@@ -490,13 +490,13 @@ fn moves() -> Vec<Kind> {
 fn numbers() -> Vec<Kind> {
     const C: &str = "block numbers";
     vec![
-        (C, First("M126\n", "3 M126\n"), Harmless, "a gap, or the number that it has"),
+        (C, First("M126\n", "4 M126\n"), Harmless, "the number that it has"),
         (C, First("M126\n", "900000000 M126\n"), Refused, "the next number is smaller"),
         (C, First("M126\n", "0 M126\n"), Refused, "not larger than the number before"),
         (C, First("M126\n", "N5 M126\n"), Refused, "numbers have no N"),
         (C, First("M126\n", "5.5 M126\n"), Refused, "no whole number"),
         (C, First("M126\n", "9999999999 M126\n"), Refused, "too many digits"),
-        (C, First("M126\n", "3\n4 M126\n"), Harmless, "an empty block"),
+        (C, First("M126\n", "4\n5 M126\n"), Harmless, "an empty block"),
     ]
 }
 
@@ -592,6 +592,15 @@ fn end() -> Vec<Kind> {
 /// The head and the operations.
 fn parts(text: &str) -> Vec<String> {
     operations::parts(text, |lines, i| lines[i].starts_with("* - "))
+}
+
+/// Without its head the text lacks BEGIN PGM.
+fn operations() -> Vec<Kind> {
+    let due = |(class, change, due, why): Kind| match change {
+        Operations("no head", ..) => (class, change, Refused, "the name and the unit of the program are missing"),
+        _ => (class, change, due, why),
+    };
+    operations::kinds(parts).into_iter().map(due).collect()
 }
 
 fn wrong() -> Vec<Kind> {
