@@ -73,7 +73,7 @@ pub struct OperationDifference {
     pub moves: [usize; 2],
     /// Times of cuts, links and rapids of both motions, s.
     pub times: [[f64; 3]; 2],
-    /// Least and largest position of each joint of both motions, mm and radians.
+    /// Least and largest position of each axis of both motions, mm and radians; without a head Z is that of the tip.
     pub ranges: [[[f64; 2]; 5]; 2],
 }
 
@@ -109,9 +109,11 @@ fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2]) -> Ope
     let [tip, axis, speed] = largest([&ways[0], &ways[1]]);
     let swapped = largest([&ways[1], &ways[0]]).map(|d| Difference { moves: [d.moves[1], d.moves[0]], ..d });
     let time = |o: &MotionOperation, kind: MoveKind| o.moves.iter().filter(|m| m.kind == kind).map(|m| m.time).sum();
-    let range = |o: &MotionOperation| {
+    let range = |k: usize| {
+        let (o, Program { machine, tools, operations, .. }) = (made[k], sides[k].program);
+        let length = tools[operations[o.operation].tool].length();
         let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
-        for joints in o.moves.iter().map(|m| m.joints.all()) {
+        for joints in o.moves.iter().map(|m| machine.travelled(&m.joints, length)) {
             for (of_axis, at) in range.iter_mut().zip(joints) {
                 *of_axis = [of_axis[0].min(at), of_axis[1].max(at)];
             }
@@ -125,7 +127,7 @@ fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2]) -> Ope
         speed: speed.or(swapped[2]),
         moves: made.map(|o| o.moves.len()),
         times: made.map(|o| [MoveKind::Cut, MoveKind::Link, MoveKind::Rapid].map(|kind| time(o, kind))),
-        ranges: made.map(range),
+        ranges: [0, 1].map(range),
     }
 }
 

@@ -192,7 +192,11 @@ fn check_before_planning(
 ) -> Result<(&'static dyn Post, Outputs), Aborted> {
     analysis::machine_kind::check(program, sink)?;
     analysis::part_kind::check(program, sink)?;
-    let post = check_frames(program, sink)?;
+    let post = if options.emit.is_none_or(|stage| stage == Emit::Nc) {
+        check_frames(program, sink)?
+    } else {
+        find_post(program, sink)?
+    };
     let own = [
         ("-o", &options.output),
         ("--certificate", &options.certificate),

@@ -1,30 +1,37 @@
-//! Whether planning supports the rotary axes of the machine.
+//! Whether the rotary axes of the machine can direct the tool.
 
-use crate::diag::{Aborted, Diag, Sink, codes::kinematics::KIND_NOT_PLANNED};
+use crate::diag::{Aborted, Diag, Sink, codes::kinematics::NO_REACH};
 use crate::ir::Program;
-use crate::kin::Carries;
+use nalgebra::Vector3;
 
-/// Refuses machines for which feeds, poles and branches are not yet planned and judged: machines with a head, and
-/// tables whose axes are not perpendicular or whose second axis is not along the tool.
+/// Least angle to Z up to which the tool must take every direction, radians: less than any impeller needs.
+const LEAST_LEAN: f64 = std::f64::consts::PI / 180.0;
+
+/// Refuses a machine whose rotary axes do not give the tool the directions about the axis of the part.
 ///
 /// # Errors
 /// The machine is refused; the reason is in the sink.
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let machine = &program.machine;
-    let [first, second] = machine.chain.axes();
-    let [.., one, other] = machine.names();
-    let upright = second.direction.z == 1.0 && first.direction.z == 0.0;
-    let reason = if first.carries == Carries::Tool {
-        format!("axis {one} of the machine {} carries the tool", machine.name)
-    } else if upright {
+    let [.., first, second] = machine.names();
+    let lean = machine.most_lean();
+    if lean >= LEAST_LEAN {
         return Ok(());
+    }
+    let upright = machine.reaches(&Vector3::z());
+    let text = if upright {
+        format!(
+            "{first} and {second} of the machine {} lean the tool to all sides by at most {:.2} deg",
+            machine.name,
+            lean.to_degrees()
+        )
     } else {
-        format!("the axes {one} and {other} of the machine {} do not tilt and turn a level table", machine.name)
+        format!("{first} and {second} of the machine {} do not set the tool along the axis of the part", machine.name)
     };
     sink.push(
-        Diag::error(KIND_NOT_PLANNED, format!("{reason}; such machines are not supported yet"))
-            .note("the machine file itself is correct; `--emit ir` prints its kinematics")
-            .help("use a machine whose table turns about the vertical and is tilted about a level axis, such as A/C or B/C"),
+        Diag::error(NO_REACH, text)
+            .note("`--emit ir` prints the axes of the machine file")
+            .help(format!("correct `travel`, `direction` and `sense` of {first} and {second}, or use another machine")),
     );
     Err(Aborted)
 }

@@ -17,7 +17,7 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
         }
         seen.push(operation.tool);
         let tool = &program.tools[operation.tool];
-        let clearance = program.machine.retract - tool.length() - height;
+        let clearance = program.machine.retract + tool.lowest(&program.machine) - height;
         let missing = program.clearance.get() - clearance;
         if missing > 0.0 {
             sink.push(

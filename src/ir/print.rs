@@ -1,7 +1,7 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
-use crate::kin::{Carries, Machine};
+use crate::kin::{Carries, LengthTo, Machine};
 use crate::part::{Blade, BladeId, Part, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;
@@ -268,6 +268,20 @@ fn machine(t: &mut String, machine: &Machine) {
             limits.name,
             at(&axis.point)
         );
+        if let Some(way) = limits.modulo {
+            let _ = writeln!(t, "  {} is modulo 360 deg, way {}", limits.name, way.name());
+        }
+        if let Some([on, off]) = &limits.clamp {
+            let _ = writeln!(t, "  {} is clamped by {on}, unclamped by {off}", limits.name);
+        }
+    }
+    if machine.length_to != LengthTo::Tip {
+        let _ = writeln!(t, "  tool lengths to the {}", machine.length_to.name());
+    }
+    for (name, home) in machine.names().iter().zip(machine.home) {
+        if let Some(home) = home {
+            let _ = writeln!(t, "  parks {name} at {home:.3}");
+        }
     }
 }
 

@@ -127,6 +127,17 @@ impl Tool {
     pub fn length(&self) -> f64 {
         self.solid.length()
     }
+
+    /// Lowest height of any point of the tool on a machine, under any angles of its head within their travel, mm, against
+    /// the gauge line with the head upright.
+    pub fn lowest(&self, machine: &Machine) -> f64 {
+        let ToolSolid { cutter, flute_length, shank, holder } = &self.solid;
+        let radius = cutter.widest_below(*flute_length);
+        let sections = shank.iter().chain(holder);
+        let corners = sections.flat_map(|x| [[x.radius_from, x.from], [x.radius_to, x.to]]);
+        let profile: Vec<[f64; 2]> = [[radius, 0.0], [radius, *flute_length]].into_iter().chain(corners).collect();
+        machine.lowest(&profile, self.length())
+    }
 }
 
 /// One operation.

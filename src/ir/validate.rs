@@ -159,7 +159,7 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
     for made in &motion.operations {
         let operation = &program.operations[made.operation];
         let name = &operation.name;
-        let height = program.machine.retract - program.tools[operation.tool].length();
+        let (machine, length) = (&program.machine, program.tools[operation.tool].length());
         for (i, m) in made.moves.iter().enumerate() {
             let at = || format!("move {i} of `{name}` is {m:?}");
             let sound = m.joints.all().iter().all(|x| x.is_finite()) && m.time.is_finite() && m.time >= 0.0;
@@ -171,7 +171,7 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
         let cuts = made.moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.pass);
         check(cuts.is_sorted(), || format!("`{name}` does not cut its passes in their order"))?;
         for m in [made.moves.first(), made.moves.last()].into_iter().flatten() {
-            let aloft = m.kind == MoveKind::Rapid && m.joints.xyz.z == height;
+            let aloft = m.kind == MoveKind::Rapid && m.joints == machine.at_height(&m.joints, machine.retract, length);
             check(aloft, || format!("`{name}` does not begin and end at retract height: {m:?}"))?;
         }
     }

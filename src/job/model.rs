@@ -2,6 +2,7 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
+use crate::kin::{LengthTo, ModuloWay};
 use crate::material::Material;
 use crate::method::Planning;
 pub use crate::operation::OperationKind;
@@ -139,6 +140,10 @@ pub struct MachineSpec {
     pub part_origin: [Mm; 3],
     /// Height of the gauge line at which tools are changed and all axes but Z may move.
     pub retract: Mm,
+    /// Positions at which X, Y and Z park at the end of a program.
+    pub home: [Option<Mm>; 3],
+    /// Point that the lengths in the tool table of the control refer to.
+    pub length_to: LengthTo,
     /// Spindle range.
     pub spindle: [Rpm; 2],
     /// Power of the spindle at the cutter, kW; `None` where the file does not state it.
@@ -186,8 +191,12 @@ pub struct RotarySpec {
     pub name: String,
     /// Direction in the machine frame, of length 1.
     pub direction: [f64; 3],
-    /// Travel.
+    /// Travel; infinite for an axis modulo 360 deg.
     pub travel: [Rad; 2],
+    /// Way of the control to an angle of an axis modulo 360 deg.
+    pub modulo: Option<ModuloWay>,
+    /// Words that clamp and unclamp it.
+    pub clamp: Option<[String; 2]>,
     /// Largest speed, rad/s.
     pub speed: f64,
     /// Largest acceleration, rad/s2.

@@ -1,7 +1,8 @@
 //! Text form of the job, with every default.
 
 use super::library::LINUXCNC;
-use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind};
+use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind, RotarySpec};
+use crate::kin::LengthTo;
 use crate::method::FlankMethod;
 use crate::method::Planning;
 use crate::operation::{Allowances, word};
@@ -85,18 +86,28 @@ fn machine(out: &mut String, job: &Job) {
     }
     for axis in &m.rotary {
         let name = &axis.name;
-        let [lo, hi] = axis.travel;
+        let travel = match (axis.modulo, axis.travel) {
+            (Some(way), _) => format!("modulo 360 deg, way {}", way.name()),
+            (None, [lo, hi]) => format!("{lo} to {hi}"),
+        };
         let sense = if axis.iso { "iso" } else { "opposite" };
         let (speed, acceleration) = (trim(axis.speed.to_degrees(), 3), trim(axis.acceleration, 3));
         let (jerk, [x, y, z]) = (jerk(axis.jerk, "rad/s3"), axis.point);
-        let _ = writeln!(
-            out,
-            "  {name} {lo} to {hi}, {speed} deg/s, {acceleration} rad/s2, {jerk}, {sense}, at {x}, {y}, {z}"
-        );
+        let _ =
+            writeln!(out, "  {name} {travel}, {speed} deg/s, {acceleration} rad/s2, {jerk}, {sense}, at {x}, {y}, {z}");
+    }
+    for RotarySpec { name, clamp, .. } in &m.rotary {
+        clamp.as_ref().map(|[on, off]| writeln!(out, "  {name} clamped by {on}, unclamped by {off}"));
     }
     let [x, y, z] = m.part_origin;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");
     let _ = writeln!(out, "  retract z {}", m.retract);
+    for (name, at) in ["x", "y", "z"].iter().zip(&m.home) {
+        at.map(|at| writeln!(out, "  home {name} {at}"));
+    }
+    if m.length_to != LengthTo::Tip {
+        let _ = writeln!(out, "  tool lengths to the {}", m.length_to.name());
+    }
     let power = m.power.map_or_else(String::new, |power| format!(", {} kW", trim(power, 3)));
     let _ = writeln!(out, "  spindle {} to {}{power}\n  rapid {}", m.spindle[0], m.spindle[1], m.rapid);
     let _ = writeln!(out, "  cycle {} s", trim(m.cycle, 6));

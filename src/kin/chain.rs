@@ -304,6 +304,33 @@ impl Chain {
         libm::atan2(axis.cross(second).norm(), axis.dot(second))
     }
 
+    /// Least and largest angle between the tool axis and axis 2 over a range of the angle of axis 1, radians.
+    pub fn polar_angle_range(&self, from: f64, to: f64) -> [f64; 2] {
+        // Between its ends the angle is least or largest where the tool turns back, at `start` and half a turn from it.
+        let turning = (0..2).filter_map(|half| {
+            let place = self.start + PI * f64::from(half);
+            let first = place + TAU * ((from - place) / TAU).ceil();
+            (first <= to).then_some(first)
+        });
+        let angles: Vec<f64> = if to - from < TAU {
+            [from, to].into_iter().chain(turning).map(|first| self.polar_angle(first)).collect()
+        } else {
+            [self.start, self.start + PI].map(|first| self.polar_angle(first)).into()
+        };
+        [angles.iter().copied().fold(PI, f64::min), angles.into_iter().fold(0.0, f64::max)]
+    }
+
+    /// Whether two angles of axis 1 are on different branches: the pairs of angles that give one tool axis lie on both
+    /// sides of the turning points of axis 1.
+    pub fn changes_branch(&self, from: f64, to: f64) -> bool {
+        libm::sin(from - self.start) * libm::sin(to - self.start) < 0.0
+    }
+
+    /// Largest ratio of [`Self::turn`] to the root of the sum of the squares of both turns.
+    pub fn most_turn_ratio(&self) -> f64 {
+        if self.cosine == 0.0 { 1.0 } else { (1.0 + self.cosine.abs()).sqrt() }
+    }
+
     /// Whether the tool passes through the direction of axis 2 or its opposite while axis 1 turns from one angle to
     /// another.
     pub fn poles_between(&self, from: f64, to: f64) -> bool {

@@ -2,6 +2,7 @@
 
 use super::{Joints, Machine, Pose, between};
 use crate::geom::angle::great_arc;
+use nalgebra::Vector3;
 
 /// Rule by which a control interpolates between the ends of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +17,18 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Tool at a share `t` of the block, in [0, 1].
-    pub fn pose(self, machine: &Machine, from: &Joints, to: &Joints, t: f64) -> Pose {
+    /// Tool at a share `t` of the block, in [0, 1]; `length` is that of the tool, mm.
+    pub fn pose(self, machine: &Machine, [from, to]: [&Joints; 2], length: f64, t: f64) -> Pose {
         let rotary = between(from.rotary, to.rotary, t);
         if self == Self::JointsLinear {
-            return machine.forward(&Joints { xyz: from.xyz + (to.xyz - from.xyz) * t, rotary });
+            if !machine.chain.has_head() {
+                return machine.forward(&Joints { xyz: from.xyz + (to.xyz - from.xyz) * t, rotary });
+            }
+            let [start, end] = [from, to].map(|joints| {
+                let [x, y, z, ..] = machine.positions(joints, length);
+                Vector3::new(x, y, z)
+            });
+            return machine.forward(&machine.joints_at(&start.lerp(&end, t), rotary, length));
         }
         let ends = [machine.forward(from), machine.forward(to)];
         let tip = ends[0].tip + (ends[1].tip - ends[0].tip) * t;
@@ -34,13 +42,14 @@ impl Interpolation {
 
     /// Largest distance between the tool under this rule and under [`Self::RotaryLinear`], at equal shares of the
     /// block, for points of the tool axis from the tip to a height over it, mm. Measured at the quarters of the block.
-    pub fn deviation(self, machine: &Machine, from: &Joints, to: &Joints, height: f64) -> f64 {
+    /// `length` is that of the tool, mm.
+    pub fn deviation(self, machine: &Machine, [from, to]: [&Joints; 2], length: f64, height: f64) -> f64 {
         // The rules differ only where an axis turns.
         if self == Self::RotaryLinear || from.rotary == to.rotary {
             return 0.0;
         }
         let apart = |t: f64| {
-            let [p, q] = [self, Self::RotaryLinear].map(|rule| rule.pose(machine, from, to, t));
+            let [p, q] = [self, Self::RotaryLinear].map(|rule| rule.pose(machine, [from, to], length, t));
             let tip = p.tip - q.tip;
             // The distance is convex over the height.
             tip.norm().max((tip + (p.axis - q.axis) * height).norm())

@@ -55,6 +55,8 @@ pub struct Settings<'a> {
     pub tolerance: f64,
     /// Length of the flutes, mm.
     pub height: f64,
+    /// Length of the tool to the gauge line, mm: with a head the joints depend on it.
+    pub length: f64,
 }
 
 /// Run of a line.
@@ -469,8 +471,8 @@ impl Corner {
         let [one, other] = [this, next].map(|s| deviation(machine, &place, &s.line, settings.height));
         let nearer = if one[0] <= other[0] { one } else { other };
         self.deviation = [self.deviation[0].max(nearer[0]), self.deviation[1].max(nearer[1])];
-        let joints = joints_at(machine, &place);
-        let before = self.joints.unwrap_or_else(|| joints_at(machine, &this.at(way[0])));
+        let joints = joints_at(settings, &place);
+        let before = self.joints.unwrap_or_else(|| joints_at(settings, &this.at(way[0])));
         for (k, most) in machine.speeds().into_iter().enumerate() {
             self.speed[k] = self.speed[k].max((joints[k] - before[k]).abs() / machine.cycle / most);
         }
@@ -481,8 +483,10 @@ impl Corner {
 /// Largest factor for a blend that begins a period earlier.
 const MOST_LATE: f64 = 4.0;
 
-fn joints_at(machine: &Machine, place: &JointPoint) -> JointPoint {
-    machine.joints(&Point3::new(place[0], place[1], place[2]), [place[3], place[4]]).all()
+fn joints_at(settings: &Settings, place: &JointPoint) -> JointPoint {
+    let machine = settings.machine;
+    let joints = machine.joints(&Point3::new(place[0], place[1], place[2]), [place[3], place[4]]);
+    machine.travelled(&joints, settings.length)
 }
 
 #[cfg(test)]
@@ -511,7 +515,7 @@ mod tests {
     }
 
     fn ran(lines: &[Line], height: f64) -> Vec<Ran> {
-        run(lines, &Settings { machine: &machine(), tolerance: 0.001, height })
+        run(lines, &Settings { machine: &machine(), tolerance: 0.001, height, length: 0.0 })
     }
 
     /// Lines at one feed, mm/s.
@@ -580,7 +584,7 @@ mod tests {
             assert!((time / due - 1.0).abs() < 2e-3, "{time} {due}");
         }
         let slow = Machine { linear: machine().linear.map(|l| LinearAxis { acceleration: 1e-9, ..l }), ..machine() };
-        let settings = Settings { machine: &slow, tolerance: 0.001, height: HEIGHT };
+        let settings = Settings { machine: &slow, tolerance: 0.001, height: HEIGHT, length: 0.0 };
         let found = run(&lines(&[[0.0; 5], [1000.0, 0.0, 0.0, 0.0, 0.0]], 16.0), &settings);
         assert!(found[0].time == f64::INFINITY);
     }

@@ -1,9 +1,10 @@
 //! A machine as numbers: its axes, their limits, and the position of the part.
 
-use super::{Angles, Carries, Chain};
+use super::heights::{Ring, Swing, farthest};
+use super::{Angles, AxisLine, Carries, Chain};
 use crate::method::Planning;
-use nalgebra::Vector3;
-use std::f64::consts::TAU;
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::{PI, TAU};
 
 /// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,58 @@ pub struct RotaryAxis {
     pub jerk: f64,
     /// +1 when the address of the machine has the ISO sense, -1 when it has the opposite sense.
     pub word_sign: f64,
+    /// For an axis whose words the control reduces modulo 360 deg: the way that it takes. The travel of such an axis is
+    /// infinite. A post writes its words from 0 to 360 deg, with what makes the control go the way of the motion.
+    pub modulo: Option<ModuloWay>,
+    /// Words that clamp and unclamp the axis, for posts. A clamped axis must not move.
+    pub clamp: Option<[String; 2]>,
+}
+
+/// Way that a control takes to an angle of an axis whose words it reduces modulo 360 deg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModuloWay {
+    /// The shorter one.
+    Shortest,
+    /// From value to value between 0 and 360 deg, never through 0.
+    Direct,
+    /// By the sign of the word: a positive word turns in the positive sense.
+    Sign,
+}
+
+impl ModuloWay {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Shortest, Self::Direct, Self::Sign];
+
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shortest => "shortest",
+            Self::Direct => "direct",
+            Self::Sign => "sign",
+        }
+    }
+}
+
+/// Point of the tool that the lengths in the tool table of the control refer to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthTo {
+    /// The tip.
+    Tip,
+    /// The centre of the ball or of the corner radius.
+    Centre,
+}
+
+impl LengthTo {
+    /// All points.
+    pub const ALL: [Self; 2] = [Self::Tip, Self::Centre];
+
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tip => "tip",
+            Self::Centre => "centre",
+        }
+    }
 }
 
 /// A machine with three linear and two rotary axes. Travel and heights of Z refer to the gauge line: the face of the
@@ -66,10 +119,31 @@ pub struct Machine {
     pub cycle: f64,
     /// How the control plans speeds.
     pub planning: Planning,
+    /// Point that the lengths in the tool table of the control refer to. A post that writes positions of the tip refuses
+    /// the centre.
+    pub length_to: LengthTo,
+    /// Positions of X, Y and Z at which the machine parks at the end of a program, mm, for posts: Z first up to the retract
+    /// height. An axis without a value remains where it is.
+    pub home: [Option<f64>; 3],
     /// Table and fixtures, which turn with the part.
     pub carried: Vec<Carried>,
     /// Values that the machine file marks as assumed.
     pub assumed: Vec<String>,
+}
+
+/// Azimuths at which the reach of the rotary axes is looked at, and steps of the angle to Z, radians.
+const AZIMUTHS: usize = 360;
+const LEAN_STEP: f64 = PI / 180.0;
+const LEAN_HALVINGS: usize = 12;
+
+/// Excess over the travel of a rotary axis that is rounding, radians.
+const ANGLE_ROUNDING: f64 = 1e-9;
+
+/// Direction at an angle to Z, and one of [`AZIMUTHS`].
+fn leaning(lean: f64, azimuth: usize) -> Vector3<f64> {
+    let (sine, cosine) = libm::sincos(lean);
+    let (y, x) = libm::sincos(TAU * azimuth as f64 / AZIMUTHS as f64);
+    Vector3::new(sine * x, sine * y, cosine)
 }
 
 /// Share of the speed limits that plans for LinuxCNC use.
@@ -101,6 +175,8 @@ impl RotaryAxis {
             acceleration: 1e6,
             jerk: f64::INFINITY,
             word_sign: 1.0,
+            modulo: None,
+            clamp: None,
         }
     }
 }
@@ -121,6 +197,8 @@ impl Machine {
             rapid: 1e6,
             cycle: 1.0,
             planning: Planning::Joints,
+            length_to: LengthTo::Tip,
+            home: [None; 3],
             carried: Vec::new(),
             assumed: Vec::new(),
         }
@@ -167,15 +245,46 @@ impl Machine {
         [at.x, at.y]
     }
 
-    /// Largest angle between the tool and rotary axis 2 within the travel of axis 1, radians, on either branch.
-    pub fn most_polar_angle(&self) -> f64 {
+    /// Largest angle between the tool and the Z axis of the part up to which the rotary axes give the tool every direction,
+    /// radians. Where axis 2 turns about Z, its travel does not count: `link-moves` chooses branch and winding for each
+    /// pass, and refuses what the travel does not permit.
+    pub fn most_lean(&self) -> f64 {
         let [first, _] = &self.rotary;
-        self.chain.polar_angle(first.max).max(self.chain.polar_angle(first.min))
+        let [_, second] = self.chain.axes();
+        let upright = second.direction.z;
+        if upright.abs() == 1.0 {
+            let ends = self.chain.polar_angle_range(first.min, first.max);
+            return if upright > 0.0 { ends[1] } else { PI - ends[0] };
+        }
+        let reached = |lean: f64| (0..AZIMUTHS).all(|k| self.reaches(&leaning(lean, k)));
+        let mut low = 0.0;
+        while low + LEAN_STEP <= PI && reached(low + LEAN_STEP) {
+            low += LEAN_STEP;
+        }
+        let mut high = low + LEAN_STEP;
+        for _ in 0..LEAN_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if reached(middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Whether the rotary axes give the tool a direction within their travel, on either branch and any winding.
+    pub fn reaches(&self, tool_axis: &Vector3<f64>) -> bool {
+        let within = |k: usize, angle: f64| {
+            let RotaryAxis { min, max, .. } = self.rotary[k];
+            // Whole turns that bring the angle over the lower end of the travel.
+            angle + TAU * ((min - ANGLE_ROUNDING - angle) / TAU).ceil() <= max + ANGLE_ROUNDING || max - min >= TAU
+        };
+        let free = 0.0_f64.clamp(self.rotary[1].min, self.rotary[1].max);
+        let pairs = self.chain.inverse(tool_axis, free);
+        pairs.is_some_and(|pairs| pairs.iter().any(|[first, second]| within(0, *first) && within(1, *second)))
     }
 
     /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the
     /// rotary axes within their travel. `profile` holds its corners as (r, z) in the part frame, mm. The height is
-    /// exact for two tables that turn about the vertical and about a horizontal axis, and an upper bound for others.
+    /// exact where no table tilts, and for two tables that turn about the vertical and about a horizontal axis. For others
+    /// it is an upper bound, some hundredths of a millimetre over the largest height.
     pub fn highest(&self, profile: &[[f64; 2]]) -> f64 {
         let [first, second] = self.chain.axes();
         let corners = |height: &dyn Fn(f64, f64) -> f64| {
@@ -202,11 +311,36 @@ impl Machine {
                     sides.map(|y| self.risen(y, z + above)).into_iter().fold(f64::NEG_INFINITY, f64::max)
                 });
         }
-        // Upper bound for any angles: the distance of the corner from the axis of the outer table.
-        let outer = if first.carries == Carries::Part { first } else { second };
-        let (origin, lever) = (self.part_origin, (second.point - outer.point).norm());
-        let arm = (origin - second.point.coords).norm();
-        outer.point.z + lever + arm + corners(&|r, z| libm::hypot(r, z))
+        let [x, y] = self.table_axis();
+        let eccentric = libm::hypot(x, y);
+        let rings: Vec<Ring> =
+            profile.iter().map(|[r, z]| ((self.part_origin + Vector3::z() * *z).into(), r + eccentric)).collect();
+        // A table turns opposite to its angle.
+        let swings = self.swings(Carries::Part, [1, 0], |[min, max]| [-max, -min]);
+        farthest(&swings, &Vector3::z(), &rings)
+    }
+
+    /// Lowest height of any point of a tool under any angles of the head within their travel, mm, against the gauge line
+    /// with the head upright. `profile` holds the corners of the whole tool as (r, s), s from the tip, and `length` is that
+    /// of the tool, mm. Without a head the height is that of the tip; with a head it is a lower bound.
+    pub fn lowest(&self, profile: &[[f64; 2]], length: f64) -> f64 {
+        if !self.chain.has_head() {
+            return -length;
+        }
+        let rings: Vec<Ring> = profile.iter().map(|[r, s]| (Point3::new(0.0, 0.0, s - length), *r)).collect();
+        -farthest(&self.swings(Carries::Tool, [0, 1], |range| range), &-Vector3::z(), &rings)
+    }
+
+    /// The axes that carry the tool or the part, in an order from the innermost, each with the range of its turn.
+    fn swings(&self, carries: Carries, order: [usize; 2], turn: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Swing> {
+        let axes = order.into_iter().map(|k| (self.chain.axes()[k], &self.rotary[k]));
+        axes.filter(|(line, _)| line.carries == carries)
+            .map(|(AxisLine { direction, point, .. }, axis)| Swing {
+                direction,
+                point,
+                range: turn([axis.min, axis.max]),
+            })
+            .collect()
     }
 
     /// Largest height over the tilting axis, over the travel of this axis, of a point with a position beside and above

@@ -6,6 +6,7 @@
 
 pub mod chain;
 pub mod feedrate;
+mod heights;
 pub mod interpolation;
 pub mod linuxcnc;
 pub mod machine;
@@ -14,5 +15,5 @@ pub mod transform;
 
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
-pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
+pub use machine::{Carried, LengthTo, LinearAxis, Machine, ModuloWay, RotaryAxis};
 pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

@@ -71,15 +71,36 @@ impl Machine {
         Joints { xyz: (self.part_to_machine(rotary) * tip).coords, rotary }
     }
 
-    /// Positions of all axes for a tool of a given length, mm and radians; X, Y and Z are those of the gauge line of
-    /// the spindle. With the linear axes at zero and a head upright, the gauge line is at the origin of the machine
+    /// Positions of all axes for a tool of a given length, mm and radians. X, Y and Z are those of the gauge line of the
+    /// spindle with the head upright: the words of the machine. At zero the gauge line is then at the origin of the machine
     /// frame.
     pub fn positions(&self, joints: &Joints, length: f64) -> [f64; 5] {
         let [x, y, z, first, second] = joints.all();
-        if !self.chain.has_head() {
-            return [x, y, z + length, first, second];
-        }
-        let tip = self.chain.tool(joints.rotary) * Point3::new(0.0, 0.0, -length);
+        let tip = self.hanging(joints.rotary, length);
         [x - tip.x, y - tip.y, z - tip.z, first, second]
+    }
+
+    /// Joints of positions of X, Y and Z ([`Self::positions`]) and of the rotary axes, for a tool of a given length.
+    pub fn joints_at(&self, xyz: &Vector3<f64>, rotary: Angles, length: f64) -> Joints {
+        Joints { xyz: xyz + self.hanging(rotary, length), rotary }
+    }
+
+    /// The joints with Z at another position ([`Self::positions`]).
+    pub fn at_height(&self, joints: &Joints, z: f64, length: f64) -> Joints {
+        let mut moved = *joints;
+        moved.xyz.z = z + self.hanging(joints.rotary, length).z;
+        moved
+    }
+
+    /// Positions of all axes but for constants of X, Y and Z: for speeds, accelerations and jerks.
+    pub fn travelled(&self, joints: &Joints, length: f64) -> [f64; 5] {
+        // Without a head the length of the tool is such a constant.
+        if self.chain.has_head() { self.positions(joints, length) } else { joints.all() }
+    }
+
+    /// Tip of a tool that hangs from the head, with the linear axes at zero, machine frame, mm.
+    fn hanging(&self, rotary: Angles, length: f64) -> Vector3<f64> {
+        let tip = Point3::new(0.0, 0.0, -length);
+        if self.chain.has_head() { (self.chain.tool(rotary) * tip).coords } else { tip.coords }
     }
 }

@@ -311,6 +311,8 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
         chain,
         part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
         retract: spec.retract.get(),
+        home: spec.home.map(|at| at.map(Mm::get)),
+        length_to: spec.length_to,
         spindle: spec.spindle.map(crate::units::Rpm::get),
         power: spec.power,
         rapid: spec.rapid.get() / 60.0,
@@ -345,7 +347,8 @@ fn rotary(spec: &RotarySpec) -> RotaryAxis {
     let [min, max] = spec.travel.map(|t| t.get());
     let (min, max, word_sign) = if spec.iso { (min, max, 1.0) } else { (-max, -min, -1.0) };
     let name = spec.name.clone();
-    RotaryAxis { name, min, max, speed: spec.speed, acceleration: spec.acceleration, jerk: spec.jerk, word_sign }
+    let RotarySpec { speed, acceleration, jerk, modulo, .. } = *spec;
+    RotaryAxis { name, min, max, speed, acceleration, jerk, word_sign, modulo, clamp: spec.clamp.clone() }
 }
 
 #[cfg(test)]
@@ -361,6 +364,8 @@ mod tests {
             acceleration: 2.0,
             jerk: f64::INFINITY,
             iso: false,
+            modulo: None,
+            clamp: None,
             name: "A".to_owned(),
             direction: [1.0, 0.0, 0.0],
             point: [Mm(0.0); 3],

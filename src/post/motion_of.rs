@@ -14,7 +14,7 @@ use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Operati
 use crate::kin::{Angles, Interpolation, Joints, Machine, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
 
 /// Beginning of the name of a pass of a text, before the number of its first line.
@@ -182,7 +182,7 @@ impl Interpreter<'_> {
         let length = self.program.tools[operation.tool].length();
         let free = matches!(section.start.place, NcPlace::Pose(_));
         let start = match section.start.place {
-            NcPlace::Axes { xyz, rotary, .. } => Joints { xyz: xyz - Vector3::z() * length, rotary },
+            NcPlace::Axes { xyz, rotary, .. } => machine.joints_at(&xyz, rotary, length),
             NcPlace::Pose(pose) => at_retract(machine, length, self.start(section, &pose)),
         };
         let mut course = Course::new(section, id, machine, length, start);
@@ -272,8 +272,8 @@ impl Interpreter<'_> {
 
     /// Reports linear axes that move while the tables turn to the start.
     fn check_start(&mut self, section: &NcSection, length: f64) {
-        let NcPlace::Axes { xyz, turned: Some(tip), .. } = section.start.place else { return };
-        let off = (tip - xyz + Vector3::z() * length).amax();
+        let NcPlace::Axes { xyz, rotary, turned: Some(tip) } = section.start.place else { return };
+        let off = (tip - self.program.machine.joints_at(&xyz, rotary, length).xyz).amax();
         if off > STANDS {
             let text = format!("the linear axes move by {off:.3} mm while the tables turn to the start of the path");
             let help = "turn the tables with the tip where the tool stands at the retract height";
@@ -287,7 +287,8 @@ impl Interpreter<'_> {
     fn check_turn(&mut self, m: &NcMove, first: bool, (before, to): (Angles, Angles), free: bool) {
         let names = self.program.machine.names();
         if first && most_turn(before, to) > PARKED {
-            let text = "the table turns during the approach to the first target".to_owned();
+            let what = if self.program.machine.chain.has_head() { "a rotary axis" } else { "the table" };
+            let text = format!("{what} turns during the approach to the first target");
             let help = format!(
                 "turn {} and {} to the positions of the first move before the transformation is switched on",
                 names[3], names[4]
@@ -295,7 +296,8 @@ impl Interpreter<'_> {
             let diag = self.fault(post::NC_POSITIONING, m.line, text, &help);
             self.tell(diag);
         }
-        let unsure = (to[1] - before[1]).abs() >= FRAC_PI_2 || to[0] * before[0] < 0.0;
+        let unsure =
+            (to[1] - before[1]).abs() >= FRAC_PI_2 || self.program.machine.chain.changes_branch(before[0], to[0]);
         if matches!(m.direction, Direction::Axis(_)) && unsure && !(free && m.rapid) {
             let turn = (to[1] - before[1]).to_degrees().abs();
             let [.., first, second] = names;
@@ -453,8 +455,7 @@ impl<'a> Course<'a> {
     /// Adds the retract to a height of the gauge line.
     fn retract(&mut self, line: usize, z: f64) {
         let Some(from) = self.made.moves.last() else { return };
-        let mut joints = from.joints;
-        joints.xyz.z = z - self.length_of_tool;
+        let joints = self.machine.at_height(&from.joints, z, self.length_of_tool);
         self.leave(line, joints);
     }
 

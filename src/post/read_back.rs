@@ -9,6 +9,7 @@ use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use crate::kin::{Angles, most_turn};
 use crate::post_file::Decimals;
 use crate::verify::Verified;
+use nalgebra::Vector3;
 
 /// Share of a time that rounding may take.
 const ROUNDING: f64 = 1e-12;
@@ -124,6 +125,7 @@ fn stations(
     let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
         return Err((false, "an operation without moves".to_owned()));
     };
+    let positions = |m: &JointMove| program.machine.positions(&m.joints, length);
     match &section.start.place {
         NcPlace::Pose(pose) => {
             same_pose(program, first, pose).map_err(|why| (false, format!("at the start, {why}")))?
@@ -134,9 +136,8 @@ fn stations(
                 let reason = format!("the axes are {off:.6} mm away from the first station while the tables turn");
                 return Err((false, reason));
             }
-            let mut meant = first.joints.xyz;
-            meant.z += length;
-            let off = (xyz - meant).amax();
+            let [x, y, z, ..] = positions(first);
+            let off = (xyz - Vector3::new(x, y, z)).amax();
             if off > half_step(digits.length) {
                 return Err((false, format!("the axes are {off:.6} mm away from the first station")));
             }
@@ -149,7 +150,7 @@ fn stations(
     match retract {
         NcRetract::Pose(pose) => same_pose(program, last, pose).map_err(|why| (true, format!("at the end, {why}")))?,
         NcRetract::Height(height) => {
-            let off = (height - last.joints.xyz.z - length).abs();
+            let off = (height - positions(last)[2]).abs();
             if off > half_step(digits.length) {
                 return Err((true, format!("the retract is off by {off:.6} mm")));
             }

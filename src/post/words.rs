@@ -2,6 +2,7 @@
 
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::{LengthTo, Machine, RotaryAxis};
 use crate::post_file::Orientation;
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
@@ -51,6 +52,34 @@ pub fn comment(text: &str) -> String {
         })
         .take(120)
         .collect()
+}
+
+/// Refuses a machine whose words no dialect writes yet.
+pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
+    let axes = machine.rotary.iter().filter(|axis| axis.modulo.is_some());
+    for RotaryAxis { name, .. } in axes {
+        let text = format!(
+            "axis {name} of the machine {} is modulo 360 deg; this post writes for axes with a travel",
+            machine.name
+        );
+        sink.push(
+            Diag::error(post::CONTROL, text)
+                .note("the control would reduce the word, and may turn the axis the other way")
+                .help(format!("write `travel` of {name} in the machine file if the control permits it, such as [\"-3600 deg\", \"3600 deg\"]")),
+        );
+    }
+    if machine.length_to != LengthTo::Tip {
+        let to = machine.length_to.name();
+        let text = format!(
+            "tool lengths of the machine {} refer to the {to}; this post writes positions of the tip",
+            machine.name
+        );
+        sink.push(
+            Diag::error(post::CONTROL, text)
+                .note("the tool would cut too deep or too high by the radius of its end")
+                .help("measure tool lengths to the tip, and write `tool-length = \"tip\"` in the machine file"),
+        );
+    }
 }
 
 /// Refuses a motion that no dialect can express.
@@ -107,7 +136,8 @@ pub(super) fn check_vectors(program: &Program, motion: &Motion, sink: &mut Sink)
         let declared = &program.operations[operation.operation];
         let unsure = operation.moves.windows(2).find(|m| {
             let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
-            m[1].kind != MoveKind::Rapid && (a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN)
+            let changes = program.machine.chain.changes_branch(a[0], b[0]);
+            m[1].kind != MoveKind::Rapid && (changes || (a[1] - b[1]).abs() >= CERTAIN_TURN)
         });
         if let Some(m) = unsure {
             let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();

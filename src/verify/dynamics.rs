@@ -201,7 +201,9 @@ pub(super) struct RunLimits {
     /// Process feed, link feed, and rapid speed of the tip, mm/s.
     feeds: [f64; 3],
     chord: f64,
+    /// Length of the flutes, and of the whole tool to the gauge line, mm.
     height: f64,
+    length: f64,
     chain: Chain,
 }
 
@@ -327,6 +329,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
         feeds: [declared.feed.get() / 60.0, declared.link_feed.get() / 60.0, machine.rapid],
         chord: if declared.kind.finishes() { t.chord.get() } else { t.chord_rough.get() },
         height: program.tools[declared.tool].solid.flute_length,
+        length: program.tools[declared.tool].length(),
     };
     let cells = cells(machine, &limits, &moves.moves, removal);
     let trapezoids = trapezoids(&limits, &cells);
@@ -345,7 +348,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
     }
     if machine.planning == Planning::LinuxCnc {
         // The tolerance that the post writes for the whole program.
-        let settings = linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height };
+        let settings =
+            linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height, length: limits.length };
         by_linuxcnc::replace(&settings, (operation, &moves.moves), (&limits, &cells), &mut report, &mut errors);
     }
     report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
@@ -361,7 +365,8 @@ fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove], removal: &[
         let m = &pair[1];
         if m.time > 0.0 {
             let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
-            let mut block = block(machine, &pair[0].joints, &m.joints, (index, m.kind, m.time), &mut cells);
+            let ends = [&pair[0].joints, &m.joints];
+            let mut block = block(machine, limits.length, ends, (index, m.kind, m.time), &mut cells);
             let feed = block.tip.norm() / limits.feeds[number(m.kind)];
             let removal = removal.get(i + 1).copied().unwrap_or(0.0);
             cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
@@ -400,21 +405,21 @@ fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
 /// Cells of a block; the corner at its start is set later.
 fn block(
     machine: &Machine,
-    from: &Joints,
-    to: &Joints,
+    length: f64,
+    [from, to]: [&Joints; 2],
     (index, kind, time): (u32, MoveKind, f64),
     cells: &mut Vec<MotionCell>,
 ) -> MotionBlock {
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     let at = |t: f64| {
         let tip = tips[0] + (tips[1] - tips[0]) * t;
-        machine.joints(&tip, between(from.rotary, to.rotary, t)).all()
+        machine.travelled(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
     };
     let count = (machine.turn(from.rotary, to.rotary) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
     let width = time / count;
     let first = cells.len();
     let mut ends = [[0.0; 5]; 2];
-    let mut q0 = from.all();
+    let mut q0 = machine.travelled(from, length);
     for cell in 0..count as usize {
         let (middle, end) = (at((cell as f64 + 0.5) / count), at((cell as f64 + 1.0) / count));
         let each =

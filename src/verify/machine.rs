@@ -201,13 +201,15 @@ fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis>
 fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRules {
     let mut found = OtherRules { great_circle: Peak::NONE, joints_linear: Peak::NONE };
     let Some(moves) = motion.operations.get(operation) else { return found };
-    let height = program.tools[program.operations[moves.operation].tool].solid.flute_length;
+    let tool = &program.tools[program.operations[moves.operation].tool];
+    let (length, height) = (tool.length(), tool.solid.flute_length);
     for (i, pair) in moves.moves.windows(2).enumerate().filter(|(_, pair)| pair[1].kind != MoveKind::Rapid) {
         let at = At {
             operation: u32::try_from(operation).unwrap_or(u32::MAX),
             index: u32::try_from(i + 1).unwrap_or(u32::MAX),
         };
-        let by = |rule: Interpolation| rule.deviation(&program.machine, &pair[0].joints, &pair[1].joints, height);
+        let by =
+            |rule: Interpolation| rule.deviation(&program.machine, [&pair[0].joints, &pair[1].joints], length, height);
         found.great_circle.raise(by(Interpolation::GreatCircle), at);
         found.joints_linear.raise(by(Interpolation::JointsLinear), at);
     }

@@ -7,7 +7,8 @@
 
 use super::proof::piece::At;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{Motion, Program};
+use crate::ir::{Motion, MotionOperation, Program};
+use crate::kin::Joints;
 use crate::units::length;
 use serde::Serialize;
 
@@ -46,7 +47,7 @@ pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
         let last = operation.moves.len().saturating_sub(1);
         for index in [0, last] {
             let Some(station) = operation.moves.get(index) else { continue };
-            let clearance = station.joints.xyz.z - height;
+            let clearance = lowest(program, operation, &station.joints) - height;
             if clearance < report.clearance {
                 let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
                 report.clearance = clearance;
@@ -55,6 +56,15 @@ pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
         }
     }
     report
+}
+
+/// Lowest height of the tool of an operation, machine frame, mm: of its tip, or under any angles of the head.
+fn lowest(program: &Program, operation: &MotionOperation, joints: &Joints) -> f64 {
+    let (machine, tool) = (&program.machine, &program.tools[program.operations[operation.operation].tool]);
+    if !machine.chain.has_head() {
+        return joints.xyz.z;
+    }
+    machine.positions(joints, tool.length())[2] + tool.lowest(machine)
 }
 
 /// Reports a tool that does not stand high enough as an error.

@@ -48,8 +48,8 @@ pub(crate) struct ClearAxes<'a> {
     solid: &'a ToolSolid,
     /// Required distances of the side of the cutter, of shank and of holder, mm.
     asked: [f64; 3],
-    /// Largest angle between tool axis and table axis within the travel of rotary axis 1, radians.
-    most_polar_angle: f64,
+    /// Largest angle between tool axis and Z within the travel of the rotary axes, radians.
+    most_lean: f64,
 }
 
 impl<'a> ClearAxes<'a> {
@@ -60,7 +60,7 @@ impl<'a> ClearAxes<'a> {
             obstacles,
             solid,
             asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
-            most_polar_angle: program.machine.most_polar_angle(),
+            most_lean: program.machine.most_lean(),
         }
     }
 
@@ -93,9 +93,9 @@ impl<'a> ClearAxes<'a> {
             )
     }
 
-    /// True when every axis within the angle `cap` of this axis is within the travel of rotary axis 1.
+    /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes.
     pub(crate) fn in_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
-        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_polar_angle
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
     }
 
     /// True when the tool is clear over a whole piece of motion.

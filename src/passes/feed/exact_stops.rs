@@ -24,6 +24,7 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
             machine: &program.machine,
             tolerance: program.tolerances.chord.get(),
             height: program.tools[declared.tool].solid.flute_length,
+            length: program.tools[declared.tool].length(),
         };
         let moves = &mut operation.moves;
         at_joins(moves);

@@ -30,9 +30,10 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
         let tool = &program.tools[declared.tool];
         let rounding = Rounding {
             tolerance: if finishing { t.chord.get() } else { t.chord_rough.get() },
-            height: tool.solid.flute_length,
+            // Corners count the turns of both axes as at a right angle.
+            height: tool.solid.flute_length * machine.chain.most_turn_ratio(),
         };
-        let reached = reached_feeds(machine, &rounding, &operation.moves);
+        let reached = reached_feeds(machine, tool.length(), &rounding, &operation.moves);
         let mut before: Option<Joints> = None;
         for (m, reached) in operation.moves.iter_mut().zip(reached) {
             time_move(machine, tool.length(), before, m, reached);
@@ -42,10 +43,11 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
 }
 
 /// Largest feed of each move in the fastest run through all of them, mm/min; `None` where the tip stands still.
-fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
+fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
     let Some(first) = moves.first() else { return Vec::new() };
     let mut tip = machine.forward(&first.joints).tip;
-    let mut stations = vec![Station { joints: first.joints.all(), tip: tip.coords.into(), time: 1.0 }];
+    let mut stations =
+        vec![Station { joints: machine.travelled(&first.joints, length), tip: tip.coords.into(), time: 1.0 }];
     // Move of each station.
     let mut of: Vec<usize> = vec![0];
     for (i, pair) in moves.windows(2).enumerate() {
@@ -57,7 +59,7 @@ fn reached_feeds(machine: &Machine, rounding: &Rounding, moves: &[JointMove]) ->
             let at = tip + (next - tip) * t;
             let j = machine.joints(&at, between(from.rotary, to.rotary, t));
             let last = stations[stations.len() - 1];
-            let here = Station { joints: j.all(), tip: at.coords.into(), time: 0.0 };
+            let here = Station { joints: machine.travelled(&j, length), tip: at.coords.into(), time: 0.0 };
             // The process feed, or the speed of the axes where the tip stands still.
             let feed = pair[1].feed.map_or(machine.rapid, |f| f / 60.0);
             let speeds = machine.planned_speeds();

@@ -20,7 +20,7 @@ pub(crate) struct OutOfTravel {
 /// The first place out of travel, of the attempt that gets farthest.
 pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles) -> Result<Vec<Angles>, OutOfTravel> {
     let mut best: Option<(f64, Vec<Angles>)> = None;
-    let [_, last] = &machine.rotary;
+    let [first, last] = &machine.rotary;
     let mut nearest_miss: Option<OutOfTravel> = None;
     for branch in 0..2 {
         let mut angles: Vec<Angles> = Vec::with_capacity(run.len());
@@ -28,12 +28,15 @@ pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles)
             let before = angles.last().map_or(at[1], |x| x[1]);
             angles.push(machine.chain.unwound(&p.axis, branch, before));
         }
-        let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[1]), h.max(x[1])));
-        // Whole turns that bring the sequence into the travel, among them the turns near the middle of the travel.
-        let middle = 0.5 * (last.min.max(-1e3) + last.max.min(1e3));
-        let shift = TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round();
+        // Whole turns that bring the sequence into the travel, among them the turns near the middle of the travel. Axis 1
+        // turns less than once.
+        let [of_first, shift] = [(0, first), (1, last)].map(|(k, axis)| {
+            let ends = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));
+            let middle = 0.5 * (axis.min.max(-1e3) + axis.max.min(1e3));
+            TAU * ((middle - 0.5 * (ends.0 + ends.1)) / TAU).round()
+        });
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
-            let moved: Vec<Angles> = angles.iter().map(|[first, second]| [*first, second + turns]).collect();
+            let moved: Vec<Angles> = angles.iter().map(|[first, second]| [first + of_first, second + turns]).collect();
             if let Some(miss) = out_of_travel(machine, run, length, &moved) {
                 if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
                     nearest_miss = Some(miss);

@@ -47,6 +47,18 @@ impl ClearanceSphere {
         if c >= 0.0 && b >= 0.0 { 0.0 } else { -b + (b * b - c).max(0.0).sqrt() }
     }
 
+    /// Diameter, mm.
+    pub(crate) fn size(&self) -> f64 {
+        2.0 * self.radius
+    }
+
+    /// The place on the sphere between the directions of a tool axis and of the vertical. A tool there does not point
+    /// inward, nor does it on the way up, unless it points down.
+    pub(crate) fn above(&self, axis: &Vector3<f64>, up: &Vector3<f64>) -> Point3<f64> {
+        let direction = (axis + up).try_normalize(0.1).unwrap_or(*up);
+        self.centre + direction * self.radius
+    }
+
     /// Length of the path from one outside point to another.
     pub(crate) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
         let (a, b) = (from - self.centre, to - self.centre);

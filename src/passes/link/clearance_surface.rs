@@ -61,6 +61,27 @@ impl<'a> ClearanceSurface<'a> {
         ClPoint { tip: at(height), axis: from.axis, contact: None }
     }
 
+    /// Places from a place outside to one from which the tool rises along Z of the machine to any height, without the first
+    /// and with the last: out along the tool axis, and where that is not enough, over the clearance sphere.
+    pub(super) fn way_to_rise(&self, from: &RotaryPose) -> Vec<RotaryPose> {
+        let to_part = self.machine.part_to_machine(from.rotary).inverse();
+        let (up, axis) = (to_part * Vector3::z(), self.axis(from));
+        let exit = self.sphere.exit(&from.tip, &axis);
+        let raised = |p: &RotaryPose, by: f64, along: &Vector3<f64>| RotaryPose { tip: p.tip + along * by, ..*p };
+        // Above the whole blank.
+        let rises = |p: &RotaryPose| self.is_free(&[*p, raised(p, self.sphere.size(), &up)]);
+        for raise in RAISES.into_iter().map(|raise| raise.min(exit)).chain([exit]) {
+            let place = raised(from, raise, &axis);
+            if rises(&place) {
+                return if raise > 0.0 { vec![place] } else { Vec::new() };
+            }
+        }
+        let out = raised(from, exit, &axis);
+        let over = RotaryPose { tip: self.sphere.above(&axis, &up), ..*from };
+        let way = self.sphere.around(&self.machine.chain, &out, &over);
+        [out].into_iter().chain(way).chain([over]).collect()
+    }
+
     /// About the time of the way over the surface from one pose to another, s. On the surface the tool goes at rapid, below
     /// it with a feed, mm/min.
     pub(super) fn time(&self, from: &ClPoint, to: &ClPoint, feed: f64) -> f64 {
@@ -90,7 +111,8 @@ impl<'a> ClearanceSurface<'a> {
         self.machine.chain.tool_axis(p.rotary)
     }
 
-    /// Places between two others at which all axes of the machine have gone the same share of their way.
+    /// Places between two others: the tip straight in the frame of the machine, the rotary axes even. Without a head all axes
+    /// have then gone the same share of their way.
     fn evenly(&self, [from, to]: &[RotaryPose; 2]) -> Vec<RotaryPose> {
         let xyz = [from, to].map(|p| self.machine.joints(&p.tip, p.rotary).xyz);
         let radius = [from, to].map(|p| p.tip.coords.norm()).into_iter().fold(0.0, f64::max);

@@ -5,7 +5,8 @@
 //! clearance surface, and goes over it to the next pass (see [`super::clearance_surface`]). Where a finishing pass begins
 //! near the end of its predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links
 //! between them keep one branch and do not unwind. Where the travel does not allow this, the tool goes over the surface in
-//! the middle of them. Branch and winding change only there.
+//! the middle of them. Branch and winding change only there. Where the travel does not allow a single pass, the tool leaves
+//! within it along its axis to the surface, turns, and comes back to the same place ([`super::pieces`]).
 //!
 //! A tool that leaves along its own axis sweeps only space that it already occupied. After rest machining, passes begin
 //! and end in space without stock, and nothing above the cutter is thinner than the cutter.
@@ -13,10 +14,11 @@
 use super::branch::{self, OutOfTravel};
 use super::clearance_surface::ClearanceSurface;
 use super::direct_link::DirectLinks;
+use super::pieces::{self, LinkMove, Solved};
 use crate::diag::{Aborted, Diag, codes::kinematics};
 use crate::ir::motion::MotionOperation;
-use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation};
-use crate::kin::{Angles, Joints, Machine, RotaryPose};
+use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation, Program};
+use crate::kin::{Angles, Machine, RotaryPose};
 use crate::passes::context::PassContext;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -25,14 +27,6 @@ use std::ops::Range;
 /// Time that the changes from feed to rapid and back cost, s: the axes nearly stop at both ends, and start and stop with the
 /// jerk of usual axes. With a third of it, links round the edges of the small job go to rapid and save nothing.
 const CHANGES: f64 = 0.3;
-
-/// A move to a cutter location.
-struct LinkMove {
-    kind: MoveKind,
-    to: ClPoint,
-    /// Index of the pass that the move belongs to or leads to.
-    pass: u32,
-}
 
 /// Passes with the direct links between neighbours, and the sphere for all other links.
 struct Links<'a> {
@@ -49,42 +43,61 @@ struct Links<'a> {
 pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
     let mut motion = Motion::default();
     let mut failed = false;
-    let mut at = [0.0; 2];
     let machine = &cx.program.machine;
+    let mut at = machine.rotary.each_ref().map(|axis| 0.0_f64.clamp(axis.min, axis.max));
     for planned in &cl.operations {
         let operation = &cx.program.operations[planned.operation];
         let length = cx.program.tools[operation.tool].length();
         let links = Links::new(cx, operation, &planned.passes);
-        let (mut moves, mut misses) = (Vec::new(), Vec::new());
+        let (mut moves, mut faults) = (Vec::new(), Faults::default());
         // The last sequence is at the top of the stack.
         let mut open = links.runs();
         open.reverse();
         while let Some(run) = open.pop() {
             let linked = links.linked(run.clone());
             let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
-            match branch::solve(machine, &places, length, at) {
-                Ok(rotary) => {
-                    append(machine, &links.surface, operation, (&linked, &rotary), &mut moves);
-                    at = rotary.last().copied().unwrap_or(at);
-                }
+            let solved = match branch::solve(machine, &places, length, at) {
+                Ok(rotary) => vec![Solved { moves: linked, rotary }],
                 Err(_) if run.len() > 1 => {
                     let middle = run.start + run.len() / 2;
                     open.extend([middle..run.end, run.start..middle]);
+                    continue;
                 }
-                Err(miss) => misses.extend(linked.get(miss.index).map(|m| (m.to.tip, m.pass as usize, miss))),
+                Err(miss) => links.in_pieces(machine, run.start, length, at).unwrap_or_else(|| {
+                    faults.misses.extend(linked.get(miss.index).map(|m| (m.to.tip, m.pass as usize, miss)));
+                    Vec::new()
+                }),
+            };
+            faults
+                .turns
+                .extend(solved.iter().skip(1).filter_map(|piece| piece.moves.get(1)).map(|m| (m.pass, m.to.tip)));
+            for piece in &solved {
+                append(machine, &links.surface, operation, piece, &mut moves);
+                at = piece.rotary.last().copied().unwrap_or(at);
             }
         }
-        failed |= !misses.is_empty();
-        report(cx, planned, &misses);
+        failed |= !faults.misses.is_empty();
+        report(cx, planned, &faults.misses);
+        report_turns(cx, planned, &faults.turns);
+        rise(machine, &links.surface, &mut moves);
         add_stations(machine, length, &mut moves);
         let mut labels: Vec<String> = planned.passes.iter().map(|p| p.label.clone()).collect();
         if planned.passes.is_empty() {
             labels.push("no pass".to_owned());
-            moves = aloft(machine, length, motion.operations.last(), at);
+            moves = aloft(cx.program, length, motion.operations.last(), at);
         }
         motion.operations.push(MotionOperation { operation: planned.operation, labels, moves });
     }
     if failed { Err(Aborted) } else { Ok(motion) }
+}
+
+/// What an operation cannot do in one go, or not at all.
+#[derive(Default)]
+struct Faults {
+    /// Places that no branch and winding reach, with the pass.
+    misses: Vec<(Point3<f64>, usize, OutOfTravel)>,
+    /// Passes within which the tool turns outside of the stock, with the place.
+    turns: Vec<(u32, Point3<f64>)>,
 }
 
 impl<'a> Links<'a> {
@@ -127,43 +140,56 @@ impl<'a> Links<'a> {
             let points = &self.passes[index].points;
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
             let pass = u32::try_from(index).unwrap_or(u32::MAX);
-            let mut add = |kind: MoveKind, to: ClPoint| moves.push(LinkMove { kind, to, pass });
             let start = ClPoint { contact: None, ..*first };
             match index.checked_sub(1).and_then(|before| self.short[before].as_ref()) {
                 Some(over) if index > run.start => {
                     let before = self.passes[index - 1].points.last();
                     let stays = before.is_some_and(|p| p.tip == start.tip && p.axis == start.axis);
-                    for to in over.iter().copied().chain((!stays).then_some(start)) {
-                        add(MoveKind::Link, to);
-                    }
+                    let places = over.iter().copied().chain((!stays).then_some(start));
+                    moves.extend(places.map(|to| LinkMove { kind: MoveKind::Link, to, pass }));
                 }
-                _ => {
-                    let over = self.surface.lifted(first);
-                    add(MoveKind::Rapid, over);
-                    if over.tip != first.tip {
-                        add(MoveKind::Link, start);
-                    }
-                }
+                _ => pieces::way_in(&self.surface, first, pass, &mut moves),
             }
-            let air = &self.passes[index].air;
-            for (i, p) in points.iter().enumerate().skip(1) {
-                add(if air.binary_search(&i).is_ok() { MoveKind::Link } else { MoveKind::Cut }, *p);
-            }
-            let out = self.surface.lifted(last);
-            if index + 1 == run.end && out.tip != last.tip {
-                add(MoveKind::Link, out);
+            pieces::along(&self.passes[index], pass, 1..=points.len() - 1, &mut moves);
+            if index + 1 == run.end {
+                pieces::way_out(&self.surface, last, pass, &mut moves);
             }
         }
         moves
     }
+
+    /// The pieces of a pass that does not stay within the travel in one go.
+    fn in_pieces(&self, machine: &Machine, index: usize, length: f64, at: Angles) -> Option<Vec<Solved>> {
+        let pass = u32::try_from(index).unwrap_or(u32::MAX);
+        pieces::pieces(machine, &self.surface, (self.passes.get(index)?, pass), length, at)
+    }
+}
+
+/// With a head that leans, Z moves the tool across its axis: it goes out first until it is clear of the blank on its way to
+/// the retract height, and comes back the same way.
+fn rise(machine: &Machine, surface: &ClearanceSurface<'_>, moves: &mut Vec<JointMove>) {
+    if !machine.chain.has_head() {
+        return;
+    }
+    let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
+    let over = |m: &JointMove| {
+        let from = RotaryPose { tip: machine.forward(&m.joints).tip, rotary: m.joints.rotary };
+        let places = surface.way_to_rise(&from).into_iter().map(|place| machine.joints(&place.tip, place.rotary));
+        let pass = m.pass;
+        let rapid = move |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass, stop: false };
+        places.map(rapid).collect::<Vec<_>>()
+    };
+    let (mut before, behind) = (over(&first), over(&last));
+    before.reverse();
+    moves.splice(0..0, before);
+    moves.extend(behind);
 }
 
 /// Adds the stations at retract height in front of the first and behind the last move.
 fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
     let over = |m: JointMove| {
-        let mut joints = m.joints;
-        joints.xyz.z = machine.retract - length;
+        let joints = machine.at_height(&m.joints, machine.retract, length);
         JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: m.pass, stop: false }
     };
     moves.insert(0, over(first));
@@ -175,18 +201,21 @@ const DOWN: f64 = 1.0;
 
 /// The moves of an operation that cuts nothing: both stations, where the operation before ended, with a short way down
 /// between them.
-fn aloft(machine: &Machine, length: f64, before: Option<&MotionOperation>, rotary: Angles) -> Vec<JointMove> {
-    let before = before.and_then(|o| o.moves.last()).map(|m| m.joints.xyz);
+fn aloft(program: &Program, length: f64, before: Option<&MotionOperation>, rotary: Angles) -> Vec<JointMove> {
+    let machine = &program.machine;
+    let before = before.and_then(|o| {
+        let length = program.tools[program.operations[o.operation].tool].length();
+        o.moves.last().map(|m| machine.positions(&m.joints, length))
+    });
     let [x, y] = [0, 1].map(|k: usize| {
         let axis = &machine.linear[k];
-        before.map_or_else(|| 0.0_f64.clamp(axis.min, axis.max), |xyz| xyz[k])
+        before.map_or_else(|| 0.0_f64.clamp(axis.min, axis.max), |positions| positions[k])
     });
     let at = |z: f64| {
-        let joints = Joints { xyz: Vector3::new(x, y, z), rotary };
+        let joints = machine.joints_at(&Vector3::new(x, y, z), rotary, length);
         JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }
     };
-    let height = machine.retract - length;
-    vec![at(height), at(height - DOWN), at(height)]
+    vec![at(machine.retract), at(machine.retract - DOWN), at(machine.retract)]
 }
 
 /// Appends the moves of a sequence, preceded by the link over the clearance surface.
@@ -194,7 +223,7 @@ fn append(
     machine: &Machine,
     surface: &ClearanceSurface<'_>,
     operation: &Operation,
-    (run, rotary): (&[LinkMove], &[Angles]),
+    Solved { moves: run, rotary }: &Solved,
     out: &mut Vec<JointMove>,
 ) {
     let (Some(first), Some(start)) = (run.first(), rotary.first().copied()) else { return };
@@ -259,6 +288,34 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f
         misses.len(),
         operation.passes.len()
     ))
-    .help("use a machine with more travel, or mount the part at another position of the table");
+    .help(if cx.program.machine.chain.has_head() {
+        "use a machine with more travel, or mount the part at another position"
+    } else {
+        "use a machine with more travel, or mount the part at another position of the table"
+    });
     cx.sink.push(diag);
+}
+
+/// Reports the passes within which the tool leaves the part to turn: each place of a finished surface keeps a mark.
+fn report_turns(cx: &mut PassContext<'_>, operation: &ClOperation, turns: &[(u32, Point3<f64>)]) {
+    let Some((pass, tip)) = turns.first() else { return };
+    let declared = &cx.program.operations[operation.operation];
+    let [.., first, second] = cx.program.machine.names();
+    let text = format!(
+        "`{}` leaves the part {} times within passes, to turn {first} and {second} where their travel ends",
+        declared.name,
+        turns.len()
+    );
+    let diag = if declared.kind.finishes() {
+        Diag::warning(kinematics::TURNS_IN_PASS, text)
+            .note("the tool comes back to the same place, and may leave a mark there")
+    } else {
+        Diag::remark(kinematics::TURNS_IN_PASS, text)
+    };
+    let label = operation.passes.get(*pass as usize).map_or(String::new(), |p| p.label.clone());
+    cx.sink.push(
+        diag.label(declared.span, "in this operation")
+            .place(label, *tip)
+            .help("use a machine with more travel of these axes, or cut in sectors that need no such turn"),
+    );
 }

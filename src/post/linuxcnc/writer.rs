@@ -32,6 +32,7 @@ const LARGEST_TOOL: u32 = 99_999;
 
 /// Refuses a machine that the transformation of the control does not support.
 pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
+    words::check_machine(machine, sink);
     if machine.planning != Planning::LinuxCnc {
         sink.push(
             Diag::error(

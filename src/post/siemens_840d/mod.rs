@@ -6,7 +6,7 @@
 //!
 //! Two rotary positions give the same vector. The rapid before every pass carries the rotary positions themselves (such
 //! as A= C=), and thus selects one of them. [`Post::check`] makes sure that the nearest position is the right one in
-//! every later block: within a pass rotary axis 1 keeps its sign, and rotary axis 2 turns less than 90 deg a block.
+//! every later block: within a pass rotary axis 1 keeps its branch, and rotary axis 2 turns less than 90 deg a block.
 //! Rotary axis 2 is a limited axis here: no DC().
 //!
 //! The head of the program resets what an aborted program can have left active. With the transformation off, axes move
@@ -22,6 +22,7 @@ use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::post::words;
 
 /// The dialect.
 pub(super) struct Siemens840d;
@@ -36,9 +37,12 @@ impl Post for Siemens840d {
     }
 
     // The sense of each rotary axis is machine data of the control.
-    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        words::check_machine(machine, sink);
+    }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        words::check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
     }
 

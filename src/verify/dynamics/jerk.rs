@@ -69,7 +69,8 @@ fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
 pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> (f64, f64) {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
-    let tilt = libm::hypot(cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio) * root * time / 8.0;
+    let turn = limits.chain.turn([0.0; 2], [cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio]);
+    let tilt = turn * root * time / 8.0;
     ((cell.flutes * root * time / 8.0).max(y * cell.rounding), tilt.max(y * cell.tilting))
 }
 

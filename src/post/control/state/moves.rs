@@ -271,7 +271,7 @@ impl ControlState<'_> {
         let at = self.turned.unwrap_or(end.xyz);
         let start = Joints { xyz: at, rotary: from };
         let away = [0.25, 0.5, 0.75, 1.0].map(|share| {
-            let pose = Interpolation::RotaryLinear.pose(machine, &start, &end, share);
+            let pose = Interpolation::RotaryLinear.pose(machine, [&start, &end], 0.0, share);
             (machine.joints(&pose.tip, between(from, to, share)).xyz - at).amax()
         });
         if away.into_iter().fold(0.0, f64::max) > STANDS {
