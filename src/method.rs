@@ -13,6 +13,53 @@ pub enum Planning {
     LinuxCnc,
 }
 
+/// Way that a control takes to an angle of an axis whose words it reduces modulo 360 deg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModuloWay {
+    /// The shorter one.
+    Shortest,
+    /// From value to value between 0 and 360 deg, never through 0.
+    Direct,
+    /// By the sign of the word: a positive word turns in the positive sense.
+    Sign,
+}
+
+impl ModuloWay {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Shortest, Self::Direct, Self::Sign];
+
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shortest => "shortest",
+            Self::Direct => "direct",
+            Self::Sign => "sign",
+        }
+    }
+}
+
+/// Point of the tool that the lengths in the tool table of the control refer to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthTo {
+    /// The tip.
+    Tip,
+    /// The centre of the ball or of the corner radius.
+    Centre,
+}
+
+impl LengthTo {
+    /// All points.
+    pub const ALL: [Self; 2] = [Self::Tip, Self::Centre];
+
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tip => "tip",
+            Self::Centre => "centre",
+        }
+    }
+}
+
 /// Spacing of the lines on a floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {

@@ -1,7 +1,8 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
-use crate::kin::{Carries, LengthTo, Machine};
+use crate::kin::{Carries, Machine};
+use crate::method::LengthTo;
 use crate::part::{Blade, BladeId, Part, SurfaceKind};
 use nalgebra::Point3;
 use std::fmt::Write as _;

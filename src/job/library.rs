@@ -5,8 +5,7 @@ use super::model::{CarriedSpec, CutterKind, LinearSpec, LoadLimits, MachineKind,
 use super::quantity::{Dimension, KILOWATT, Quantity};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
-use crate::kin::{LengthTo, ModuloWay};
-use crate::method::Planning;
+use crate::method::{LengthTo, Planning};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm, trim};
 use nalgebra::Vector3;
@@ -97,10 +96,10 @@ struct LinearTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RotaryTable {
-    travel: Option<Spanned<[SpannedText; 2]>>,
-    modulo: Option<Spanned<bool>>,
-    way: Option<SpannedText>,
+pub(super) struct RotaryTable {
+    pub(super) travel: Option<Spanned<[SpannedText; 2]>>,
+    pub(super) modulo: Option<Spanned<bool>>,
+    pub(super) way: Option<SpannedText>,
     clamp: Option<[SpannedText; 2]>,
     speed: SpannedText,
     acceleration: SpannedText,
@@ -124,10 +123,10 @@ struct RetractTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct HomeTable {
-    x: Option<SpannedText>,
-    y: Option<SpannedText>,
-    z: Option<SpannedText>,
+pub(super) struct HomeTable {
+    pub(super) x: Option<SpannedText>,
+    pub(super) y: Option<SpannedText>,
+    pub(super) z: Option<SpannedText>,
 }
 
 #[derive(Deserialize)]
@@ -249,7 +248,7 @@ impl LibraryReader<'_> {
         max.min(1.0)
     }
 
-    fn pair(&mut self, texts: &[SpannedText; 2], due: Dimension, bound: f64) -> [f64; 2] {
+    pub(super) fn pair(&mut self, texts: &[SpannedText; 2], due: Dimension, bound: f64) -> [f64; 2] {
         let pair = [self.quantity(&texts[0], due, -bound, bound), self.quantity(&texts[1], due, -bound, bound)];
         if pair[0] >= pair[1] {
             let span = Span { end: self.span(&texts[1]).end, ..self.span(&texts[0]) };
@@ -409,114 +408,6 @@ impl LibraryReader<'_> {
                 top
             }
         }
-    }
-
-    /// Where the machine parks: within the travel, and not below the retract height.
-    fn home(&mut self, table: &Option<HomeTable>, linear: &[LinearSpec; 3], retract: Mm) -> [Option<Mm>; 3] {
-        let Some(HomeTable { x, y, z }) = table else { return [None; 3] };
-        let [of_x, of_y, of_z] = linear.map(|axis| axis.travel.map(Mm::get));
-        let keys = [(x, of_x), (y, of_y), (z, [retract.get(), of_z[1]])];
-        keys.map(|(text, [low, high])| Some(Mm(self.quantity(text.as_ref()?, Dimension::LENGTH, low, high))))
-    }
-
-    /// The entry of a list that a text names; without a text the first.
-    fn named<T: Copy, const N: usize>(
-        &mut self,
-        text: &Option<SpannedText>,
-        (key, help): (&str, &str),
-        known: [(T, &'static str); N],
-    ) -> T {
-        let Some(text) = text else { return known[0].0 };
-        if let Some((value, _)) = known.iter().find(|(_, name)| name == text.get_ref()) {
-            return *value;
-        }
-        let names = known.map(|(_, name)| format!("\"{name}\"")).join(", ");
-        self.fault(
-            self.span(text),
-            format!("the value `{}` of `{key}` is not known", text.get_ref()),
-            format!("one of {names} is expected"),
-            help,
-        );
-        known[0].0
-    }
-
-    /// Travel of a rotary axis, and for an axis modulo 360 deg, which has no limits, the way of the control.
-    fn turns(&mut self, name: &str, table: &RotaryTable, axis: Span) -> ([f64; 2], Option<ModuloWay>) {
-        let endless = [f64::NEG_INFINITY, f64::INFINITY];
-        let modulo = table.modulo.as_ref().filter(|m| *m.get_ref());
-        match (&table.travel, modulo) {
-            (Some(travel), None) => {
-                if let Some(way) = &table.way {
-                    self.fault(
-                        self.span(way),
-                        format!("axis {name} has a `way`, but its words are not modulo 360 deg"),
-                        "this key is for an axis with `modulo = true`".to_owned(),
-                        "remove the line, or write `modulo = true` instead of `travel`",
-                    );
-                }
-                (self.pair(travel.get_ref(), Dimension::ANGLE, 1e5), None)
-            }
-            (None, Some(modulo)) => {
-                if table.way.is_none() {
-                    self.fault(
-                        self.span(modulo),
-                        format!("the way that the control takes to a word of {name} is not given"),
-                        "`way` is missing".to_owned(),
-                        "write `way = \"shortest\"` if the control takes the shorter way, \"direct\" if it never passes 0 deg, \
-                         \"sign\" if the sign of the word decides",
-                    );
-                }
-                let help = "the manual of the control says how a rotary axis goes to an absolute word";
-                let way = self.named(&table.way, ("way", help), ModuloWay::ALL.map(|way| (way, way.name())));
-                (endless, Some(way))
-            }
-            (Some(_), Some(modulo)) => {
-                self.fault(
-                    self.span(modulo),
-                    format!("axis {name} has a `travel` and is modulo 360 deg"),
-                    "an axis whose words the control reduces modulo 360 deg has no limits".to_owned(),
-                    "remove `travel`, or `modulo` for an axis with limits",
-                );
-                (endless, None)
-            }
-            (None, None) => {
-                self.fault(
-                    axis,
-                    format!("axis {name} has no `travel`"),
-                    "two angles are expected".to_owned(),
-                    "write `travel = [\"-120 deg\", \"120 deg\"]`, or `modulo = true` and `way` for a table that turns without end",
-                );
-                (endless, None)
-            }
-        }
-    }
-
-    /// Words that clamp and unclamp an axis: two different M words.
-    fn clamp(&mut self, name: &str, words: &[SpannedText; 2]) -> [String; 2] {
-        let is_word = |text: &str| {
-            let digits = text.strip_prefix('M').unwrap_or_default();
-            (1..=4).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit())
-        };
-        for word in words {
-            if !is_word(word.get_ref()) {
-                self.fault(
-                    self.span(word),
-                    format!("`{}` is not a word that clamps {name}", word.get_ref()),
-                    "M with one to four digits is expected".to_owned(),
-                    "write the word that clamps, then the word that unclamps: [\"M10\", \"M11\"]",
-                );
-            }
-        }
-        let [on, off] = words.each_ref().map(|word| word.get_ref().clone());
-        if on == off {
-            self.fault(
-                self.span(&words[1]),
-                format!("one word clamps and unclamps {name}"),
-                "another word is expected".to_owned(),
-                "write the word that clamps, then the word that unclamps: [\"M10\", \"M11\"]",
-            );
-        }
-        [on, off]
     }
 
     fn rotary(&mut self, name: &str, table: &RotaryTable) -> RotarySpec {

@@ -9,6 +9,7 @@ pub mod files;
 mod finishing;
 mod library;
 mod limits;
+mod machine_keys;
 pub mod model;
 mod operations;
 mod part;

@@ -2,9 +2,8 @@
 
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
-use crate::kin::{LengthTo, ModuloWay};
 use crate::material::Material;
-use crate::method::Planning;
+use crate::method::{LengthTo, ModuloWay, Planning};
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::post_file::PostFile;

@@ -2,9 +2,8 @@
 
 use super::library::LINUXCNC;
 use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind, RotarySpec};
-use crate::kin::LengthTo;
 use crate::method::FlankMethod;
-use crate::method::Planning;
+use crate::method::{LengthTo, Planning};
 use crate::operation::{Allowances, word};
 use crate::part::FaceId;
 use crate::post_file::PostFile;

@@ -2,7 +2,7 @@
 
 use super::heights::{Ring, Swing, farthest};
 use super::{Angles, AxisLine, Carries, Chain};
-use crate::method::Planning;
+use crate::method::{LengthTo, ModuloWay, Planning};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -43,53 +43,6 @@ pub struct RotaryAxis {
     pub modulo: Option<ModuloWay>,
     /// Words that clamp and unclamp the axis, for posts. A clamped axis must not move.
     pub clamp: Option<[String; 2]>,
-}
-
-/// Way that a control takes to an angle of an axis whose words it reduces modulo 360 deg.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ModuloWay {
-    /// The shorter one.
-    Shortest,
-    /// From value to value between 0 and 360 deg, never through 0.
-    Direct,
-    /// By the sign of the word: a positive word turns in the positive sense.
-    Sign,
-}
-
-impl ModuloWay {
-    /// All ways.
-    pub const ALL: [Self; 3] = [Self::Shortest, Self::Direct, Self::Sign];
-
-    /// Name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Shortest => "shortest",
-            Self::Direct => "direct",
-            Self::Sign => "sign",
-        }
-    }
-}
-
-/// Point of the tool that the lengths in the tool table of the control refer to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LengthTo {
-    /// The tip.
-    Tip,
-    /// The centre of the ball or of the corner radius.
-    Centre,
-}
-
-impl LengthTo {
-    /// All points.
-    pub const ALL: [Self; 2] = [Self::Tip, Self::Centre];
-
-    /// Name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Tip => "tip",
-            Self::Centre => "centre",
-        }
-    }
 }
 
 /// A machine with three linear and two rotary axes. Travel and heights of Z refer to the gauge line: the face of the
@@ -431,7 +384,88 @@ mod tests {
             let lines = [line(carries, k1, point), line(Carries::Part, k2, [1.0, 2.0, 3.0])];
             prop_assume!(Chain::new(lines).is_ok());
             let m = machine([-2.0, 2.0], lines, [5.0, -4.0, 9.0]);
-            prop_assert!(reached(&m, [-2.0, 2.0], r, 20.0) <= m.highest(&[[r, 20.0]]) + 1e-9);
+            let bound = m.highest(&[[r, 20.0]]);
+            prop_assert!(bound >= reached(&m, [-2.0, 2.0], r, 20.0) - 1e-9);
+            // Both axes within their travel, and each point of the ring.
+            let mut most = f64::NEG_INFINITY;
+            for (i, k) in (0..=60).flat_map(|i| (0..=60).map(move |k| (i, k))) {
+                let turned = m.part_to_machine([i, k].map(|i| -2.0 + f64::from(i) / 15.0));
+                let up = turned.rotation.inverse() * Vector3::z();
+                most = most.max((turned * Point3::new(0.0, 0.0, 20.0)).z + r * libm::hypot(up.x, up.y));
+            }
+            prop_assert!(most <= bound + 1e-9 && most > bound - 0.3, "{most} {bound}");
+        }
+
+        /// The lowest point of a tool is that by brute force, for heads of one and of two axes.
+        #[test]
+        fn lowest_is_reached_and_not_passed(
+            first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
+            point in [-50.0..50.0_f64, -50.0..50.0, 100.0..250.0], two in any::<bool>(),
+            low in -2.0..0.5_f64, range in 0.1..3.0_f64, r in 1.0..30.0_f64, length in 40.0..200.0_f64
+        ) {
+            let [k1, k2] = [first, second].map(Vector3::from);
+            prop_assume!(k1.norm() > 0.1 && k2.norm() > 0.1);
+            let carries = if two { Carries::Tool } else { Carries::Part };
+            let lines = [line(Carries::Tool, k1, point), line(carries, k2, [4.0, -3.0, 180.0])];
+            prop_assume!(Chain::new(lines).is_ok());
+            let m = machine([low, low + range], lines, [0.0; 3]);
+            let bound = m.lowest(&[[r, 0.0], [r, length]], length);
+            let mut least = f64::INFINITY;
+            let steps = if two { 60 } else { 0 };
+            for (i, k) in (0..=60).flat_map(|i| (0..=steps).map(move |k| (i, k))) {
+                let rotary = [i, k].map(|i| low + range * f64::from(i) / 60.0);
+                let turned = m.chain.tool(rotary);
+                for turn in 0..90 {
+                    let (sine, cosine) = libm::sincos(f64::from(turn) * TAU / 90.0);
+                    for z in [-length, 0.0] {
+                        least = least.min((turned * Point3::new(r * cosine, r * sine, z)).z);
+                    }
+                }
+            }
+            prop_assert!(bound <= least + 1e-9 && bound > least - 0.5, "{bound} {least}");
+        }
+
+        /// Up to this angle every direction is reached within the travel, and not every one a little beyond.
+        #[test]
+        fn most_lean_is_the_largest_cone(
+            nutating in -0.9..0.9_f64, level in any::<bool>(), low in -2.5..-0.2_f64, range in 0.3..5.0_f64
+        ) {
+            let [k1, k2] = if level {
+                [Vector3::x(), Vector3::y()]
+            } else {
+                [Vector3::new(0.0, libm::cos(nutating), libm::sin(nutating)), Vector3::z()]
+            };
+            let lines = [line(Carries::Tool, k1, [0.0; 3]), line(Carries::Tool, k2, [0.0; 3])];
+            let mut m = machine([low, low + range], lines, [0.0; 3]);
+            if !level {
+                (m.rotary[1].min, m.rotary[1].max) = (-10.0, 10.0);
+            }
+            let most = m.most_lean();
+            let all = |lean: f64| (0..1000).all(|k| {
+                let (sine, cosine) = libm::sincos(lean);
+                let (y, x) = libm::sincos(f64::from(k) * TAU / 1000.0);
+                m.reaches(&Vector3::new(sine * x, sine * y, cosine))
+            });
+            prop_assert!(most < 0.01 || all(0.5 * most) && all(most - 3e-3), "{most}");
+            prop_assert!(most > PI - 0.02 || !all(most + 3e-3), "{most}");
+        }
+
+        /// A tool that hangs from its positions is where the joints put it, and comes back to its positions.
+        #[test]
+        fn positions_and_joints_are_inverse(
+            angles in [-1.5..1.5_f64, -3.0..3.0], xyz in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0],
+            length in 20.0..200.0_f64, z in 300.0..600.0_f64
+        ) {
+            let lines = [
+                line(Carries::Tool, Vector3::new(0.0, 1.0, 1.0), [3.0, 2.0, 150.0]),
+                line(Carries::Part, Vector3::z(), [0.0; 3])
+            ];
+            let m = machine([-2.0, 2.0], lines, [0.0; 3]);
+            let joints = m.joints_at(&Vector3::from(xyz), angles, length);
+            let positions = m.positions(&joints, length);
+            prop_assert!((0..3).all(|k| (positions[k] - xyz[k]).abs() < 1e-9));
+            let raised = m.positions(&m.at_height(&joints, z, length), length);
+            prop_assert!((raised[2] - z).abs() < 1e-9 && (0..2).all(|k| (raised[k] - xyz[k]).abs() < 1e-9));
         }
 
         /// With a head, gauge line and tool follow the angles: the tip is where the joints put it.

@@ -15,5 +15,5 @@ pub mod transform;
 
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
-pub use machine::{Carried, LengthTo, LinearAxis, Machine, ModuloWay, RotaryAxis};
+pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
 pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

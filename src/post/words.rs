@@ -2,7 +2,8 @@
 
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{LengthTo, Machine, RotaryAxis};
+use crate::kin::{Machine, RotaryAxis};
+use crate::method::LengthTo;
 use crate::post_file::Orientation;
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.

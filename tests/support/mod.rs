@@ -102,28 +102,22 @@ pub fn machine() -> Machine {
     let linear =
         |half: f64| LinearAxis { min: -half, max: half, speed: 500.0, acceleration: 5000.0, jerk: f64::INFINITY };
     let rotary = |name: &str, min: f64, max: f64, rpm: f64| RotaryAxis {
-        name: name.to_owned(),
         min: min.to_radians(),
         max: max.to_radians(),
         speed: rpm * std::f64::consts::TAU / 60.0,
         acceleration: 20.0,
-        jerk: f64::INFINITY,
-        word_sign: 1.0,
+        ..RotaryAxis::wide(name)
     };
     Machine {
         name: "5mc850-c".to_owned(),
         linear: [linear(400.0), linear(250.0), linear(350.0)],
         rotary: [rotary("A", -100.0, 100.0, 16.0), rotary("C", -180.0, 180.0, 30.0)],
-        chain: Chain::tilting_table(),
         part_origin: Vector3::new(0.0, 0.0, 80.0),
         retract: 350.0,
         spindle: [100.0, 18000.0],
-        power: None,
         rapid: 500.0,
         cycle: 0.002,
-        planning: Planning::Joints,
-        carried: Vec::new(),
-        assumed: Vec::new(),
+        ..Machine::wide(Chain::tilting_table())
     }
 }
 

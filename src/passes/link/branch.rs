@@ -4,6 +4,9 @@ use crate::ir::ClPoint;
 use crate::kin::{Angles, Machine};
 use std::f64::consts::TAU;
 
+/// Excess over the travel of a rotary axis that is rounding, radians: a tenth of what the verifier takes for rounding.
+const AT_LIMIT: f64 = 1e-10;
+
 /// Why a sequence has no joints within travel.
 pub(crate) struct OutOfTravel {
     pub(crate) index: usize,
@@ -62,7 +65,11 @@ fn out_of_travel(machine: &Machine, run: &[ClPoint], length: f64, angles: &[Angl
     let travel = machine.travel();
     run.iter().zip(angles).enumerate().find_map(|(index, (p, rotary))| {
         let positions = machine.positions(&machine.joints(&p.tip, *rotary), length);
-        let k = [3, 4, 0, 1, 2].into_iter().find(|k| !(travel[*k][0]..=travel[*k][1]).contains(&positions[*k]))?;
+        let beyond = |k: &usize| {
+            let most = if *k < 3 { 0.0 } else { AT_LIMIT };
+            !(travel[*k][0] - most..=travel[*k][1] + most).contains(&positions[*k])
+        };
+        let k = [3, 4, 0, 1, 2].into_iter().find(beyond)?;
         let (unit, scale) = if k < 3 { ("mm", 1.0) } else { ("deg", 1.0_f64.to_degrees()) };
         let axis = machine.names()[k].to_owned();
         Some(OutOfTravel { index, axis, value: positions[k] * scale, range: travel[k].map(|x| x * scale), unit })

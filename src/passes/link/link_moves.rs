@@ -301,10 +301,10 @@ fn report_turns(cx: &mut PassContext<'_>, operation: &ClOperation, turns: &[(u32
     let Some((pass, tip)) = turns.first() else { return };
     let declared = &cx.program.operations[operation.operation];
     let [.., first, second] = cx.program.machine.names();
+    let times = if turns.len() == 1 { "once".to_owned() } else { format!("{} times", turns.len()) };
     let text = format!(
-        "`{}` leaves the part {} times within passes, to turn {first} and {second} where their travel ends",
-        declared.name,
-        turns.len()
+        "`{}` leaves the part {times} within passes, to turn {first} and {second} where their travel ends",
+        declared.name
     );
     let diag = if declared.kind.finishes() {
         Diag::warning(kinematics::TURNS_IN_PASS, text)

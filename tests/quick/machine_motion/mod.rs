@@ -371,21 +371,21 @@ fn other_rules_leave_the_motion_by_their_closed_forms() {
     // A stays, C turns: the axis runs on a small circle, the great circle through its ends leaves it most in the middle.
     let (a, turn, height) = (0.7_f64, 0.4_f64, 30.0);
     let (from, to) = (joints([40.0, 0.0, 0.0], a, 0.1), joints([41.0, 0.0, 0.0], a, 0.1 + turn));
-    let found = Interpolation::GreatCircle.deviation(&machine, &from, &to, height);
+    let found = Interpolation::GreatCircle.deviation(&machine, [&from, &to], 100.0, height);
     let angle = a - (a.tan() * (turn / 2.0).cos()).atan();
     near(found, 2.0 * (angle / 2.0).sin() * height, 1e-9);
     let dense = (0..=1000).map(|k| {
         let [p, q] = [Interpolation::GreatCircle, Interpolation::RotaryLinear]
-            .map(|rule| rule.pose(&machine, &from, &to, f64::from(k) / 1000.0));
+            .map(|rule| rule.pose(&machine, [&from, &to], 100.0, f64::from(k) / 1000.0));
         ((p.tip + p.axis * height) - (q.tip + q.axis * height)).norm()
     });
     let dense = dense.fold(0.0, f64::max);
     assert!(found <= dense + 1e-12 && found > 0.99 * dense, "{found} {dense}");
     // A standing tip at a radius while all joints run straight: the sag of the arc.
     let (from, to) = (joints([60.0, 0.0, 0.0], 0.0, 0.0), joints([60.0, 0.0, 0.0], 0.0, turn));
-    let found = Interpolation::JointsLinear.deviation(&machine, &from, &to, height);
+    let found = Interpolation::JointsLinear.deviation(&machine, [&from, &to], 100.0, height);
     near(found, 60.0 * (1.0 - (turn / 2.0).cos()), 1e-9);
-    assert_eq!(Interpolation::RotaryLinear.deviation(&machine, &from, &to, height), 0.0);
+    assert_eq!(Interpolation::RotaryLinear.deviation(&machine, [&from, &to], 100.0, height), 0.0);
 }
 
 proptest! {
