@@ -540,6 +540,9 @@ fn header(program: &Program, certificate: &Certificate, post: &dyn Post, inputs:
     let mut head = certificate.head();
     let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
     lines.extend(head);
+    if program.machine.chain.has_head() {
+        lines.push("not checked: head and spindle above the gauge line, against part and table".to_owned());
+    }
     lines.extend(HEAD.iter().zip([&inputs.sha256, BLANK, BLANK]).map(|(word, hash)| format!("{word}{hash}")));
     lines.extend(inputs.files.iter().flat_map(file_lines));
     lines.push(format!(

@@ -10,6 +10,7 @@ use crate::units::length;
 pub(super) fn check(program: &Program, sink: &mut Sink) {
     let (what, height) = program.highest();
     let [.., first, second] = program.machine.names();
+    let head = program.machine.chain.has_head();
     let mut seen = Vec::new();
     for (_, operation) in program.operations.iter() {
         if seen.contains(&operation.tool) {
@@ -24,7 +25,8 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 Diag::error(
                     RETRACT_TOO_LOW,
                     format!(
-                        "at the retract height the tip of {} is {} above the highest place that the {what} can reach; required {}",
+                        "at the retract height the {} of {} is {} above the highest place that the {what} can reach; required {}",
+                        if head { "lowest point" } else { "tip" },
                         tool.name,
                         length(clearance),
                         length(program.clearance.get())
@@ -40,8 +42,9 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 ))
                 .help(format!(
                     "use a retract height {} higher (`[retract] z` of the machine file), a shorter tool or holder, or mount the part \
-                     lower or nearer to the axis of {first}",
-                    length(missing)
+                     lower{}",
+                    length(missing),
+                    if head { String::new() } else { format!(" or nearer to the axis of {first}") }
                 )),
             );
         }

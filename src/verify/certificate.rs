@@ -343,14 +343,15 @@ impl Certificate {
             "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached"
         )?;
         for (a, unit) in self.machine.axes.iter().zip(AXIS_UNITS) {
+            let travel = a
+                .travel
+                .map_or_else(|| format!("{:>20}", "no limits"), |[low, high]| format!("{low:>8.1} .. {high:>8.1}"));
             writeln!(
                 t,
-                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {:>8.1} .. {:>8.1}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
+                "  {} {:>10.3} .. {:>10.3} {unit:<3}  of {travel}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
                 a.axis,
                 a.used[0],
                 a.used[1],
-                a.travel[0],
-                a.travel[1],
                 a.speed_share * 100.0,
                 a.acceleration_share * 100.0,
                 a.jerk_share * 100.0
@@ -369,8 +370,9 @@ impl Certificate {
         let [.., first, second] = program.machine.names();
         writeln!(
             t,
-            "  X, Y, {first} and {second} move without tool centre point control at Z {:.3} of the gauge line only, with every tip at least {}",
+            "  X, Y, {first} and {second} move without tool centre point control at Z {:.3} of the gauge line only, with every {} at least {}",
             p.retract,
+            if program.machine.chain.has_head() { "point of a tool" } else { "tip" },
             length(p.clearance)
         )?;
         writeln!(
@@ -380,6 +382,9 @@ impl Certificate {
             p.highest,
             length(p.required)
         )?;
+        if program.machine.chain.has_head() {
+            writeln!(t, "  head and spindle above the gauge line are not checked against part and table")?;
+        }
         self.clamping.write(program, motion, t)?;
         for c in &self.carried {
             match &c.clearance {

@@ -31,8 +31,8 @@ pub struct AxisRange {
     pub axis: String,
     /// Least and largest position used, mm or deg.
     pub used: [f64; 2],
-    /// Travel, mm or deg.
-    pub travel: [f64; 2],
+    /// Travel, mm or deg; `None` for an axis without limits.
+    pub travel: Option<[f64; 2]>,
     /// Largest speed of the run, as a share of the limit.
     pub speed_share: f64,
     /// Largest acceleration inside of blocks at the programmed feeds, as a share of the limit: above 1 the control
@@ -164,7 +164,7 @@ pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) ->
             .map(|k| AxisRange {
                 axis: name(k),
                 used: used[k].map(|x| shown(k, x)),
-                travel: travel[k].map(|x| shown(k, x)),
+                travel: travel[k].iter().all(|x| x.is_finite()).then(|| travel[k].map(|x| shown(k, x))),
                 speed_share: most(&|r| r.speed[k]),
                 acceleration_share: most(&|r| r.asked[k]),
                 jerk_share: most(&|r| r.jerk[k]),

@@ -74,13 +74,17 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let missing = found.required - found.clearance;
-    let [.., first, second] = program.machine.names();
+    let machine = &program.machine;
+    let [.., first, second] = machine.names();
     let Some(station) = operation.moves.get(at.index as usize) else { return };
+    let head = machine.chain.has_head();
+    let [z, below] = [machine.positions(&station.joints, tool.length())[2], -tool.lowest(machine)];
     sink.push(
         Diag::error(
             verification::RETRACT_TOO_LOW,
             format!(
-                "while X, Y, {first} and {second} move, the tip of {} is {} above the height that the {} can reach; required {}",
+                "while X, Y, {first} and {second} move, the {} of {} is {} above the height that the {} can reach; required {}",
+                if head { "lowest point" } else { "tip" },
                 tool.name,
                 length(found.clearance),
                 found.highest,
@@ -93,16 +97,25 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
             program.machine.forward(&station.joints).tip,
         )
         .block(at.operation, at.index)
-        .note(format!(
-            "Z {:.3} of the gauge line, less {:.3} mm of tool; the {} reaches Z {:.3} under some {first} and {second}",
-            station.joints.xyz.z + tool.length(),
-            tool.length(),
-            found.highest,
-            found.height
-        ))
-        .help(format!(
-            "use a retract height {} higher, a shorter tool or holder, or mount the part lower or nearer to the {first} axis",
-            length(missing)
-        )),
+        .note(if head {
+            format!(
+                "Z {z:.3} of the gauge line, less {below:.3} mm that the tool reaches below it at some angle of the head; the {} \
+                 reaches Z {:.3}",
+                found.highest, found.height
+            )
+        } else {
+            format!(
+                "Z {z:.3} of the gauge line, less {below:.3} mm of tool; the {} reaches Z {:.3} under some {first} and {second}",
+                found.highest, found.height
+            )
+        })
+        .help(if head {
+            format!("use a retract height {} higher, a shorter tool or holder, or mount the part lower", length(missing))
+        } else {
+            format!(
+                "use a retract height {} higher, a shorter tool or holder, or mount the part lower or nearer to the {first} axis",
+                length(missing)
+            )
+        }),
     );
 }

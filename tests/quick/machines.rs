@@ -320,8 +320,11 @@ fn stations_agree(name: &str, program: &Program, text: &str) -> [usize; 2] {
     counted
 }
 
-/// Tip and axis of the cuts of each operation, from the text: blocks at feeds up to the process feed.
-fn cuts(program: &Program, text: &str) -> Vec<Vec<(Point3<f64>, Vector3<f64>)>> {
+/// A block at feed: tip, axis, and whether it cuts.
+type FeedBlock = (Point3<f64>, Vector3<f64>, bool);
+
+/// The blocks at feed of each operation, from the text; cuts are those at feeds up to the process feed.
+fn feed_blocks(program: &Program, text: &str) -> Vec<Vec<FeedBlock>> {
     let feeds: Vec<f64> = program.operations.iter().map(|(_, o)| o.feed.get()).collect();
     let (mut found, mut feed) = (Vec::new(), f64::NAN);
     for line in text.lines() {
@@ -333,32 +336,31 @@ fn cuts(program: &Program, text: &str) -> Vec<Vec<(Point3<f64>, Vector3<f64>)>> 
             continue;
         };
         feed = word(line, "F").unwrap_or(feed);
-        if feed <= feeds[found.len() - 1] {
-            found.last_mut().unwrap().push((Point3::new(x, y, z), Vector3::new(i, j, k)));
-        }
+        let cuts = feed <= feeds[found.len() - 1];
+        found.last_mut().unwrap().push((Point3::new(x, y, z), Vector3::new(i, j, k), cuts));
     }
     found
 }
 
-/// Largest distance of cutter locations of an operation from the lines between those of another text: at the tip, and at a
-/// height over it.
-fn apart(of: &[(Point3<f64>, Vector3<f64>)], from: &[(Point3<f64>, Vector3<f64>)], height: f64) -> f64 {
-    let ends = |(tip, axis): &(Point3<f64>, Vector3<f64>)| [*tip, tip + axis * height];
-    let distance = |place: &[Point3<f64>; 2], w: &[(Point3<f64>, Vector3<f64>)]| {
+/// Largest distance of the cuts of an operation from the lines between the blocks of another text: at the tip, and at a height
+/// over it. Where rest machining changes between cut and link, stations differ.
+fn apart(of: &[FeedBlock], from: &[FeedBlock], height: f64) -> f64 {
+    let ends = |(tip, axis, _): &FeedBlock| [*tip, tip + axis * height];
+    let distance = |place: &[Point3<f64>; 2], w: &[FeedBlock]| {
         let [a, b] = [ends(&w[0]), ends(&w[1])];
         let (chord, way) = (b[0] - a[0], place[0] - a[0]);
         let share = (chord.dot(&way) / chord.norm_squared()).clamp(0.0, 1.0);
         (0..2).map(|k| (place[k] - (a[k] + (b[k] - a[k]) * share)).norm()).fold(0.0, f64::max)
     };
     let nearest = |place: [Point3<f64>; 2]| from.windows(2).map(|w| distance(&place, w)).fold(f64::INFINITY, f64::min);
-    of.iter().map(|place| nearest(ends(place))).fold(0.0, f64::max)
+    of.iter().filter(|block| block.2).map(|place| nearest(ends(place))).fold(0.0, f64::max)
 }
 
 /// The reduced job on a shipped machine, planned and verified, as text.
 fn text_on(machine: &str) -> (Program, String) {
     let compiled = jobs::Compiled::new(jobs::program("reduced", Some(machine)));
     let post = post::find("siemens-840d").unwrap();
-    let text = post.emit(&compiled.program, &compiled.motion, &[]).text();
+    let text = post::emit(post, &compiled.program, &compiled.motion, &[]).text();
     post::read_back(post, &compiled.program, &compiled.motion, &text).unwrap();
     (compiled.program, text)
 }
@@ -367,12 +369,12 @@ fn text_on(machine: &str) -> (Program, String) {
 /// of each machine.
 fn cuts_the_same(name: &str) {
     let reference = jobs::reduced("siemens-840d");
-    let meant = post::find("siemens-840d").unwrap().emit(&reference.program, &reference.motion, &[]).text();
-    let meant = cuts(&reference.program, &meant);
+    let meant = post::emit(post::find("siemens-840d").unwrap(), &reference.program, &reference.motion, &[]).text();
+    let meant = feed_blocks(&reference.program, &meant);
     let (program, text) = text_on(name);
     let [stations, rapids] = stations_agree(name, &program, &text);
     assert!(stations == program.operations.iter().count() && rapids >= 6, "{name}: {stations} {rapids}");
-    let found = cuts(&program, &text);
+    let found = feed_blocks(&program, &text);
     assert_eq!(found.len(), meant.len());
     for ((_, operation), (a, b)) in program.operations.iter().zip(meant.iter().zip(&found)) {
         let t = &program.tolerances;
@@ -506,8 +508,7 @@ fn heads_without_the_directions_of_the_part_are_refused() {
 fn a_retract_height_is_judged_under_every_angle_of_the_head() {
     let head = include_str!("../../jobs/_lib/machines/generic-b-head-c-table.toml");
     let folder = tempfile::tempdir().unwrap();
-    // The axis B lies 100 mm below the gauge line: a head that leans lifts the holder, and lowers nothing; 200 mm above it, a
-    // spindle at 90 deg is 200 mm higher. Upright it is lowest.
+    // The axis B lies 200 mm above the gauge line: the tool hangs lowest when the head is nearly upright.
     let upright = front("head", head).0.unwrap();
     let tool = upright.tools.iter().next().unwrap().1;
     let lowest = tool.lowest(&upright.machine);
@@ -515,7 +516,8 @@ fn a_retract_height_is_judged_under_every_angle_of_the_head() {
     let below = head.replacen("\"0 mm\", \"200 mm\"]", "\"0 mm\", \"-100 mm\"]", 1);
     let swung = front("head", &below).0.unwrap();
     let lowest = swung.tools.iter().next().unwrap().1.lowest(&swung.machine);
-    // With B at 90 deg the gauge line stands 100 mm beside the axis, and the holder hangs down from it by its radius.
+    // The axis B lies 100 mm below the gauge line, beyond the tip. At 90 deg the tool is level, 100 mm below the gauge line of
+    // the upright head, and hangs down by the radius of its holder.
     assert!((-100.0 - 60.0..-100.0).contains(&lowest), "{lowest}");
     let text = below.replacen("z = \"800 mm\"", "z = \"150 mm\"", 1);
     let options = Options { output: Some(folder.path().join("part.nc")), ..job_on(folder.path(), "head", &text) };
@@ -548,6 +550,10 @@ fn keys_for_posts_are_handed_on() {
     ] {
         assert!(printed.contains(line), "{line} is not in {printed}");
     }
+    // Planned and verified without a travel: C turns to where it likes.
+    let compiled = jobs::Compiled::new(program.clone());
+    let certificate = compiled.certificate.text(&compiled.program, compiled.motion.get());
+    assert!(certificate.contains("  of            no limits  "), "{certificate}");
     // No post writes such words yet: refused before planning.
     let folder = tempfile::tempdir().unwrap();
     let options = Options { output: Some(folder.path().join("part.nc")), ..job_on(folder.path(), "keys", &text) };

@@ -111,7 +111,7 @@ job file.";
         "Before the first move and after the last move of an operation, the tool is changed, and X, Y, A and C move \
 with tool centre point control off. Their start positions are unknown, because the program may begin after an abort \
 or after another program. The tip must therefore be higher than stock, table and fixture can reach at any A and C \
-within the travel.\n\nExample: a machine whose Z ends 120 mm above its rotation point, an impeller that reaches 104 \
+within the travel. On a machine with a head the lowest point counts that the tool reaches at any angle of the head.\n\nExample: a machine whose Z ends 120 mm above its rotation point, an impeller that reaches 104 \
 mm when A turns, and a tool whose length with its holder is 40 mm.\n\nRemedy: set `[retract] z` of the machine file \
 to the upper end of Z, use a shorter tool or holder, or mount the part lower or nearer to the A axis.";
     CLAMPING = "IMP0737", "the tool runs into the clamping",

@@ -76,6 +76,17 @@ function tipAt(x, y, z, ...angles) {
 /** Axis of the tool from its tip to the holder. */
 const axisAt = (...angles) => machine.rotary.reduce((v, [direction], k) => turnedAbout(direction, v, angles[k]), [0, 0, 1]);
 
+/** With a head, X Y Z of an operation become those of the gauge line with the head upright: what the axes do. */
+function placeGauge(joints, o) {
+  const { length } = data.tools.find(t => t.name === o.tool);
+  for (let i = o.first; i < o.first + o.count; i++) {
+    const hanging = machine.rotary.reduce((p, [direction, point, table], k) => {
+      return table ? p : turnedAbout(direction, p.map((q, j) => q - point[j]), joints[3 + k][i]).map((q, j) => q + point[j]);
+    }, [0, 0, -length]);
+    for (let k = 0; k < 3; k++) joints[k][i] -= hanging[k];
+  }
+}
+
 /** All moves: joints, tips, times, operation of each. */
 function loadMoves() {
   const raw = new Float32Array(bytes('joints'));
@@ -96,6 +107,7 @@ function loadMoves() {
     end[i] = time;
   }
   data.paths.operations.forEach((o, k) => operation.fill(k, o.first, o.first + o.count));
+  if (machine.rotary.some(([, , table]) => !table)) data.paths.operations.forEach(o => placeGauge(joints, o));
   return { count, kinds, indices, removal, arcs, joints, tips, end, operation, total: time };
 }
 

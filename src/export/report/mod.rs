@@ -132,6 +132,8 @@ fn rows(patches: &[PatchCorners]) -> impl Iterator<Item = (&PatchCorners, usize,
 #[derive(Serialize)]
 struct ToolData {
     name: String,
+    /// From the tip to the gauge line, mm.
+    length: f64,
     cutter: Vec<[f64; 2]>,
     shank: Vec<[f64; 2]>,
     holder: Vec<[f64; 2]>,
@@ -153,7 +155,8 @@ impl ToolData {
                 .flat_map(|s| [[0.0, s.from], [s.radius_from, s.from], [s.radius_to, s.to], [0.0, s.to]])
                 .collect()
         };
-        Self { name: tool.name.clone(), cutter, shank: sections(&solid.shank), holder: sections(&solid.holder) }
+        let [shank, holder] = [&solid.shank, &solid.holder].map(|list| sections(list));
+        Self { name: tool.name.clone(), length: tool.length(), cutter, shank, holder }
     }
 }
 

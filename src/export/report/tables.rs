@@ -316,7 +316,9 @@ fn axes(input: &Input<'_>) -> String {
             vec![
                 TableCell::words(format!("{}, {unit}", a.axis)),
                 TableCell::figure(format!("{:.3} .. {:.3}", a.used[0], a.used[1])),
-                TableCell::figure(format!("{:.1} .. {:.1}", a.travel[0], a.travel[1])),
+                TableCell::figure(
+                    a.travel.map_or("no limits".to_owned(), |[low, high]| format!("{low:.1} .. {high:.1}")),
+                ),
                 TableCell::figure(format!("{:.1}", a.speed_share * 100.0)),
             ]
         })
