@@ -78,9 +78,17 @@ fn faults_have_their_line() {
     refused("UNITS/MM\n", "", 3, "write UNITS/MM");
     refused("FEDRAT/1000.0,MMPM\n", "", 15, "write FEDRAT before");
     refused("FROM/101", "FROM/100", 12, "goes elsewhere than FROM");
-    refused("LENGTH,102.0", "LENGTH,12.0", 10, "retract height 350.000");
     refused("FINI\n", "", 23, "without FINI");
     refused("SPINDL/OFF\n", "", 23, "by line 6: write SPINDL/OFF");
+}
+
+/// Where a path begins, the gauge line stands at the retract height; here 32 mm lower.
+#[test]
+fn a_low_station_is_refused() {
+    let low = CL.replace("101.3030,-180.9539,269.8076,0.17101007", "67.1010,-86.9846,96.6025,0.17101007");
+    let faults = read(&low).unwrap_err();
+    assert!(faults.len() == 1 && faults[0].line == 10, "{faults:?}");
+    assert!(faults[0].reason.contains("Z 318.") && faults[0].reason.contains("retract height 350.000"), "{faults:?}");
 }
 
 /// One fault a cause, not one a statement; at most fifty.

@@ -1,9 +1,12 @@
 //! `impellerc diff`: what differs for the machine between two motions, and between two texts of one job.
 
-use crate::support::jobs;
+use crate::support::{self, jobs};
 use impellerc::compare::{ComparedMotion, OperationDifference, compare};
+use impellerc::diag::Sink;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program};
 use impellerc::kin::between;
+use impellerc::post::{self, motion_of::motion_of};
+use impellerc::source::Span;
 use std::process::Command;
 
 const JOB: &str = "jobs/reduced/reduced.imp";
@@ -100,6 +103,26 @@ fn impellerc(arguments: &[&str]) -> (Option<i32>, String, String) {
     let run = Command::new(env!("CARGO_BIN_EXE_impellerc")).args(arguments).output().unwrap();
     let say = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (run.status.code(), say(&run.stdout), say(&run.stderr))
+}
+
+/// CL data leave the rotary positions open; those of the reader are those of the motion, or as good.
+#[test]
+fn cl_data_are_the_same_for_the_machine_as_nc_text() {
+    let compiled = jobs::reduced("siemens-840d");
+    let [nc, cl] = ["siemens-840d", "apt-cl"].map(|dialect| {
+        let program = support::with_post(dialect, &compiled.program);
+        let post = post::find(dialect).unwrap();
+        let text = post::emit(post, &program, &compiled.motion, &[]).text();
+        let sections = post.read(&text, &program.machine).unwrap();
+        let mut sink = Sink::default();
+        let motion = motion_of(&program, &sections, &|_| Span::default(), &mut sink).unwrap().motion;
+        assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());
+        motion
+    });
+    let program = &compiled.program;
+    for o in compare([&nc, &cl].map(|motion| ComparedMotion { program, motion })) {
+        assert!(o.is_same() && o.moves[0] == o.moves[1], "{o:?}");
+    }
 }
 
 #[test]

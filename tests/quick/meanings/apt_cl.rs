@@ -37,8 +37,9 @@ fn changed(text: &str, change: impl Fn(&mut Vec<String>, &[usize])) -> String {
     lines.join("\n") + "\n"
 }
 
-/// A pose in a cut of the flank, behind a station, a rapid, and the lead-in.
-const CUT: usize = 12;
+/// A pose in a cut of the flank, behind a station, a rapid and the lead-in; that many poses behind it the tool leans otherwise.
+const CUT: usize = 60;
+const FAR: usize = 40;
 
 /// Values of the pose in the cut, changed.
 fn values(text: &str, change: impl Fn(&mut Vec<String>)) -> String {
@@ -67,7 +68,7 @@ fn head() -> Vec<Kind> {
         (C, First("PARTNO small\n", ""), Harmless, "the name of the program moves nothing"),
         (C, First("PARTNO small\n", "PARTNO\n"), Harmless, "no name"),
         (C, First("PARTNO small\n", "PARTNO small $$ UNITS/INCHES $\n"), Harmless, "the rest of the line is the name"),
-        (C, First("PARTNO small\nUNITS/MM\n", "UNITS/MM\nPARTNO small\n"), Refused, "begins a program of its own"),
+        (C, First("UNITS/MM\n", "UNITS/MM\nPARTNO small\n"), Refused, "begins a program of its own"),
         (C, First("PARTNO small\n", "PARTNO small\nPARTNO small\n"), Refused, "begins a program of its own"),
         (C, First("UNITS/MM\n", ""), Refused, "lengths in the units that the processor was left in"),
         (C, First("UNITS/MM", "UNITS/INCHES"), Refused, "inches"),
@@ -341,7 +342,8 @@ fn rapids_and_feeds() -> Vec<Kind> {
         (C, First("RAPID\n", "RAPID\n$$ over the part\n"), Harmless, "a comment"),
         (C, First("RAPID\n", "RAPID\nLINTOL/0.05\n"), Refused, "post-processors differ in what RAPID counts for"),
         (C, Text("RAPID before FEDRAT", rapid_before_feed), Refused, "post-processors differ in what RAPID counts for"),
-        (C, Text("RAPID in the cut", |t| before_the_cut(t, "RAPID")), Found, "through the material at rapid"),
+        (C, Text("RAPID in the cut", |t| before_the_cut(t, "RAPID")), Refused, "for how many poses?"),
+        (C, Text("RAPID for one pose of the cut", rapid_in_the_cut), Found, "through the material at rapid"),
         (C, First("FEDRAT/1000.000,MMPM\n", ""), Refused, "RAPID holds up to FEDRAT in some post-processors"),
         (C, First("FEDRAT/1000.000,MMPM", "FEDRAT/1000.0"), Refused, "a feed of which unit?"),
         (C, First("FEDRAT/1000.000,MMPM", "FEDRAT/1000.0,MMPR"), Refused, "a feed per turn"),
@@ -367,6 +369,13 @@ fn rapids_and_feeds() -> Vec<Kind> {
     ]
 }
 
+fn rapid_in_the_cut(text: &str) -> String {
+    changed(text, |lines, goto| {
+        lines.insert(goto[CUT] + 1, "FEDRAT/250.0,MMPM".to_owned());
+        lines.insert(goto[CUT], "RAPID".to_owned());
+    })
+}
+
 fn rapid_before_feed(text: &str) -> String {
     let at = text.match_indices("RAPID\nGOTO/").nth(1).unwrap().0;
     format!("{}RAPID\nFEDRAT/1000.0,MMPM\n{}", &text[..at], &text[at + "RAPID\n".len()..])
@@ -375,12 +384,12 @@ fn rapid_before_feed(text: &str) -> String {
 fn poses() -> Vec<Kind> {
     const C: &str = "poses";
     vec![
-        (C, Text("X by 0.1 mm", |t| moved(t, 0, 0.1)), Found, "gouges, or leaves material"),
-        (C, Text("Y by 0.1 mm", |t| moved(t, 1, 0.1)), Found, "gouges, or leaves material"),
-        (C, Text("Z by -0.1 mm", |t| moved(t, 2, -0.1)), Found, "gouges, or leaves material"),
+        (C, Text("X by 0.1 mm", |t| moved(t, 0, 0.1)), Found, "gouges"),
+        (C, Text("Y by -0.1 mm", |t| moved(t, 1, -0.1)), Found, "gouges"),
+        (C, Text("Z by -0.5 mm", |t| moved(t, 2, -0.5)), Found, "gouges"),
         (C, Text("X beyond any machine", |t| moved(t, 0, 1e6)), Refused, "out of range"),
         (C, Text("X far away", |t| moved(t, 0, 3000.0)), Found, "beyond the travel"),
-        (C, Text("k reversed", |t| values(t, |v| v[5] = format!("-{}", v[5]))), Found, "the tool from below"),
+        (C, Text("k reversed", |t| values(t, |v| v[5] = format!("-{}", v[5]))), Refused, "the tool from below"),
         (C, Text("i and j exchanged", |t| values(t, |v| v.swap(3, 4))), Refused, "turns the table through the cut"),
         (C, Text("no k", |t| values(t, |v| drop(v.pop()))), Refused, "five values"),
         (C, Text("tip alone", |t| values(t, |v| v.truncate(3))), Refused, "the direction is left over"),
@@ -404,20 +413,20 @@ fn poses() -> Vec<Kind> {
         (C, Text("two points", |t| values(t, |v| v[0].push_str(".0"))), Refused, "no number"),
         (C, Text("the letter O", |t| values(t, |v| v[0] = "O.5".to_owned())), Refused, "no number"),
         (C, Text("an expression", |t| values(t, |v| v[0] = "1+2".to_owned())), Refused, "no number"),
-        (C, Text("a pose left out", |t| changed(t, |l, g| drop(l.remove(g[CUT])))), Found, "cuts the corner"),
         (
             C,
-            Text("a pose as a comment", |t| changed(t, |l, g| l[g[CUT]].insert_str(0, "$$ "))),
+            Text("poses left out", |t| changed(t, |l, g| drop(l.drain(g[CUT]..g[CUT + FAR])))),
             Found,
             "cuts the corner",
         ),
+        (C, Text("poses as comments", commented), Found, "cuts the corner"),
         (
             C,
             Text("a pose twice", |t| changed(t, |l, g| l.insert(g[CUT], l[g[CUT]].clone()))),
             Harmless,
             "stays where it is",
         ),
-        (C, Text("poses exchanged", |t| changed(t, |l, g| l.swap(g[CUT], g[CUT + 3]))), Found, "back and forth"),
+        (C, Text("poses exchanged", |t| changed(t, |l, g| l.swap(g[CUT], g[CUT + FAR]))), Found, "back and forth"),
         (C, Text("GODLTA", |t| before_the_cut(t, "GODLTA/0.0,0.0,0.0")), Refused, "from where it stands"),
         (C, Text("CIRCLE", |t| before_the_cut(t, "CIRCLE/0.0,0.0,0.0,0.0,0.0,1.0,5.0")), Refused, "an arc"),
         (C, Text("MOVNRB", |t| before_the_cut(t, "MOVNRB/ON,4,8,0,4,10.0")), Refused, "a spline"),
@@ -430,6 +439,10 @@ fn poses() -> Vec<Kind> {
         (C, Text("UNITS/INCHES", |t| before_the_cut(t, "UNITS/INCHES")), Refused, "inches from here on"),
         (C, Text("an unknown statement", |t| before_the_cut(t, "GOTOO/1.0")), Refused, "no statement"),
     ]
+}
+
+fn commented(text: &str) -> String {
+    changed(text, |lines, goto| goto[CUT..CUT + FAR].iter().for_each(|i| lines[*i].insert_str(0, "$$ ")))
 }
 
 fn doubled(text: &str) -> String {
@@ -469,7 +482,8 @@ fn spelling() -> Vec<Kind> {
             "one statement a line",
         ),
         (C, All("\n", "\r\n"), Harmless, "other ends of lines"),
-        (C, All("\n", "\n\n"), Harmless, "empty lines"),
+        (C, First("RAPID\n", "RAPID\n\n"), Harmless, "an empty line"),
+        (C, All("\n", "\n\n"), Refused, "empty lines within statements as well"),
         (C, First("\nRAPID", "\nRAPID\u{a0}"), Refused, "a blank that is none"),
         (C, First("FEDRAT/", "FEDRAT\u{2044}"), Refused, "a stroke that is none"),
         (C, First("UNITS/MM\n", "UNITS/MM\n\u{7}\n"), Refused, "a control character"),
@@ -511,7 +525,7 @@ fn end() -> Vec<Kind> {
 }
 
 fn parts(text: &str) -> Vec<String> {
-    operations::parts(text, |lines, i| lines[i].starts_with("$$ ") && lines[i + 1].starts_with("LOADTL/"))
+    operations::parts(text, |lines, i| lines[i].starts_with("$$ ") && lines[i + 1] == "UNITS/MM")
 }
 
 fn wrong() -> Vec<Kind> {
