@@ -343,13 +343,15 @@ fn feed_blocks(program: &Program, text: &str) -> Vec<Vec<FeedBlock>> {
 }
 
 /// Largest distance of the cuts of an operation from the lines between the blocks of another text: at the tip, and at a height
-/// over it. Where rest machining changes between cut and link, stations differ.
-fn apart(of: &[FeedBlock], from: &[FeedBlock], height: f64) -> f64 {
+/// over it. Rest machining ends a pass at a station where the stock ends: lines count
+/// with some length beyond them, mm.
+fn apart(of: &[FeedBlock], from: &[FeedBlock], (height, beyond): (f64, f64)) -> f64 {
     let ends = |(tip, axis, _): &FeedBlock| [*tip, tip + axis * height];
     let distance = |place: &[Point3<f64>; 2], w: &[FeedBlock]| {
         let [a, b] = [ends(&w[0]), ends(&w[1])];
         let (chord, way) = (b[0] - a[0], place[0] - a[0]);
-        let share = (chord.dot(&way) / chord.norm_squared()).clamp(0.0, 1.0);
+        let more = if beyond > 0.0 { beyond / chord.norm().max(1e-3) } else { 0.0 };
+        let share = (chord.dot(&way) / chord.norm_squared()).clamp(-more, 1.0 + more);
         (0..2).map(|k| (place[k] - (a[k] + (b[k] - a[k]) * share)).norm()).fold(0.0, f64::max)
     };
     let nearest = |place: [Point3<f64>; 2]| from.windows(2).map(|w| distance(&place, w)).fold(f64::INFINITY, f64::min);
@@ -381,7 +383,8 @@ fn cuts_the_same(name: &str) {
         let chord = if operation.kind.finishes() { t.chord.get() } else { t.chord_rough.get() };
         let height = program.tools[operation.tool].solid.cutter.tip_radius();
         // A line of the floor follows the ball centre; axes may be off by 20 chords at the end of the flutes.
-        let found = apart(a, b, height).max(apart(b, a, height));
+        let lines = (height, if operation.kind.finishes() { 0.0 } else { 2.0 });
+        let found = apart(a, b, lines).max(apart(b, a, lines));
         println!("{name} {}: {} and {} blocks, {found:.4} mm apart", operation.name, a.len(), b.len());
         assert!(a.len() > 10 && found < chord + 1e-3, "{name} {}: {found} mm", operation.name);
     }
