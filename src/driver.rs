@@ -15,6 +15,7 @@ use crate::export::certificate_file::{
     self, BLANK, CertificateFile, HEAD, InputFile, Inputs, NcText, OperationLines, sha256,
 };
 use crate::export::picture;
+use crate::export::setup_sheet::{self, SheetInput};
 use crate::export::source_map::{SourceMapFile, WrittenLine};
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, Program};
@@ -66,6 +67,8 @@ pub struct Options {
     pub picture: Option<PathBuf>,
     /// File to write the source map of the NC text to.
     pub source_map: Option<PathBuf>,
+    /// File to write the setup sheet to: HTML where its name ends so, otherwise Markdown.
+    pub setup_sheet: Option<PathBuf>,
     /// File to write the certificate to.
     pub certificate: Option<PathBuf>,
     /// Stage value to print; the compilation stops after this stage.
@@ -151,6 +154,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     if options.source_map.is_some() {
         written.source_map = Some(or_reported(source_map(&program, motion.get(), sources, &written.nc), sink)?);
     }
+    written.setup_sheet = options.setup_sheet.as_ref().map(|path| {
+        let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+        setup_sheet(options, &program, &certificate, post, &written, html)
+    });
     let read = or_reported(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
     if options.emit == Some(Emit::Nc) {
         *emitted = Some(written.text);
@@ -202,6 +209,7 @@ fn check_before_planning(
         ("--certificate", &options.certificate),
         ("--picture", &options.picture),
         ("--source-map", &options.source_map),
+        ("--setup-sheet", &options.setup_sheet),
     ];
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     analysis::cost::check(program, sink)?;
@@ -422,7 +430,45 @@ struct Written {
     certificate: String,
     /// Text of the source map, where the options require it.
     source_map: Option<String>,
+    /// Text of the setup sheet, where the options require it.
+    setup_sheet: Option<String>,
 }
+
+/// First line of each operation in the text.
+fn restarts(program: &Program, nc: &NcProgram) -> Vec<usize> {
+    let [_, _, start, ..] = &program.post.frames;
+    let begins = |line: &post::NcLine| line.frame.is_some_and(|span| start.iter().any(|t| t.span == span));
+    let stations = nc.lines.iter().enumerate().filter(|(_, line)| matches!(line.source, Some((_, 0))));
+    stations.map(|(at, _)| at + 1 - nc.lines[..=at].iter().rev().take_while(|line| begins(line)).count() + 1).collect()
+}
+
+/// Text of the setup sheet.
+fn setup_sheet(
+    options: &Options,
+    program: &Program,
+    certificate: &Certificate,
+    post: &dyn Post,
+    written: &Written,
+    html: bool,
+) -> String {
+    let file = options.output.as_ref().and_then(|path| path.file_name());
+    let file =
+        file.map_or_else(|| "not written".to_owned(), |name| printable(&name.display().to_string()).into_owned());
+    let body = sha256(certificate_file::body(&written.text).1.as_bytes());
+    let restarts = restarts(program, &written.nc);
+    let input = SheetInput {
+        program,
+        certificate,
+        post: post.name(),
+        assumptions: post.assumptions(),
+        nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
+        restarts: &restarts,
+    };
+    if html { setup_sheet::html(input) } else { setup_sheet::markdown(input) }
+}
+
+/// Digits of a hash that people compare.
+const SHOWN_HASH: usize = 16;
 
 /// Text of the source map.
 fn source_map(program: &Program, motion: &Motion, sources: &SourceMap, nc: &NcProgram) -> Result<String, Diag> {
@@ -465,7 +511,7 @@ impl Written {
                 .help("report the job file: this is a fault of the compiler")
         })?;
         fill(&mut nc, of_certificate, &sha256(certificate.as_bytes()));
-        Ok(Self { text: nc.text(), nc, certificate, source_map: None })
+        Ok(Self { text: nc.text(), nc, certificate, source_map: None, setup_sheet: None })
     }
 
     /// Writes every file that the options require. Returns a text that names the files.
@@ -477,7 +523,7 @@ impl Written {
         stages: &mut Stages,
         sink: &mut Sink,
     ) -> Result<String, Aborted> {
-        let Options { output, picture, certificate, run, source_map, .. } = options;
+        let Options { output, picture, certificate, run, source_map, setup_sheet, .. } = options;
         let image = picture.as_ref().map(|_| stages.run("picture", || picture::picture(shown.program, shown.motion)));
         let motion = shown.motion;
         let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc)), ..shown };
@@ -487,6 +533,7 @@ impl Written {
             ("--certificate", certificate, Some(self.certificate.as_bytes())),
             ("--picture", picture, image.as_deref()),
             ("--source-map", source_map, self.source_map.as_deref().map(str::as_bytes)),
+            ("--setup-sheet", setup_sheet, self.setup_sheet.as_deref().map(str::as_bytes)),
             ("--report", &run.report, html.as_deref().map(str::as_bytes)),
         ];
         let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
@@ -497,7 +544,7 @@ impl Written {
             None => "no NC text written: no `-o FILE`\n".to_owned(),
         };
         said.push_str(&meshes_written(run, motion));
-        for path in [certificate, picture, source_map, &run.report].into_iter().flatten() {
+        for path in [certificate, picture, source_map, setup_sheet, &run.report].into_iter().flatten() {
             said.push_str(&format!("wrote {}\n", shown_path(path)));
         }
         Ok(said)

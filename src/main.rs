@@ -64,6 +64,10 @@ struct Arguments {
     #[arg(long, value_name = "FILE.json")]
     source_map: Option<PathBuf>,
 
+    /// Write the setup sheet to this file: zero, tools, restart points, checks before the first run; HTML or Markdown
+    #[arg(long, value_name = "FILE.html")]
+    setup_sheet: Option<PathBuf>,
+
     #[command(flatten)]
     run: RunArguments,
 }
@@ -221,7 +225,8 @@ enum EmitArgument {
 }
 
 fn main() -> ExitCode {
-    let Arguments { command, job, output, post, emit, certificate, picture, source_map, run } = Arguments::parse();
+    let Arguments { command, job, output, post, emit, certificate, picture, source_map, setup_sheet, run } =
+        Arguments::parse();
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
         Some(Command::Verify { nc, job, post, certificate, source_map, run }) => {
@@ -241,6 +246,7 @@ fn main() -> ExitCode {
                 output,
                 picture,
                 source_map,
+                setup_sheet,
                 certificate,
                 emit: emit.map(|e| match e {
                     EmitArgument::Ast => Emit::Ast,

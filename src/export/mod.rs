@@ -3,4 +3,5 @@
 pub mod certificate_file;
 pub mod picture;
 pub mod report;
+pub mod setup_sheet;
 pub mod source_map;

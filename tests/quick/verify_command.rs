@@ -29,8 +29,10 @@ static WRITTEN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
         let out = folder.path().join(dialect);
         let certificate = folder.path().join(format!("{dialect}.json"));
         let map = folder.path().join(format!("{dialect}.map"));
-        let [out, certificate, map] = [&out, &certificate, &map].map(|path| path.to_str().unwrap());
-        let more = ["-o", out, "--certificate", certificate, "--source-map", map];
+        let ending = if dialect == "linuxcnc" { "html" } else { "md" };
+        let sheet = folder.path().join(format!("{dialect}.{ending}"));
+        let [out, certificate, map, sheet] = [&out, &certificate, &map, &sheet].map(|path| path.to_str().unwrap());
+        let more = ["-o", out, "--certificate", certificate, "--source-map", map, "--setup-sheet", sheet];
         let run = impellerc(&[&[JOB, "--post", dialect], &machine(dialect)[..], &more[..], &CELLS[..]].concat());
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
@@ -569,6 +571,30 @@ fn a_cut_at_link_feed_is_found() {
 }
 
 /// Volume of a binary STL, and whether each of its edges belongs to an even number of triangles.
+/// The setup sheet has the tools with their lengths, the restart points of the text, and checks by the machine file.
+#[test]
+fn a_setup_sheet_tells_what_the_machinist_needs() {
+    let sheet = std::fs::read_to_string(WRITTEN.path().join("siemens-840d.md")).unwrap();
+    let original = text("siemens-840d");
+    for operation in ["groove", "flank", "channel"] {
+        let line = line_of(&original, &format!("; {operation}: a restart point"));
+        let row = sheet.lines().find(|l| l.starts_with(&format!("| {operation} |"))).unwrap();
+        assert!(row.ends_with(&format!("| {line} |")), "{row} {line}");
+    }
+    let head = original.lines().find(|l| l.contains("tool t1 number")).unwrap();
+    let length = head.split("length ").nth(1).unwrap().split(' ').next().unwrap();
+    let row = sheet.lines().find(|l| l.starts_with("| 1 | t1 |")).unwrap();
+    assert!(row.ends_with(&format!("| {length} |")), "{row} {length}");
+    // Both tables of this machine have the sense "iso": a positive word turns them left-handed.
+    assert_eq!(sheet.matches("the table must turn counter-clockwise").count(), 2, "{sheet}");
+    assert!(sheet.contains("X 0, Y 0, Z 50 mm") && sheet.contains("gauge line at machine Z 650 mm"), "{sheet}");
+    let page = std::fs::read_to_string(WRITTEN.path().join("linuxcnc.html")).unwrap();
+    // LinuxCNC turns them the other way.
+    assert_eq!(page.matches("the table must turn clockwise").count(), 2);
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</body></html>\n") && !page.contains("<script"));
+    assert_eq!(page.matches("<tr>").count(), page.matches("</tr>").count());
+}
+
 /// The source map names pass, job line and cutter location of a block, also in a text with another block before it.
 #[test]
 fn a_source_map_names_the_pass_and_the_line_of_the_job() {

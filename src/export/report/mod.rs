@@ -4,7 +4,7 @@
 //! file is bounded: its end states what is thinned, and within which tolerance.
 
 mod charts;
-mod markup;
+pub(in crate::export) mod markup;
 mod pack;
 mod part;
 mod paths;
