@@ -202,8 +202,9 @@ impl Machine {
     }
 
     /// Largest angle between the tool and the Z axis of the part up to which the rotary axes give the tool every direction,
-    /// radians. Where axis 2 turns about Z, its travel does not count: `link-moves` chooses branch and winding for each
-    /// pass, and refuses what the travel does not permit.
+    /// radians. Where axis 2 turns about Z, it is the largest angle at all: `link-moves` chooses branch and winding for each
+    /// pass, and refuses what the travel does not permit. For other axes azimuths of 1 deg decide: between two of them a corner
+    /// of the travel may lie up to 1 deg nearer to Z.
     pub fn most_lean(&self) -> f64 {
         let [first, _] = &self.rotary;
         let [_, second] = self.chain.axes();
@@ -454,6 +455,7 @@ mod tests {
             let lines = [line(Carries::Tool, k1, [0.0; 3]), line(Carries::Tool, k2, [0.0; 3])];
             let mut m = machine([low, low + range], lines, [0.0; 3]);
             if !level {
+                prop_assume!(low + range > 0.05);
                 (m.rotary[1].min, m.rotary[1].max) = (-10.0, 10.0);
             }
             let most = m.most_lean();
@@ -462,7 +464,7 @@ mod tests {
                 let (y, x) = libm::sincos(f64::from(k) * TAU / 1000.0);
                 m.reaches(&Vector3::new(sine * x, sine * y, cosine))
             });
-            prop_assert!(most < 0.01 || all(0.5 * most) && all(most - 3e-3), "{most}");
+            prop_assert!(most < 0.01 || all(0.5 * most) && all(most - PI / 180.0), "{most}");
             // At the pole a gap has no width: a little beyond it has.
             prop_assert!(most > PI - 0.05 || !all(most + 0.03), "{most}");
         }
