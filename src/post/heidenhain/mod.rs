@@ -21,6 +21,15 @@ use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::post::words;
+
+/// What must be set at the control.
+const ASSUMED: &[&str] = &[
+    "preset 1 is the part origin with the rotary axes at 0, and has no rotary offsets",
+    "L of the tool table is the length to the tip, also of ball end mills; DL, DR and DR2 are 0",
+    "positions with M91 count from the machine datum of the machine file, Z without the tool length",
+    "the kinematics of the control are those of the machine file, and cycle 32 is enabled",
+];
 
 /// The dialect.
 pub(super) struct Heidenhain;
@@ -35,10 +44,17 @@ impl Post for Heidenhain {
     }
 
     // The sense of each rotary axis is in the kinematics of the control.
-    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        words::check_machine(machine, sink);
+    }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        words::check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
+    }
+
+    fn assumptions(&self) -> &'static [&'static str] {
+        ASSUMED
     }
 
     fn form(&self) -> &'static TextForm {

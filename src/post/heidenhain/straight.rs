@@ -96,10 +96,10 @@ pub(super) fn miscellaneous(words: &[&str], control: &Control, machine: &Machine
 }
 
 impl Words {
-    fn word<'a>(
+    fn word(
         &mut self,
         word: &str,
-        rest: &mut std::slice::Iter<'_, &'a str>,
+        rest: &mut std::slice::Iter<'_, &str>,
         control: &Control,
         machine: &Machine,
     ) -> Result<(), String> {
@@ -170,10 +170,10 @@ impl Words {
         Ok(())
     }
 
-    fn m_word<'a>(
+    fn m_word(
         &mut self,
         code: &str,
-        rest: &mut std::slice::Iter<'_, &'a str>,
+        rest: &mut std::slice::Iter<'_, &str>,
         control: &Control,
         machine: &Machine,
     ) -> Result<(), String> {
@@ -217,10 +217,10 @@ impl Words {
     }
 
     /// M128 with the largest feed of its compensating moves, or M129.
-    fn switch<'a>(
+    fn switch(
         &mut self,
         on: bool,
-        rest: &mut std::slice::Iter<'_, &'a str>,
+        rest: &mut std::slice::Iter<'_, &str>,
         control: &Control,
         machine: &Machine,
     ) -> Result<(), String> {

@@ -193,7 +193,7 @@ fn smoothing() -> Vec<Kind> {
         ),
         (
             C,
-            First(&"CYCL DEF 32.1 T0.0500\nCYCL DEF 32.2 HSC-MODE:1 TA0.1000\n", "CYCL DEF 32.1\n"),
+            First("CYCL DEF 32.1 T0.0500\nCYCL DEF 32.2 HSC-MODE:1 TA0.1000\n", "CYCL DEF 32.1\n"),
             Refused,
             "settings of the machine",
         ),

@@ -88,9 +88,9 @@ fn block_at_feed(text: &str) -> usize {
     let at_feed = |line: &str| {
         line.starts_with("G1 X") || line.starts_with("LN X") || (line.starts_with("L X") && !line.contains("FMAX"))
     };
-    let starts =
+    let mut starts =
         text.match_indices('\n').map(|(i, _)| i + 1).filter(|i| at_feed(text[*i..].lines().next().unwrap_or("")));
-    starts.skip(2).next().unwrap()
+    starts.nth(2).unwrap()
 }
 
 fn word_changed(text: &str, address: &str, how: How) -> String {
