@@ -47,6 +47,8 @@ struct MachineFile {
     about: String,
     #[serde(default)]
     assumed: Vec<String>,
+    #[serde(default, rename = "own-words")]
+    own_words: Vec<SpannedText>,
     axes: AxesTable,
     part: PartTable,
     spindle: SpindleTable,
@@ -399,6 +401,27 @@ impl LibraryReader<'_> {
     }
 
     /// Retract height, within the travel of Z.
+    /// Words of the machine builder: M and a number.
+    fn own_words(&mut self, words: &[SpannedText], assumed: &mut Vec<String>) -> Vec<String> {
+        for word in words {
+            let digits = word.get_ref().strip_prefix('M').unwrap_or_default();
+            let plain = (1..=4).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
+            if !plain || digits.starts_with('0') {
+                self.fault(
+                    self.span(word),
+                    format!("`{}` is not an M word of the machine builder", word.get_ref()),
+                    "a word such as \"M200\" is expected".to_owned(),
+                    "write M and 1 to 4 digits, without leading zeros",
+                );
+            }
+        }
+        let words: Vec<String> = words.iter().map(|word| word.get_ref().clone()).collect();
+        if !words.is_empty() {
+            assumed.push(format!("{} change neither path, tool, spindle nor coolant", words.join(", ")));
+        }
+        words
+    }
+
     fn retract(&mut self, table: &Option<RetractTable>, [low, top]: [Mm; 2], assumed: &mut Vec<String>) -> Mm {
         match table {
             Some(t) => Mm(self.quantity(&t.z, Dimension::LENGTH, low.get(), top.get())),
@@ -509,6 +532,7 @@ pub(super) fn machine(
         return None;
     };
     let mut assumed = table.assumed.clone();
+    let own_words = reader.own_words(&table.own_words, &mut assumed);
     let cycle = reader.cycle(&table.cycle, &mut assumed);
     let planning = reader.planning(&table.planning);
     assumed.extend(silent_jerks(&table.axes, axes));
@@ -535,6 +559,7 @@ pub(super) fn machine(
         planning,
         table: table.table.as_ref().map(|t| reader.carried(t)),
         fixture: table.fixture.as_ref().map(|t| reader.carried(t)),
+        own_words,
         assumed,
     };
     (!reader.faults).then_some(spec)

@@ -157,6 +157,8 @@ pub struct MachineSpec {
     pub table: Option<CarriedSpec>,
     /// Fixture; its top is given in the part frame.
     pub fixture: Option<CarriedSpec>,
+    /// M words of the machine builder that change nothing that is checked.
+    pub own_words: Vec<String>,
     /// Entries that the file marks as assumed.
     pub assumed: Vec<String>,
 }

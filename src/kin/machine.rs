@@ -80,6 +80,8 @@ pub struct Machine {
     pub home: [Option<f64>; 3],
     /// Table and fixtures, which turn with the part.
     pub carried: Vec<Carried>,
+    /// M words of the machine builder that change neither the path nor anything else that is checked, for posts.
+    pub own_words: Vec<String>,
     /// Values that the machine file marks as assumed.
     pub assumed: Vec<String>,
 }
@@ -156,6 +158,7 @@ impl Machine {
             length_to: LengthTo::Tip,
             home: [None; 3],
             carried: Vec::new(),
+            own_words: Vec::new(),
             assumed: Vec::new(),
         }
     }

@@ -319,6 +319,7 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
         cycle: spec.cycle,
         planning: spec.planning,
         carried: carried(spec),
+        own_words: spec.own_words.clone(),
         assumed: spec.assumed.clone(),
     }
 }
