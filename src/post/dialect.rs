@@ -21,7 +21,8 @@ pub trait Post: Sync {
     fn check_machine(&self, machine: &Machine, sink: &mut Sink);
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
-    /// What the proof assumes of those who take the text further, a line each; for the head and the certificate.
+    /// What the proof assumes of those who take the text further and of the settings of the control, a line each; for the
+    /// head and the certificate.
     fn assumptions(&self) -> &'static [&'static str] {
         &[]
     }

@@ -23,7 +23,6 @@ mod envelope;
 mod error_formats;
 mod errors;
 mod facts;
-mod fanuc_quirks;
 mod faults;
 mod feeds;
 mod finite;

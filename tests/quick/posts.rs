@@ -66,6 +66,13 @@ fn both_orientations_read_back() {
             if program.post.transformation[k].text().is_empty() {
                 continue;
             }
+            let mut sink = Sink::default();
+            post.check(&program, motion.get(), &mut sink);
+            if sink.has_errors() {
+                // G43.5 leaves the choice of the rotary positions to the control, which is not certain with two tables.
+                assert_eq!((post.family(), orientation), ("fanuc", Orientation::Vectors));
+                continue;
+            }
             let text = post::emit(*post, &program, motion, &[]).text();
             let found = post::read_back(*post, &program, motion, &text);
             assert!(found.is_ok(), "{} by {}: {found:?}", post.name(), orientation.name());

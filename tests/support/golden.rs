@@ -36,7 +36,6 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
             "block-numbers.fanuc",
             "block-numbers.heidenhain",
             "block-numbers.mitsubishi",
-            "components.fanuc",
             "cutters.apt-cl",
             "digits.fanuc",
             "feed-of-m128.heidenhain",
@@ -60,6 +59,7 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
             "speed-alone.heidenhain",
             "stations.apt-cl",
             "vector-components.heidenhain",
+            "vector-components.fanuc",
         ],
     ),
 ];

@@ -194,7 +194,7 @@ impl Reader<'_> {
             'G' => preparatory(&code_name('G', text)?, block, words),
             'M' => {
                 words.m += 1;
-                miscellaneous(&code_name('M', text)?, block)
+                miscellaneous(&code_name('M', text)?, self.machine, block)
             }
             'N' => Err(format!("`N{}`: a block number must be at the start of its block", shown(text, 20))),
             'O' => Err(format!("`O{}`: another program begins here; give one program", shown(text, 20))),
@@ -411,7 +411,7 @@ fn preparatory(code: &str, block: &mut NcBlock, words: &mut Words) -> Result<(),
 }
 
 /// An M word.
-fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
+fn miscellaneous(code: &str, machine: &Machine, block: &mut NcBlock) -> Result<(), String> {
     if let Some(done) = block.modal_word(&CONTROL, code) {
         return done;
     }
@@ -425,14 +425,23 @@ fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
         "M0" => once(&mut block.wait, "M0 or M1", "M0"),
         "M1" => once(&mut block.wait, "M0 or M1", "M1"),
         "M98" | "M99" | "M198" => Err(format!("`{code}` is not understood: subprograms are not read")),
-        _ => Err(format!("`{code}` is not understood: its meaning is that of the machine builder")),
+        _ if machine.own_words.iter().any(|word| word == code) => Ok(()),
+        _ => Err(format!(
+            "`{code}` is not understood: a word of the machine builder; if it changes neither path, tool, spindle nor \
+             coolant, add it to `own-words` of the machine file"
+        )),
     }
 }
 
 /// Whether a block holds a word that only this family has.
 pub(super) fn recognises(code: &str) -> bool {
     const OWN: [&str; 4] = ["G43.4", "G43.5", "G05.1", "G5.1"];
-    let code: String = code.chars().filter(|c| !c.is_whitespace()).collect();
-    let program = code.strip_prefix('O').is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
-    program || OWN.iter().any(|word| code.contains(word))
+    let mut words = code.split_whitespace();
+    let first = words.next().unwrap_or_default();
+    let number = |letter: char, word: &str| {
+        word.strip_prefix(letter).is_some_and(|n| (1..=8).contains(&n.len()) && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let second = words.next().unwrap_or_default();
+    let word = if number('N', first) { second } else { first };
+    OWN.contains(&word) || (number('O', first) && second.is_empty())
 }

@@ -73,24 +73,22 @@ fn with(from: &str, to: &str) -> String {
 
 #[test]
 fn a_program_is_read() {
-    for member in [&FANUC] {
-        let sections = read_for(member, &good()).unwrap();
-        let [section] = sections.as_slice() else { panic!("{} sections", sections.len()) };
-        let NcPlace::Axes { xyz, rotary, turned } = section.start.place else { panic!("axes") };
-        let [a, c] = rotary.map(f64::to_degrees);
-        assert!((a - 30.0).abs() < 1e-9 && (c - 20.0).abs() < 1e-9, "{a} {c}");
-        assert_eq!(xyz, Vector3::new(50.0, -40.0, 350.0));
-        let turned = turned.unwrap();
-        assert!((turned - Vector3::new(50.0, -40.0, 230.0)).amax() < 1e-3, "{turned}");
-        assert_eq!(section.moves.len(), 4);
-        let last = &section.moves[3];
-        assert_eq!(
-            (last.tip, last.rapid, last.feed, last.smoothing),
-            (Point3::new(28.0, -19.0, 2.0), false, Some(250.0), None)
-        );
-        assert_eq!(last.interpolation, Interpolation::RotaryLinear);
-        assert!(section.retract.is_some_and(|(_, z)| z == NcRetract::Height(350.0)));
-    }
+    let sections = sections(&good());
+    let [section] = sections.as_slice() else { panic!("{} sections", sections.len()) };
+    let NcPlace::Axes { xyz, rotary, turned } = section.start.place else { panic!("axes") };
+    let [a, c] = rotary.map(f64::to_degrees);
+    assert!((a - 30.0).abs() < 1e-9 && (c - 20.0).abs() < 1e-9, "{a} {c}");
+    assert_eq!(xyz, Vector3::new(50.0, -40.0, 350.0));
+    let turned = turned.unwrap();
+    assert!((turned - Vector3::new(50.0, -40.0, 230.0)).amax() < 1e-3, "{turned}");
+    assert_eq!(section.moves.len(), 4);
+    let last = &section.moves[3];
+    assert_eq!(
+        (last.tip, last.rapid, last.feed, last.smoothing),
+        (Point3::new(28.0, -19.0, 2.0), false, Some(250.0), None)
+    );
+    assert_eq!(last.interpolation, Interpolation::RotaryLinear);
+    assert!(section.retract.is_some_and(|(_, z)| z == NcRetract::Height(350.0)));
 }
 
 #[test]
@@ -210,4 +208,15 @@ fn words_stand_where_their_meaning_is_certain() {
     refused(&with("X29.", "X29. X29."), "twice");
     refused(&with("M30", "M99"), "subprograms");
     refused(&with("M5\n", ""), "spindle on");
+}
+
+#[test]
+fn words_of_the_machine_builder_are_those_of_the_machine_file() {
+    let text = with("M8\n", "M8\nM0200\n");
+    refused(&text, "add it to `own-words` of the machine file");
+    let machine = Machine { own_words: vec!["M200".to_owned()], ..machine() };
+    assert!(reader::read(&text, &machine, &FANUC).is_ok());
+    let beside = with("F250.", "F250. M200");
+    let faults = reader::read(&beside, &machine, &FANUC).unwrap_err();
+    assert!(faults[0].reason.contains("depends on the machine"), "{}", faults[0].reason);
 }

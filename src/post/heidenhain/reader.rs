@@ -119,7 +119,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         change: "TOOL CALL",
         vector: ["TX", "TY", "TZ"],
         length: "TOOL CALL",
-        smoothing: "CYCL DEF 32.1 T",
+        smoothing: "CYCL DEF 32.1 T with a tolerance",
         end: "M30",
         // M128 has no word for the interpolation: the rotary axes run linearly, as with PATHCTRL AXIS.
         great_circle: &["PATHCTRL VECTOR"],

@@ -526,8 +526,8 @@ fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
 /// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
     // Rotary words, G49 and G92.1 are those of other controls as well.
-    const OWN: [&str; 5] = ["M428", "M429", "G8", "G10L2P1R0", "G61.1G1"];
-    let code: String = code.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
-    let word = |own: &str| code.split(own).skip(1).any(|behind| !behind.starts_with(|c: char| c.is_ascii_digit()));
-    OWN.iter().any(|own| word(own)) || code.contains("G64P")
+    const OWN: [&str; 2] = ["M428", "M429"];
+    let mut words = code.split_whitespace();
+    let (first, second) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    OWN.contains(&first) || (first == "G64" && second.starts_with('P')) || (first == "G10" && second == "L2")
 }

@@ -146,7 +146,7 @@ impl Change {
         }
     }
 
-    fn shown(&self) -> String {
+    pub fn shown(&self) -> String {
         match self {
             Self::First(from, to) => format!("{from:?} -> {to:?}"),
             Self::Last(from, to) => format!("the last {from:?} -> {to:?}"),

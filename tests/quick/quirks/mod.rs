@@ -2,6 +2,7 @@
 //! would misunderstand or refuse.
 
 mod apt_cl;
+mod fanuc;
 mod heidenhain;
 
 use crate::support::{self, golden};

@@ -171,22 +171,7 @@ impl ControlState<'_> {
         if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
             self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
         }
-        let smoothing = match self.smoothing {
-            Some(Smoothing::Within(smoothing)) => Some(smoothing),
-            Some(Smoothing::AtControl) => None,
-            _ if rapid => Some(0.0),
-            left => {
-                let word = self.control.smoothing;
-                let why = match left {
-                    Some(Smoothing::Left(word)) => {
-                        format!("with {word} the control may deviate from the path without a limit")
-                    }
-                    _ => "the tolerance of the path is unknown".to_owned(),
-                };
-                self.fault_once("smoothing", format!("a move at feed, and {why}: write {word} before"));
-                Some(0.0)
-            }
-        };
+        let smoothing = self.smoothing_of(rapid);
         if self.moves >= MOST_MOVES {
             self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
         }
@@ -258,13 +243,35 @@ impl ControlState<'_> {
         }
     }
 
+    /// Tolerance of a move; `None` where only the control knows it.
+    fn smoothing_of(&mut self, rapid: bool) -> Option<f64> {
+        match self.smoothing {
+            Some(Smoothing::Within(smoothing)) => Some(smoothing),
+            Some(Smoothing::AtControl) => None,
+            _ if rapid => Some(0.0),
+            left => {
+                let word = self.control.smoothing;
+                let why = match left {
+                    Some(Smoothing::Left(word)) => {
+                        format!("with {word} the control may deviate from the path without a limit")
+                    }
+                    _ => "the tolerance of the path is unknown".to_owned(),
+                };
+                self.fault_once("smoothing", format!("a move at feed, and {why}: write {word} before"));
+                Some(0.0)
+            }
+        }
+    }
+
     /// Executes a block that only turns the rotary axes at the start of the path, where the control fixes the work frame
     /// to the table before: such a block leaves the tip where it is in the machine. True when the block is one.
     fn turns_at_start(&mut self, tip: &Point3<f64>, direction: &Direction, rapid: bool) -> bool {
         let (Direction::Rotary(from), Direction::Rotary(to)) = (self.direction, *direction) else { return false };
         let machine = self.machine;
         let heads = (0..2).any(|k| machine.chain.axes()[k].carries == Carries::Tool && from[k] != to[k]);
-        if !(self.control.frame_of_switch && self.at_start && rapid) || from == to || heads {
+        // A block that does not turn either is a turn said twice.
+        let turns = from != to || self.turned.is_some();
+        if !(self.control.frame_of_switch && self.at_start && rapid && turns) || heads {
             return false;
         }
         let end = machine.joints(tip, to);

@@ -3,8 +3,12 @@
 use crate::support;
 use crate::support::golden::check;
 use crate::support::jobs::{self, Compiled};
+use impellerc::diag::Sink;
+use impellerc::ir::Program;
 use impellerc::kin::{AxisLine, Carries, Chain, Machine, RotaryAxis};
 use impellerc::post::{self, NcProgram};
+use impellerc::post_file::{Orientation, Template};
+use impellerc::source::Span;
 use nalgebra::{Point3, Vector3};
 
 /// An operation that begins with the tables at zero.
@@ -141,7 +145,7 @@ fn a_missing_component_of_a_vector_is_zero_for_the_control() {
         ("H2 P0", "H2 P0 I0. J0. K1."),
         ("G43.5 H2 P0", "G43.4 H2"),
     ];
-    check("posts", "components.fanuc", &variants("fanuc", &head(), &program, &changes));
+    check("posts", "vector-components.fanuc", &variants("fanuc", &head(), &program, &changes));
 }
 
 /// The small job as a dialect writes it, with a step of block numbers.
@@ -186,4 +190,39 @@ fn the_tables_turn_after_the_control_has_fixed_the_frame_to_them() {
         )
     );
     check("posts", "frame-at-switch.fanuc", &text);
+}
+
+/// The frames are those of a machine with a head as well, and vectors direct its tool.
+#[test]
+fn the_trial_of_the_frames_holds_for_a_machine_with_a_head() {
+    for (dialect, orientation) in [
+        ("fanuc", Orientation::Angles),
+        ("fanuc", Orientation::Vectors),
+        ("mitsubishi", Orientation::Angles),
+        ("mitsubishi", Orientation::Vectors),
+    ] {
+        let mut program = support::with_post(dialect, &support::flank_only(&[0]));
+        program.machine = head();
+        program.post.orientation = orientation;
+        let mut sink = Sink::default();
+        post::trial::check(post::find(dialect).unwrap(), &program, &mut sink);
+        assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());
+    }
+}
+
+/// A frame with a word of the machine builder is refused until the machine file names the word.
+#[test]
+fn frames_may_have_the_own_words_of_the_machine() {
+    let mut program = support::with_post("fanuc", &support::flank_only(&[0]));
+    let word = Template::new("M200", Span::default()).unwrap();
+    program.post.frames[2].insert(5, word);
+    let trial = |program: &Program| {
+        let mut sink = Sink::default();
+        post::trial::check(post::find("fanuc").unwrap(), program, &mut sink);
+        sink.diags().first().map(|d| d.message.clone())
+    };
+    let said = trial(&program).unwrap();
+    assert!(said.contains("`M200` is not understood") && said.contains("own-words"), "{said}");
+    program.machine.own_words = vec!["M200".to_owned()];
+    assert_eq!(trial(&program), None);
 }
