@@ -4,8 +4,11 @@ use crate::support::{self, jobs};
 use impellerc::compare::{ComparedMotion, OperationDifference, compare};
 use impellerc::diag::Sink;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program};
+use impellerc::job::files::shipped;
+use impellerc::job::shipped_post;
 use impellerc::kin::between;
 use impellerc::post::{self, motion_of::motion_of};
+use impellerc::post_file::Orientation;
 use impellerc::source::Span;
 use std::process::Command;
 
@@ -123,6 +126,57 @@ fn cl_data_are_the_same_for_the_machine_as_nc_text() {
     for o in compare([&nc, &cl].map(|motion| ComparedMotion { program, motion })) {
         assert!(o.is_same() && o.moves[0] == o.moves[1], "{o:?}");
     }
+}
+
+/// One job, one machine, every post: each pair of texts has the same poses within the coarser step of their words, and the
+/// same feeds.
+#[test]
+fn every_pair_of_posts_means_the_same() {
+    let compiled = jobs::reduced("linuxcnc");
+    let names = shipped::POSTS.iter().map(|(name, _)| *name);
+    let mut read = Vec::new();
+    for name in names {
+        let file = shipped_post(name).unwrap();
+        for orientation in Orientation::ALL {
+            let post = post::find(&file.dialect).unwrap();
+            let mut program = support::with_post(name, &compiled.program);
+            program.post.orientation = orientation;
+            let mut sink = Sink::default();
+            post.check_machine(&program.machine, &mut sink);
+            post::trial::check(post, &program, &mut sink);
+            let takes = !program.post.transformation[usize::from(orientation == Orientation::Vectors)].pieces.is_empty();
+            if !takes || sink.has_errors() {
+                // Vectors of Fanuc need a head; the default of every post must be taken.
+                assert_ne!(orientation, file.orientation, "{name}: {:?}", sink.diags());
+                continue;
+            }
+            let text = post::emit(post, &program, &compiled.motion, &[]).text();
+            let sections = post.read(&text, &program.machine).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+            let motion = motion_of(&program, &sections, &|_| Span::default(), &mut sink);
+            let motion = motion.unwrap_or_else(|| panic!("{name}: {:?}", sink.diags())).motion;
+            read.push((name, program, motion));
+        }
+    }
+    assert!(read.len() >= 10, "{}", read.len());
+    let mut most = [0.0_f64; 3];
+    for (i, (first, a, one)) in read.iter().enumerate() {
+        for (second, b, other) in &read[i + 1..] {
+            let sides = [ComparedMotion { program: a, motion: one }, ComparedMotion { program: b, motion: other }];
+            let (d, e) = (a.post.decimals, b.post.decimals);
+            let step = |digits: usize| 10f64.powi(-i32::try_from(digits).unwrap());
+            // Half a step of each of three words of both texts, and of both angles.
+            let tip = 3f64.sqrt() * step(d.length.min(e.length)) + 1e-9;
+            let by_angles = 2f64.sqrt() * step(d.angle.min(e.angle));
+            let by_vectors = 3f64.sqrt() * step(d.vector.min(e.vector)).to_degrees();
+            let axis = by_angles.max(by_vectors) + 1e-6;
+            for o in compare(sides) {
+                assert!(o.tip.value <= tip && o.axis.value <= axis, "{first} {second}: {o:?}");
+                assert!(o.beyond_digits().next().is_none(), "{first} {second}: {o:?}");
+                most = [most[0].max(o.tip.value), most[1].max(o.axis.value), most[2].max(o.speed.value)];
+            }
+        }
+    }
+    println!("{} texts: tip {:.6} mm, axis {:.6} deg, speed {:.2e}", read.len(), most[0], most[1], most[2]);
 }
 
 #[test]
