@@ -200,8 +200,8 @@ fn a_check_needs_something_to_check_against() {
     let run = impellerc(&["verify", "nothing.nc"]);
     assert_eq!(run.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&run.stderr).contains("IMP0828"));
-    let (ok, _, err) = verify(&WRITTEN.path().join("linuxcnc"), "linuxcnc", &["--post", "fanuc"]);
-    assert!(!ok && err.contains("IMP0807"), "{err}");
+    let (ok, _, err) = verify(&WRITTEN.path().join("linuxcnc"), "linuxcnc", &["--post", "okuma"]);
+    assert!(!ok && err.contains("IMP0902"), "{err}");
 }
 
 /// Whether a value has the form of a schema; only what the schema of the certificate uses.
@@ -339,7 +339,7 @@ fn certificates_have_the_form_of_their_schema() {
             ("/nc/operations/0/first", Value::from("12")),
             ("/measured/surfaces/3/gouge/point", Value::from(vec![1.0, 2.0])),
             ("/measured/contracts/0/holds", Value::Null),
-            ("/nc/post", Value::from("fanuc")),
+            ("/nc/post", Value::from("okuma")),
         ] {
             let mut broken = value.clone();
             *broken.pointer_mut(pointer).unwrap() = wrong;

@@ -109,7 +109,7 @@ pub(super) fn code_name(letter: char, text: &str) -> Result<String, String> {
     let (whole, tenth) = text.split_once('.').map_or((text, None), |(whole, tenth)| (whole, Some(tenth)));
     let plain =
         |digits: &str, most: usize| (1..=most).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
-    let good = plain(whole, 3) && tenth.is_none_or(|t| letter == 'G' && plain(t, 1));
+    let good = plain(whole, if letter == 'M' { 4 } else { 3 }) && tenth.is_none_or(|t| letter == 'G' && plain(t, 1));
     if text.is_empty() {
         return Err(format!("`{letter}`: a number is missing"));
     }
