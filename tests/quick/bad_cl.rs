@@ -82,13 +82,18 @@ fn faults_have_their_line() {
     refused("SPINDL/OFF\n", "", 23, "by line 6: write SPINDL/OFF");
 }
 
-/// Where a path begins, the gauge line stands at the retract height; here 32 mm lower.
+/// Where a path begins, the gauge line stands at the retract height; here lower. The axes of the machine meet in its origin, 80 mm
+/// below that of the part: the height is the product of direction and tip over it, and the length of the tool.
 #[test]
 fn a_low_station_is_refused() {
     let low = CL.replace("101.3030,-180.9539,269.8076,0.17101007", "67.1010,-86.9846,96.6025,0.17101007");
+    let height = 0.17101007 * 67.1010 + 0.46984631 * 86.9846 + 0.86602540 * (96.6025 + 80.0) + 102.0;
     let faults = read(&low).unwrap_err();
     assert!(faults.len() == 1 && faults[0].line == 10, "{faults:?}");
-    assert!(faults[0].reason.contains("Z 318.") && faults[0].reason.contains("retract height 350.000"), "{faults:?}");
+    assert!(
+        faults[0].reason.contains(&format!("Z {height:.3} ")) && faults[0].reason.contains("retract height 350.000"),
+        "{faults:?}"
+    );
 }
 
 /// One fault a cause, not one a statement; at most fifty.
