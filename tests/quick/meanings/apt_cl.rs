@@ -468,8 +468,18 @@ fn spelling() -> Vec<Kind> {
         ),
         (C, Text("a word in two lines", |t| folded(t, ",$\nGOTO/")), Refused, "a statement within a statement"),
         (C, Text("text behind $", |t| folded(t, ",$ 5.0\n")), Refused, "text behind $ is not read"),
-        (C, Text("beyond column 72", |t| changed(t, far_right)), Refused, "the end of the statement is not read"),
-        (C, Text("a comment beyond column 72", |t| changed(t, far_comment)), Harmless, "comments are not read"),
+        (
+            C,
+            Text("beyond column 72", |t| changed(t, |l, g| far_right(l, g))),
+            Refused,
+            "the end of the statement is not read",
+        ),
+        (
+            C,
+            Text("a comment beyond column 72", |t| changed(t, |l, g| far_comment(l, g))),
+            Harmless,
+            "comments are not read",
+        ),
         (C, Text("blanks", |t| t.replace(',', " , ")), Refused, "some lines pass column 72"),
         (C, Text("blanks about the stroke", |t| t.replacen("FEDRAT/", "  FEDRAT /\t", 1)), Harmless, "blanks"),
         (C, Text("small letters", |t| t.replacen("FEDRAT/", "fedrat/", 1)), Refused, "not all read small letters"),
@@ -497,12 +507,12 @@ fn folded(text: &str, by: &str) -> String {
     changed(text, |lines, goto| lines[goto[CUT]] = lines[goto[CUT]].replacen(',', by, 1))
 }
 
-fn far_right(lines: &mut Vec<String>, goto: &[usize]) {
+fn far_right(lines: &mut [String], goto: &[usize]) {
     let line = &mut lines[goto[CUT]];
     *line = format!("{}{line}", " ".repeat(74 - line.len()));
 }
 
-fn far_comment(lines: &mut Vec<String>, goto: &[usize]) {
+fn far_comment(lines: &mut [String], goto: &[usize]) {
     let comment = format!(" $$ {}", "far ".repeat(20));
     lines[goto[CUT]].push_str(&comment);
 }
