@@ -208,7 +208,7 @@ fn unwritable_output() {
 
 #[test]
 fn unknown_post() {
-    job("post siemens-840d", "post fanuc").fails_with("IMP08");
+    job("post siemens-840d", "post okuma").fails_with("IMP0902");
 }
 
 #[test]
