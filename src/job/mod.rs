@@ -21,6 +21,7 @@ pub mod quantity;
 mod resolve;
 mod rough;
 mod stock_file;
+mod tool_file;
 mod tools;
 
 pub use files::{Fault, Files, InMemory, MissingFile};

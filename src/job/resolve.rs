@@ -3,13 +3,14 @@
 use super::context::{Context, head};
 use super::eval::{LetScope, suggest};
 use super::files::{Fault, Files, MissingFile};
-use super::library::{self, ToolLibrary};
+use super::library;
 use super::model::{
     ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
 };
 use super::operations::Workpiece;
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
+use super::tool_file::{self, ToolLibrary};
 use super::{contracts, operations, part, post_file, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
@@ -170,7 +171,7 @@ fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
         match cx.files.tools(&what.text) {
             Ok(found) => {
                 let source = cx.sources.add_file(found);
-                library::tools(source, cx.sources, what.span, &mut library, cx.sink);
+                tool_file::tools(source, cx.sources, what.span, &mut library, cx.sink);
             }
             Err(missing) => cx.sink.push(not_in_library("tool", inner(what), &missing)),
         }

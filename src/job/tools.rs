@@ -2,11 +2,11 @@
 
 use super::context::{Context, head};
 use super::eval::{suggest, unknown};
-use super::library::{ToolLibrary, shape_fault};
 use super::limits;
 use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
+use super::tool_file::{ToolLibrary, shape_fault};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;

@@ -144,7 +144,8 @@ fn every_pair_of_posts_means_the_same() {
             let mut sink = Sink::default();
             post.check_machine(&program.machine, &mut sink);
             post::trial::check(post, &program, &mut sink);
-            let takes = !program.post.transformation[usize::from(orientation == Orientation::Vectors)].pieces.is_empty();
+            let takes =
+                !program.post.transformation[usize::from(orientation == Orientation::Vectors)].pieces.is_empty();
             if !takes || sink.has_errors() {
                 // Vectors of Fanuc need a head; the default of every post must be taken.
                 assert_ne!(orientation, file.orientation, "{name}: {:?}", sink.diags());
