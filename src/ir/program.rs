@@ -56,6 +56,9 @@ pub struct Program {
     pub memory: f64,
 }
 
+/// Least and largest orientation tolerance, degrees.
+pub const ORIENTATION_TOLERANCES: [f64; 2] = [1e-4, 0.1];
+
 /// Default of the memory that planning may use, bytes.
 pub const DEFAULT_MEMORY: f64 = 2e9;
 
@@ -204,6 +207,19 @@ pub struct Allowed {
 }
 
 impl Program {
+    /// Path tolerance of an operation, mm.
+    pub fn path_tolerance(&self, operation: &Operation) -> f64 {
+        if operation.kind.finishes() { self.tolerances.chord.get() } else { self.tolerances.chord_rough.get() }
+    }
+
+    /// Largest error of the tool direction that smoothing may add in an operation, radians: that of the post, or else the
+    /// angle that moves the upper end of the flutes by the path tolerance.
+    pub fn orientation_tolerance(&self, operation: &Operation) -> f64 {
+        let by_flutes = || self.path_tolerance(operation) / self.tools[operation.tool].solid.flute_length;
+        let [least, most] = ORIENTATION_TOLERANCES.map(f64::to_radians);
+        self.post.orientation_tolerance.unwrap_or_else(by_flutes).clamp(least, most)
+    }
+
     /// The same program with another solid for a tool.
     #[must_use]
     pub fn with_solid(&self, tool: ToolId, solid: &ToolSolid) -> Self {

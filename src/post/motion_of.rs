@@ -187,7 +187,7 @@ impl Interpreter<'_> {
         };
         let mut course = Course::new(section, id, machine, length, start);
         self.check_start(section, length);
-        let mut widest = 0.0;
+        let (mut widest, mut widest_turn) = (0.0, 0.0);
         for m in &section.moves {
             let rotary = self.rotary(m, course.rotary, free);
             if course.stays(m, rotary) {
@@ -196,6 +196,10 @@ impl Interpreter<'_> {
             let first = course.last.is_none();
             self.check_turn(m, first, (course.rotary, rotary), free);
             self.check_interpolation(m, course.rotary, rotary);
+            if let Some(turn) = m.turn.filter(|turn| *turn > widest_turn) {
+                self.check_turn_tolerance(m, turn, operation);
+                widest_turn = turn;
+            }
             if let Some(smoothing) = m.smoothing.filter(|s| *s > widest) {
                 self.check_smoothing(m, smoothing, operation);
                 widest = smoothing;
@@ -326,6 +330,22 @@ impl Interpreter<'_> {
         let help = "switch to the interpolation of rotary axes before this block, such as ORIAXES or PATHCTRL AXIS";
         let diag = self.fault(post::NC_BLOCK, m.line, text, help);
         self.tell(diag);
+    }
+
+    /// Reports smoothing that may turn the tool further than the job allows.
+    fn check_turn_tolerance(&mut self, m: &NcMove, turn: f64, operation: &Operation) {
+        let [turn, allowed] = [turn, self.program.orientation_tolerance(operation)].map(f64::to_degrees);
+        // Half a step of the word.
+        if turn > allowed + 0.51e-4 {
+            let text = format!(
+                "from here the control may turn the tool by {turn:.4} deg from its direction; the job allows {allowed:.4} deg"
+            );
+            let help =
+                "lower the orientation tolerance of smoothing, or state `orientation-tolerance` in the post of the job";
+            let diag =
+                self.fault(post::NC_SMOOTHING, m.line, text, help).label(operation.span, "the operation of the job");
+            self.tell(diag);
+        }
     }
 
     fn check_smoothing(&mut self, m: &NcMove, smoothing: f64, operation: &Operation) {

@@ -148,6 +148,8 @@ pub struct NcMove {
     /// Largest deviation from the path with which the control may smooth it, mm; `None` where settings of the control
     /// decide and the text gives no figure.
     pub smoothing: Option<f64>,
+    /// Largest error of the tool direction through smoothing, radians, where a word states it.
+    pub turn: Option<f64>,
 }
 
 /// A line that a reader does not understand, or that makes the program invalid.

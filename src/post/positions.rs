@@ -107,6 +107,7 @@ mod tests {
             speed: 0.0,
             interpolation: crate::kin::Interpolation::RotaryLinear,
             smoothing: Some(0.0),
+            turn: None,
         });
         let place = NcPlace::Pose(NcPose { tip, axis: axis(through[0].0) });
         let start = NcStation { line: 1, place };

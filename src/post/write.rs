@@ -10,9 +10,6 @@ use crate::post_file::{Field, Frame, Orientation, Template};
 use crate::source::Span;
 use crate::verify::Verified;
 
-/// Least and largest orientation tolerance in words, degrees.
-const TURNS: [f64; 2] = [1e-4, 0.1];
-
 /// Digits of tolerances: mm and degrees.
 const TOLERANCE_DECIMALS: usize = 4;
 
@@ -102,19 +99,6 @@ pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [Stri
     let digits = &program.post.decimals;
     let numbers = |of: [f64; 3], decimals: usize| of.map(|x| post.number(x, decimals)).join(",");
     [numbers(pose.tip.coords.into(), digits.length), numbers(pose.axis.into(), digits.vector)]
-}
-
-/// Largest error of the tool direction through smoothing in an operation, radians: that of the post, or else the angle
-/// that moves the upper end of the flutes by the chord tolerance.
-pub(super) fn orientation_tolerance(program: &Program, operation: &Operation) -> f64 {
-    let by_flutes = || path_tolerance(program, operation) / program.tools[operation.tool].solid.flute_length;
-    program.post.orientation_tolerance.unwrap_or_else(by_flutes).clamp(TURNS[0].to_radians(), TURNS[1].to_radians())
-}
-
-/// Path tolerance of an operation, mm.
-fn path_tolerance(program: &Program, operation: &Operation) -> f64 {
-    let t = &program.tolerances;
-    if operation.kind.finishes() { t.chord.get() } else { t.chord_rough.get() }
 }
 
 /// Text under construction.
@@ -252,9 +236,9 @@ impl Values<'_> {
     fn tolerances(&self) -> [f64; 2] {
         let program = self.program;
         if let Some(o) = &self.operation {
-            return [path_tolerance(program, o.declared), orientation_tolerance(program, o.declared)];
+            return [program.path_tolerance(o.declared), program.orientation_tolerance(o.declared)];
         }
-        let turns = program.operations.iter().map(|(_, o)| orientation_tolerance(program, o));
-        [program.tolerances.chord.get(), turns.fold(TURNS[1].to_radians(), f64::min)]
+        let turns = program.operations.iter().map(|(_, o)| program.orientation_tolerance(o));
+        [program.tolerances.chord.get(), turns.fold(f64::INFINITY, f64::min)]
     }
 }

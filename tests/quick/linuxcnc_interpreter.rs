@@ -400,6 +400,7 @@ fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
         tool: NcTool::Number(1),
         speed: 0.0,
         smoothing: Some(0.0),
+        turn: None,
         interpolation: impellerc::kin::Interpolation::RotaryLinear,
     }
 }

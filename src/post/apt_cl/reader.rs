@@ -508,7 +508,19 @@ impl<'a> State<'a> {
             let interpolation = Interpolation::RotaryLinear;
             let smoothing = Some(smoothing);
             let time = None;
-            path.moves.push(NcMove { line, rapid, tip, direction, interpolation, feed, time, tool, speed, smoothing });
+            path.moves.push(NcMove {
+                line,
+                rapid,
+                tip,
+                direction,
+                interpolation,
+                feed,
+                time,
+                tool,
+                speed,
+                smoothing,
+                turn: None,
+            });
             self.moves += 1;
         }
         Ok(())

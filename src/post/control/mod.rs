@@ -174,11 +174,20 @@ pub(super) enum LengthWord {
     Of(u32),
 }
 
+/// Deviation that a control may add: from the path, mm, and from the tool direction, radians; `None` where no word states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Deviation {
+    /// Of the tip.
+    pub(super) path: f64,
+    /// Of the tool axis.
+    pub(super) turn: Option<f64>,
+}
+
 /// Allowed deviation of the control from the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Smoothing {
-    /// At most this length, mm.
-    Within(f64),
+    /// At most this deviation.
+    Within(Deviation),
     /// Limited by settings of the control; the text gives no figure.
     AtControl,
     /// Not limited, by this word.

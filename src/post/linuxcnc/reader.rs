@@ -6,7 +6,9 @@
 
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown};
+use crate::post::control::{
+    self, Act, Control, Deviation, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown,
+};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Rounding of ten times the number of a G word: G61.1 is one code, G61.11 is none.
@@ -343,10 +345,10 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
             } else {
                 // P is the tolerance of blending at corners. Before blending, moves nearly in line are joined within Q;
                 // without Q the interpreter uses P.
-                block.smoothing = Some(Smoothing::Within(p + q.unwrap_or(p)));
+                block.smoothing = Some(Smoothing::Within(Deviation { path: p + q.unwrap_or(p), turn: None }));
             }
         }
-        Some(_) => block.smoothing = Some(Smoothing::Within(0.0)),
+        Some(_) => block.smoothing = Some(Smoothing::Within(Deviation { path: 0.0, turn: None })),
         None => {}
     }
     if parameters.data {

@@ -184,6 +184,12 @@ fn smoothing() -> Vec<Kind> {
         (C, First(LAST, "CYCL DEF 32.2 HSC-MODE:2 TA0.1\n"), Refused, "no such mode"),
         (C, First(LAST, "CYCL DEF 32.2 TA0.1\n"), Refused, "the mode is missing"),
         (C, First(LAST, "CYCL DEF 32.2 HSC-MODE:1 TA0.01\n"), Harmless, "finer"),
+        (
+            C,
+            Text("TA0.1 in finishing", |t| super::siemens::wide_turn(t, "HSC-MODE:0 TA", "\n")),
+            Refused,
+            "more than the flutes of the tool allow",
+        ),
         (C, First("CYCL DEF 32.0 TOLERANCE\nCYCL DEF 32.1 T0.0500\n", ""), Refused, "two blocks are missing"),
         (
             C,

@@ -171,6 +171,12 @@ fn change() -> Vec<Kind> {
         (C, First("CYCLE832(0.0500,_ORI_ROUGH,0.1000)", "CYCLE81(5,0,1,-5)"), Refused, "a cycle"),
         (C, First("CYCLE832(0.0500,_ORI_ROUGH,0.1000)", "G642 CTOL=0.05"), Refused, "CTOL is not read"),
         (C, Last("0.0010,_ORI_FINISH", "0.0500,_ORI_FINISH"), Refused, "more than the job allows"),
+        (
+            C,
+            Text("an orientation tolerance of 0.1 deg in finishing", |t| wide_turn(t, "_ORI_FINISH,", ")")),
+            Refused,
+            "more than the flutes of the tool allow",
+        ),
     ]
 }
 
@@ -488,6 +494,14 @@ fn end() -> Vec<Kind> {
 }
 
 /// The head and the operations.
+/// The last number between two pieces is 0.1.
+pub(super) fn wide_turn(text: &str, before: &str, behind: &str) -> String {
+    let from = text.rfind(before).unwrap() + before.len();
+    let to = from + text[from..].find(behind).unwrap();
+    assert!(text[from..to].parse::<f64>().unwrap() < 0.09);
+    format!("{}0.1{}", &text[..from], &text[to..])
+}
+
 fn parts(text: &str) -> Vec<String> {
     operations::parts(text, |lines, i| lines[i].ends_with("a restart point"))
 }

@@ -183,6 +183,7 @@ impl ControlState<'_> {
         self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
+        let turn = if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None };
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
             section.moves.push(NcMove {
                 line,
@@ -195,6 +196,7 @@ impl ControlState<'_> {
                 tool,
                 speed,
                 smoothing,
+                turn,
             });
             self.moves += 1;
         }
@@ -246,7 +248,7 @@ impl ControlState<'_> {
     /// Tolerance of a move; `None` where only the control knows it.
     fn smoothing_of(&mut self, rapid: bool) -> Option<f64> {
         match self.smoothing {
-            Some(Smoothing::Within(smoothing)) => Some(smoothing),
+            Some(Smoothing::Within(deviation)) => Some(deviation.path),
             Some(Smoothing::AtControl) => None,
             _ if rapid => Some(0.0),
             left => {
@@ -286,10 +288,10 @@ impl ControlState<'_> {
         }
         self.turned = Some(at);
         self.direction = *direction;
-        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            if let NcPlace::Axes { rotary, turned, .. } = &mut section.start.place {
-                (*rotary, *turned) = (to, self.turned);
-            }
+        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty())
+            && let NcPlace::Axes { rotary, turned, .. } = &mut section.start.place
+        {
+            (*rotary, *turned) = (to, self.turned);
         }
         true
     }
