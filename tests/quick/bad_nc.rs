@@ -145,6 +145,12 @@ fn klartext_by_m128_and_by_tcpm_is_the_same() {
     let rapid = HEIDENHAIN.replacen("C+21 F250", "C+21 FMAX", 1);
     let moves = read("heidenhain", &rapid).unwrap();
     assert!(moves[2].rapid && moves[3].feed == Some(1000.0));
+    // A word of the machine builder, and one of the control that no machine file can allow.
+    let own = Machine { own_words: vec!["M25".to_owned(), "M116".to_owned()], ..machine("heidenhain").clone() };
+    let with = |word: &str| HEIDENHAIN.replace("6 M126", &format!("6 M126 {word}"));
+    refused("heidenhain", "6 M126", "6 M126 M25", "add it to `own-words`");
+    assert_eq!(post::find("heidenhain").unwrap().read(&with("M25"), &own).unwrap()[0].moves.len(), 4);
+    assert!(post::find("heidenhain").unwrap().read(&with("M116"), &own).is_err());
     // On an axis without end M126 takes the other way.
     let far = HEIDENHAIN.replace("C+22", "C+222");
     let mut endless = machine("heidenhain").clone();

@@ -193,14 +193,14 @@ impl Words {
             126 => &["M126"],
             127 => &["M127"],
             128 | 129 => return self.switch(code == 128, rest, control, machine),
-            _ => return self.other(code),
+            _ => return self.other(code, machine),
         };
         self.at_end = words.first().copied().filter(|word| matches!(*word, "M5" | "M9")).or(self.at_end);
         words.iter().try_for_each(|word| self.block.modal_word(control, word).unwrap_or(Ok(())))
     }
 
     /// An M word that sets no modal group.
-    fn other(&mut self, code: u32) -> Result<(), String> {
+    fn other(&mut self, code: u32, machine: &Machine) -> Result<(), String> {
         let block = &mut self.block;
         match code {
             0 => once(&mut block.wait, "M0, M1 or STOP", "M0"),
@@ -212,7 +212,7 @@ impl Words {
                 block.machine_frame = true;
                 Ok(())
             }
-            _ => Err(unread(code)),
+            _ => unread(code, machine),
         }
     }
 
@@ -310,8 +310,8 @@ fn not_understood(word: &str, address: &str) -> String {
     format!("`{word}` is not understood{why}")
 }
 
-/// Why an M word is not read.
-fn unread(code: u32) -> String {
+/// Takes the words of the machine builder that the machine file names, and says why another M word is not read.
+fn unread(code: u32, machine: &Machine) -> Result<(), String> {
     let why = match code {
         6 => "tools are changed by TOOL CALL",
         92 => "the machine builder sets its reference; write M91",
@@ -322,7 +322,11 @@ fn unread(code: u32) -> String {
         114 | 115 | 138 | 144 | 145 => "it changes which axes the control compensates",
         118 => "the handwheel would move the tool during the program",
         89 | 97 | 98 | 99 | 107 | 120 | 130 | 143 | 148 => "it changes the path or the checks of the control",
-        _ => "the machine builder decides what it does",
+        _ if machine.own_words.iter().any(|word| *word == format!("M{code}")) => return Ok(()),
+        _ => {
+            "a word of the machine builder; if it changes neither path, tool, spindle nor coolant, add it to `own-words` of \
+             the machine file"
+        }
     };
-    format!("`M{code}` is not understood: {why}")
+    Err(format!("`M{code}` is not understood: {why}"))
 }
