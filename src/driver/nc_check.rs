@@ -7,7 +7,7 @@ use super::{
 use crate::analysis;
 use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink, printable};
-use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs};
+use crate::export::certificate_file::{self, CertificateFile, HEAD, InputFile, Inputs};
 use crate::export::source_map::{LaidMap, SourceMapFile};
 use crate::ir::Program;
 use crate::output::Outputs;
@@ -58,7 +58,10 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     let text = read_nc(&check.nc, &mut outcome.sink)?;
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
-    let program = check.job.as_ref().map(|job| program(&check.run, job, stages, outcome)).transpose()?;
+    // Without another word the post file is the one with which the text was written.
+    let of_certificate = file.as_ref().and_then(|(_, _, file)| post_of(&file.inputs));
+    let run = RunOptions { post: check.run.post.clone().or(of_certificate), ..check.run.clone() };
+    let program = check.job.as_ref().map(|job| program(&run, job, stages, outcome)).transpose()?;
     let inputs = super::inputs(&outcome.sources);
     let disk = |path: &Path| path.canonicalize().ok();
     let nc = SourceFile { disk: disk(&check.nc), ..SourceFile::text(shown_path(&check.nc), text) };
@@ -91,6 +94,12 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     let together = [text, report].into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("\n");
     outcome.emitted = (!together.is_empty()).then_some(together);
     measured.map(|_| ())
+}
+
+/// Name of the post file among the inputs of a certificate.
+fn post_of(inputs: &Inputs) -> Option<String> {
+    let name = |file: &InputFile| file.name.strip_prefix("posts/")?.strip_suffix(".toml").map(str::to_owned);
+    inputs.files.iter().find_map(name)
 }
 
 /// The program of the job, on a machine and for a part that a text can be measured with.

@@ -3,7 +3,7 @@
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program};
 use crate::kin::{Machine, RotaryAxis};
-use crate::method::LengthTo;
+use crate::method::{LengthTo, Planning};
 use crate::post_file::Orientation;
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
@@ -53,6 +53,23 @@ pub fn comment(text: &str) -> String {
         })
         .take(120)
         .collect()
+}
+
+/// Refuses a machine whose motion has what only the dialect of LinuxCNC has words for.
+pub(super) fn check_planning(machine: &Machine, sink: &mut Sink) {
+    if machine.planning == Planning::LinuxCnc {
+        sink.push(
+            Diag::error(
+                post::CONTROL,
+                format!(
+                    "motions of machine {} have exact stops and times of rapids, and this post has no words for both",
+                    machine.name
+                ),
+            )
+            .note("without them LinuxCNC leaves the path and the speeds of the joints")
+            .help("use the post `linuxcnc`, or the file of a machine without `planning = \"linuxcnc-2.9\"`"),
+        );
+    }
 }
 
 /// Refuses a machine whose words no dialect writes yet.

@@ -2,7 +2,7 @@
 
 use crate::support::{self, jobs};
 use impellerc::compare::{ComparedMotion, OperationDifference, compare};
-use impellerc::diag::Sink;
+use impellerc::diag::{Severity, Sink};
 use impellerc::ir::{JointMove, Motion, MoveKind, Program};
 use impellerc::job::files::shipped;
 use impellerc::job::shipped_post;
@@ -142,15 +142,17 @@ fn every_pair_of_posts_means_the_same() {
             let mut program = support::with_post(name, &compiled.program);
             program.post.orientation = orientation;
             let mut sink = Sink::default();
-            post.check_machine(&program.machine, &mut sink);
-            post::trial::check(post, &program, &mut sink);
+            post.check(&program, compiled.motion.get(), &mut sink);
+            // The motion was planned for LinuxCNC; other posts have no words for its stops, which do not count here.
+            let refused = sink.diags().iter().any(|d| d.severity == Severity::Error && d.code.id() != "IMP0809");
             let takes =
                 !program.post.transformation[usize::from(orientation == Orientation::Vectors)].pieces.is_empty();
-            if !takes || sink.has_errors() {
+            if !takes || refused {
                 // Vectors of Fanuc need a head; the default of every post must be taken.
                 assert_ne!(orientation, file.orientation, "{name}: {:?}", sink.diags());
                 continue;
             }
+            let mut sink = Sink::default();
             let text = post::emit(post, &program, &compiled.motion, &[]).text();
             let sections = post.read(&text, &program.machine).unwrap_or_else(|e| panic!("{name}: {e:?}"));
             let motion = motion_of(&program, &sections, &|_| Span::default(), &mut sink);
@@ -166,11 +168,14 @@ fn every_pair_of_posts_means_the_same() {
             let (d, e) = (a.post.decimals, b.post.decimals);
             let step = |digits: usize| 10f64.powi(-i32::try_from(digits).unwrap());
             // Half a step of each of three words of both texts, and of both angles.
-            let tip = 3f64.sqrt() * step(d.length.min(e.length)) + 1e-9;
+            let by_lengths = 3f64.sqrt() * step(d.length.min(e.length)) + 1e-9;
             let by_angles = 2f64.sqrt() * step(d.angle.min(e.angle));
             let by_vectors = 3f64.sqrt() * step(d.vector.min(e.vector)).to_degrees();
             let axis = by_angles.max(by_vectors) + 1e-6;
             for o in compare(sides) {
+                // Stations are words of axes: there angles move the tip on the part.
+                let lever = o.tip.tip.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let tip = by_lengths + lever * by_angles.to_radians();
                 assert!(o.tip.value <= tip && o.axis.value <= axis, "{first} {second}: {o:?}");
                 assert!(o.beyond_digits().next().is_none(), "{first} {second}: {o:?}");
                 most = [most[0].max(o.tip.value), most[1].max(o.axis.value), most[2].max(o.speed.value)];

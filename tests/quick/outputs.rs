@@ -551,7 +551,8 @@ fn spelling_of_the_path_changes_nothing() {
             ["job.imp", "given"],
             ["machines/5mc850-c.toml", "beside job"],
             ["tools/carbide.toml", "beside job"],
-            ["vane_curves.csv", "beside job"]
+            ["vane_curves.csv", "beside job"],
+            ["posts/siemens-840d.toml", "shipped"]
         ]
     );
     for file in files {

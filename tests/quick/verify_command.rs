@@ -108,7 +108,7 @@ fn a_finding_names_the_block_and_the_lines_of_the_job() {
     let lines: Vec<&str> = original.lines().collect();
     // The end of the way over the sphere after the first pass of the flank operation: it is moved into the part, so that the
     // rapid hits the stock, and the link after it goes with the shank among the vanes.
-    let start = line_of(&original, "(flank: ");
+    let start = line_of(&original, "(flank: a restart");
     let is = |i: usize, word: &str| lines[i].starts_with(word);
     let index =
         (start..lines.len()).find(|i| is(i - 1, "G1 X") && is(*i, "G61.1 G1 X") && is(i + 1, "G94 G1 X")).unwrap();
@@ -397,8 +397,9 @@ fn text_and_certificate_belong_together_or_not() {
             found.unwrap_or_else(|| panic!("{words}: {err}")).clone()
         };
         // One digit, one line less, other line ends.
-        let at = line_of(&original, if dialect == "linuxcnc" { "(flank: " } else { "M6 ; flank" }) + 20;
+        let at = line_of(&original, "flank: a restart point") + 20;
         let mut lines: Vec<String> = original.lines().map(|l| format!("{l}\n")).collect();
+        let at = (at..lines.len()).find(|i| lines[*i].contains(" Y")).unwrap();
         lines[at] = lines[at].replacen("Y", "Y0", 1);
         let found = refused(&lines.concat(), &certificate(dialect), "another text");
         assert_eq!(found["code"], "IMP0827");
@@ -554,7 +555,7 @@ fn wrong_files_are_told_apart() {
 #[test]
 fn a_cut_at_link_feed_is_found() {
     let text = text("linuxcnc");
-    let slot = line_of(&text, "(groove: ");
+    let slot = line_of(&text, "(groove: a restart");
     let mut lines: Vec<String> = text.lines().map(|l| format!("{l}\n")).collect();
     // The first of two blocks with the feed of the block before.
     let states = |i: usize| lines[i].contains('F');

@@ -20,6 +20,7 @@ use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::post::words;
 
 /// The dialect.
 pub(super) struct AptCl;
@@ -34,7 +35,7 @@ impl Post for AptCl {
     }
 
     fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
-        writer::check_machine(machine, sink);
+        words::check_planning(machine, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

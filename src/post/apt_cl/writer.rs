@@ -3,8 +3,6 @@
 use super::AptCl;
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MotionOperation, MoveKind, Program};
-use crate::kin::Machine;
-use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
@@ -20,26 +18,9 @@ pub(super) const FORM: TextForm = TextForm {
     longest: 72,
 };
 
-/// Refuses a machine whose motion CL data cannot express.
-pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
-    if machine.planning == Planning::LinuxCnc {
-        sink.push(
-            Diag::error(
-                post::CONTROL,
-                format!(
-                    "motions of machine {} have exact stops and times of rapids, and CL data have no words for both",
-                    machine.name
-                ),
-            )
-            .note("without them LinuxCNC leaves the path and the speeds of the joints")
-            .help("use the post `linuxcnc`, or the file of a machine without `planning = \"linuxcnc-2.9\"`"),
-        );
-    }
-}
-
 /// Refuses a motion that CL data cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    check_machine(&program.machine, sink);
+    words::check_planning(&program.machine, sink);
     words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
     let (digits, fine) = (&program.post.decimals, Decimals::FINE);

@@ -25,6 +25,7 @@ use crate::kin::{Angles, Machine};
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::post::words;
 use control::Member;
 
 /// A dialect of the family.
@@ -54,9 +55,13 @@ impl Post for Family {
     }
 
     // The sense of each rotary axis is a parameter of the control.
-    fn check_machine(&self, _machine: &Machine, _sink: &mut Sink) {}
+    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        words::check_planning(machine, sink);
+        words::check_machine(machine, sink);
+    }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+        self.check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
     }
 

@@ -45,11 +45,12 @@ impl Post for Heidenhain {
 
     // The sense of each rotary axis is in the kinematics of the control.
     fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        words::check_planning(machine, sink);
         words::check_machine(machine, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        words::check_machine(&program.machine, sink);
+        self.check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
     }
 

@@ -38,11 +38,12 @@ impl Post for Siemens840d {
 
     // The sense of each rotary axis is machine data of the control.
     fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
+        words::check_planning(machine, sink);
         words::check_machine(machine, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        words::check_machine(&program.machine, sink);
+        self.check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
     }
 
