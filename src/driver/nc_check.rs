@@ -77,7 +77,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         report.push_str(&format!("the source map knows {known} of {lines} lines\n"));
     }
     let read = outcome.sink.diags().len();
-    let text = Text { nc, inputs: &inputs, map: map.as_ref() };
+    let text = CheckedText { nc, inputs: &inputs, map: map.as_ref() };
     let measured = program.map(|program| measure(check, &program, &text, stages, outcome)).transpose();
     if let Some(map) = &map {
         let Outcome { sources, sink, .. } = &mut *outcome;
@@ -117,7 +117,7 @@ pub(super) fn program(
 }
 
 /// The NC text with what belongs to it.
-struct Text<'a> {
+struct CheckedText<'a> {
     nc: SourceId,
     inputs: &'a Inputs,
     map: Option<&'a LaidMap>,
@@ -153,7 +153,7 @@ fn name_passes(motion: &mut NcMotion, map: &LaidMap) {
 fn measure(
     check: &NcCheck,
     program: &Program,
-    &Text { nc: source, inputs, map }: &Text<'_>,
+    &CheckedText { nc: source, inputs, map }: &CheckedText<'_>,
     stages: &mut Stages,
     outcome: &mut Outcome,
 ) -> Result<Certificate, Aborted> {

@@ -56,6 +56,10 @@ pub fn markdown(input: SheetInput<'_>) -> String {
             out.push_str(&format!("- {fact}\n"));
         }
         if let Some((headings, rows)) = &section.table {
+            // Without an empty line the table would belong to the list.
+            if !section.facts.is_empty() {
+                out.push('\n');
+            }
             out.push_str(&format!("| {} |\n|{}\n", headings.join(" | "), "---|".repeat(headings.len())));
             for row in rows {
                 out.push_str(&format!("| {} |\n", row.iter().map(cell).collect::<Vec<_>>().join(" | ")));

@@ -1,8 +1,8 @@
 //! Numbers of NC words, and checks that all dialects share.
 
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::{Motion, MoveKind, Program};
-use crate::kin::{Machine, RotaryAxis};
+use crate::ir::{Motion, MoveKind, Program, Tool};
+use crate::kin::{Angles, Machine, RotaryAxis};
 use crate::method::{LengthTo, Planning};
 use crate::post_file::Orientation;
 
@@ -53,6 +53,22 @@ pub fn comment(text: &str) -> String {
         })
         .take(120)
         .collect()
+}
+
+/// Refuses a tool number outside of 1 to the largest one; `takes` begins the remedy.
+pub(super) fn check_tool_number(tool: &Tool, largest: u32, takes: &str, sink: &mut Sink) {
+    if tool.number == 0 || tool.number > largest {
+        sink.push(
+            Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
+                .label(tool.span, "declared here")
+                .help(format!("{takes} from 1 to {largest}: `number 1`")),
+        );
+    }
+}
+
+/// Whether the rotary position nearest to that of the block before is not certain to be the right one for a vector.
+pub(super) fn fits_two_positions(machine: &Machine, before: Angles, to: Angles) -> bool {
+    (to[1] - before[1]).abs() >= CERTAIN_TURN || machine.chain.changes_branch(before[0], to[0])
 }
 
 /// Refuses a machine whose motion has what only the dialect of LinuxCNC has words for.
@@ -154,8 +170,7 @@ pub(super) fn check_vectors(program: &Program, motion: &Motion, sink: &mut Sink)
         let declared = &program.operations[operation.operation];
         let unsure = operation.moves.windows(2).find(|m| {
             let [a, b] = [m[0].joints.rotary, m[1].joints.rotary];
-            let changes = program.machine.chain.changes_branch(a[0], b[0]);
-            m[1].kind != MoveKind::Rapid && (changes || (a[1] - b[1]).abs() >= CERTAIN_TURN)
+            m[1].kind != MoveKind::Rapid && fits_two_positions(&program.machine, a, b)
         });
         if let Some(m) = unsure {
             let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();

@@ -25,7 +25,7 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
     let step = if form.numbers.always { 1 } else { program.post.block_numbers };
     let first = if form.numbers.always { 0 } else { u64::from(step) };
     let nc = NcProgram { lines: Vec::new(), end: program.post.line_end.text() };
-    let mut lines = Lines { form, step: u64::from(step), number: first, nc };
+    let mut lines = ProgramLines { form, step: u64::from(step), number: first, nc };
     let whole = Values { post, program, operation: None };
     lines.frame(Frame::Start, &whole, None);
     for line in header {
@@ -102,14 +102,14 @@ pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [Stri
 }
 
 /// Text under construction.
-struct Lines {
+struct ProgramLines {
     form: &'static TextForm,
     step: u64,
     number: u64,
     nc: NcProgram,
 }
 
-impl Lines {
+impl ProgramLines {
     fn block(&mut self, text: String, source: Option<(u32, u32)>, frame: Option<Span>) {
         let numbers = &self.form.numbers;
         let goes_on = |line: &NcLine| !self.form.continued.is_empty() && line.text.ends_with(self.form.continued);

@@ -174,9 +174,9 @@ pub(super) enum LengthWord {
     Of(u32),
 }
 
-/// Deviation that a control may add: from the path, mm, and from the tool direction, radians; `None` where no word states it.
+/// SmoothingTolerance that a control may add: from the path, mm, and from the tool direction, radians; `None` where no word states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Deviation {
+pub(super) struct SmoothingTolerance {
     /// Of the tip.
     pub(super) path: f64,
     /// Of the tool axis.
@@ -187,7 +187,7 @@ pub(super) struct Deviation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Smoothing {
     /// At most this deviation.
-    Within(Deviation),
+    Within(SmoothingTolerance),
     /// Limited by settings of the control; the text gives no figure.
     AtControl,
     /// Not limited, by this word.

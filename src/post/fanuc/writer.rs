@@ -16,9 +16,6 @@ const LARGEST_TOOL: u32 = 999;
 /// Turn of the tables in one block before the start of a path, radians: 1 deg.
 const TURN: f64 = std::f64::consts::PI / 180.0;
 
-/// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
-const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
-
 /// Text of Fanuc.
 pub(super) const FANUC: TextForm = form(99_999_999);
 
@@ -68,16 +65,9 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
-        if tool.number == 0 || tool.number > LARGEST_TOOL {
-            sink.push(
-                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
-                    .label(tool.span, "declared here")
-                    .help(format!("T and H take numbers from 1 to {LARGEST_TOOL}: `number 1`")),
-            );
-        }
+        words::check_tool_number(tool, LARGEST_TOOL, "T and H take numbers", sink);
         let unsure = |pair: &&[JointMove]| {
-            let [a, b] = [pair[0].joints.rotary, pair[1].joints.rotary];
-            a[0] * b[0] < 0.0 || (a[1] - b[1]).abs() >= CERTAIN_TURN
+            words::fits_two_positions(&program.machine, pair[0].joints.rotary, pair[1].joints.rotary)
         };
         if let Some(pair) = operation.moves.windows(2).find(unsure).filter(|_| vectors) {
             let label = operation.labels.get(pair[1].pass as usize).cloned().unwrap_or_default();

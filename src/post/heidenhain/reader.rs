@@ -7,7 +7,7 @@
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{self, Act, Control, Deviation, NcBlock, Smoothing, once, shown};
+use crate::post::control::{self, Act, Control, NcBlock, Smoothing, SmoothingTolerance, once, shown};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Longest block with its continued lines.
@@ -423,7 +423,7 @@ impl<'a> ProgramReader<'a> {
             }
             ("32.2", Some(Cycle::Tolerance(within)), ["HSC-MODE:0" | "HSC-MODE:1", word]) => {
                 let turn = tolerance(word, "TA", WIDEST_TURN, "deg")?;
-                smoothing(Smoothing::Within(Deviation { path: within, turn: Some(turn.to_radians()) }))
+                smoothing(Smoothing::Within(SmoothingTolerance { path: within, turn: Some(turn.to_radians()) }))
             }
             ("32.0" | "32.1" | "32.2", ..) => {
                 Err("cycle 32 needs three blocks: `CYCL DEF 32.0 TOLERANCE`, `CYCL DEF 32.1 T..`, \

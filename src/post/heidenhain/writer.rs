@@ -20,13 +20,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
-        if tool.number == 0 || tool.number > LARGEST_TOOL {
-            sink.push(
-                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
-                    .label(tool.span, "declared here")
-                    .help(format!("the control takes numbers from 1 to {LARGEST_TOOL}: `number 1`")),
-            );
-        }
+        words::check_tool_number(tool, LARGEST_TOOL, "the control takes numbers", sink);
         check_way(program, operation, sink);
     }
 }

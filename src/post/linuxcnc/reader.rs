@@ -7,7 +7,7 @@
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{
-    self, Act, Control, Deviation, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown,
+    self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
@@ -345,10 +345,10 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
             } else {
                 // P is the tolerance of blending at corners. Before blending, moves nearly in line are joined within Q;
                 // without Q the interpreter uses P.
-                block.smoothing = Some(Smoothing::Within(Deviation { path: p + q.unwrap_or(p), turn: None }));
+                block.smoothing = Some(Smoothing::Within(SmoothingTolerance { path: p + q.unwrap_or(p), turn: None }));
             }
         }
-        Some(_) => block.smoothing = Some(Smoothing::Within(Deviation { path: 0.0, turn: None })),
+        Some(_) => block.smoothing = Some(Smoothing::Within(SmoothingTolerance { path: 0.0, turn: None })),
         None => {}
     }
     if parameters.data {

@@ -97,13 +97,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
         let declared = &program.operations[operation.operation];
         check_smoothing(program, declared, operation, sink);
         let tool = &program.tools[declared.tool];
-        if tool.number == 0 || tool.number > LARGEST_TOOL {
-            sink.push(
-                Diag::error(post::TOOL_NUMBER, format!("tool {} has the number {}", tool.name, tool.number))
-                    .label(tool.span, "declared here")
-                    .help(format!("LinuxCNC takes numbers from 1 to {LARGEST_TOOL}: `number 1`")),
-            );
-        }
+        words::check_tool_number(tool, LARGEST_TOOL, "LinuxCNC takes numbers", sink);
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{
-    self, Act, Control, Deviation, LengthWord, MotionWord, NcBlock, Smoothing, number, once, shown,
+    self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 use std::borrow::Cow;
@@ -509,7 +509,7 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
             Err("a tolerance of 0 in CYCLE832 makes the control use its own tolerance".to_owned())
         }
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" => {
-            Ok(Smoothing::Within(Deviation { path: tolerance, turn: Some(turn.to_radians()) }))
+            Ok(Smoothing::Within(SmoothingTolerance { path: tolerance, turn: Some(turn.to_radians()) }))
         }
         _ => Err(format!("the mode {} of CYCLE832 is not understood", shown(mode, 40))),
     }
