@@ -2,29 +2,34 @@
 
 use crate::channel_floor::{Ways, azimuth};
 use crate::larger_balls::with_tools;
+use crate::support::jobs;
 use impellerc::collide::Cutter;
 use impellerc::collide::tool::tool_coordinates;
 use impellerc::diag::Sink;
 use impellerc::ir::{ClPoint, Contract, ContractKind, Drive, Program};
 use impellerc::method::AxisMethod;
 use impellerc::passes::pipeline::{self, Plan};
-use impellerc::verify::certify;
 use nalgebra::{Point3, Vector2};
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 const SCALLOP: f64 = 0.012;
 const ALLOWANCE: f64 = 0.2;
 const BULL: Cutter = Cutter::Bull { radius: 4.0, corner: 1.5 };
 
 /// The paper's part with nothing but the finishing of one channel: a larger tool, then the ball of the fillets.
-fn program(larger: Cutter) -> Program {
+fn program(larger: Cutter, scallop: f64) -> Program {
     let ball = Cutter::Ball { radius: 3.0 };
-    with_tools(&[(larger, AxisMethod::Lead), (ball, AxisMethod::Corridor)], SCALLOP, ALLOWANCE)
+    with_tools(&[(larger, AxisMethod::Lead), (ball, AxisMethod::Corridor)], scallop, ALLOWANCE)
 }
 
-fn plan(program: &Program) -> Plan {
-    pipeline::run(program, &mut Sink::default()).expect("a plan")
-}
+/// The program with the bull nose and a contract on what it leaves, and its plan.
+static PLANNED: LazyLock<(Program, Plan)> = LazyLock::new(|| {
+    let mut program = program(BULL, SCALLOP);
+    program.contracts.push(Contract::whole(ContractKind::Excess, SCALLOP));
+    let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
+    (program, plan)
+});
 
 /// Positions of the bull nose, at most this far apart along a line, mm.
 const APART: f64 = 0.1;
@@ -53,9 +58,8 @@ fn positions(plan: &Plan, operation: usize) -> BTreeMap<[i64; 2], Vec<ClPoint>> 
 
 #[test]
 fn no_ridge_of_a_bull_nose_is_higher_than_the_scallop() {
-    let program = program(BULL);
-    let plan = plan(&program);
-    let (cells, part) = (positions(&plan, 0), &program.part);
+    let (program, plan) = &*PLANNED;
+    let (cells, part) = (positions(plan, 0), &program.part);
     let ball = Ways::new(&plan.cc.operations[1].passes, 3.0);
     let walls = &plan.cc.operations[1].passes;
     let (mut worst, mut of_bull, mut deepest) = (0.0_f64, 0, f64::INFINITY);
@@ -89,8 +93,7 @@ fn no_ridge_of_a_bull_nose_is_higher_than_the_scallop() {
 
 #[test]
 fn the_end_of_a_bull_nose_stays_out_of_the_hub_and_its_axis_has_the_lead_angle() {
-    let program = program(BULL);
-    let plan = plan(&program);
+    let (program, plan) = &*PLANNED;
     let Drive::HubWithLead(lead) = plan.cc.operations[0].passes[0].drive else { panic!("a bull nose without lead") };
     let mut least = f64::INFINITY;
     for (cc, cl) in plan.cc.operations[0].passes.iter().zip(&plan.cl.operations[0].passes) {
@@ -123,10 +126,8 @@ fn the_end_of_a_bull_nose_stays_out_of_the_hub_and_its_axis_has_the_lead_angle()
 
 #[test]
 fn the_verifier_proves_scallop_and_gouge_of_a_bull_nose() {
-    let mut program = program(BULL);
-    program.contracts.push(Contract::whole(ContractKind::Excess, SCALLOP));
-    let plan = plan(&program);
-    let certificate = certify(&program, &plan.motion, &mut Sink::default()).expect("a certificate");
+    let (program, plan) = &*PLANNED;
+    let certificate = jobs::certified(program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
     let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
     println!("left {} mm found, {} mm proved; deepest cut {deepest} mm", hub.excess.value, hub.excess_bound);
@@ -136,9 +137,10 @@ fn the_verifier_proves_scallop_and_gouge_of_a_bull_nose() {
 
 #[test]
 fn a_bull_nose_whose_heel_no_lead_angle_lifts_is_a_remark() {
-    // 50 mm wide on a floor whose meridian is hollow with about 25 mm.
+    // 50 mm wide on a floor whose meridian is hollow with about 25 mm; few lines, since the scallop has no part in it.
     let mut sink = Sink::default();
-    let planned = pipeline::run(&program(Cutter::Bull { radius: 25.0, corner: 1.0 }), &mut sink).expect("a plan");
+    let wide = program(Cutter::Bull { radius: 25.0, corner: 1.0 }, 0.5);
+    let planned = pipeline::run(&wide, &mut sink).expect("a plan");
     assert!(sink.diags().iter().any(|d| d.code.id() == "IMP0411"));
     assert!(planned.cc.operations[0].passes.is_empty());
     assert!(!planned.cc.operations[1].passes.is_empty());
