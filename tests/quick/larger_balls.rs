@@ -11,6 +11,7 @@ use impellerc::method::{AxisMethod, Lines, Spacing};
 use impellerc::part::Surface;
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
+use std::sync::LazyLock;
 
 const ALLOWANCE: f64 = 0.2;
 
@@ -50,25 +51,34 @@ fn plan(program: &Program) -> Plan {
     pipeline::run(program, &mut Sink::default()).expect("a plan")
 }
 
+/// Two balls and the scallop height of the paper, planned once.
+static TWO: LazyLock<(Program, Plan)> = LazyLock::new(|| {
+    let program = balls(&[5.0, 3.0], 0.012, ALLOWANCE);
+    let plan = plan(&program);
+    (program, plan)
+});
+
 fn passes(plan: &Plan, operation: usize) -> &[CcPass] {
     &plan.cc.operations[operation].passes
 }
 
 #[test]
 fn no_ridge_between_the_bands_of_the_balls_is_higher_than_the_scallop() {
-    for (radii, scallop) in [(vec![5.0, 3.0], 0.012), (vec![6.0, 4.5, 2.5], 0.02)] {
-        let program = balls(&radii, scallop, ALLOWANCE);
-        let plan = plan(&program);
+    let three = balls(&[6.0, 4.5, 2.5], 0.02, ALLOWANCE);
+    let planned = plan(&three);
+    for (radii, scallop, program, plan) in
+        [(vec![5.0, 3.0], 0.012, &TWO.0, &TWO.1), (vec![6.0, 4.5, 2.5], 0.02, &three, &planned)]
+    {
         let last = radii.len() - 1;
-        let ways: Vec<Ways> = radii.iter().enumerate().map(|(k, r)| Ways::new(passes(&plan, k), *r)).collect();
-        let walls = passes(&plan, last);
+        let ways: Vec<Ways> = radii.iter().enumerate().map(|(k, r)| Ways::new(passes(plan, k), *r)).collect();
+        let walls = passes(plan, last);
         let planned = scallop - program.tolerances.chord.get();
         let (mut worst, mut both) = (0.0_f64, 0);
-        for i in 0..=300 {
-            let u = f64::from(i) / 300.0;
+        for i in 0..=200 {
+            let u = f64::from(i) / 200.0;
             let (from, to) = (azimuth(&walls[0], u), azimuth(walls.last().unwrap(), u));
-            for j in 0..=500 {
-                let azimuth = from + (to - from) * (0.003 + 0.994 * f64::from(j) / 500.0);
+            for j in 0..=400 {
+                let azimuth = from + (to - from) * (0.003 + 0.994 * f64::from(j) / 400.0);
                 let (at, normal) = (program.part.hub.point(u, azimuth), program.part.hub.normal(u, azimuth));
                 let left: Vec<f64> = ways.iter().map(|w| w.excess(&at, &normal)).collect();
                 worst = worst.max(left.iter().copied().fold(f64::INFINITY, f64::min));
@@ -78,39 +88,40 @@ fn no_ridge_between_the_bands_of_the_balls_is_higher_than_the_scallop() {
         println!("{radii:?}: {worst} of {planned}; {both} places finished by more than one ball");
         assert!(worst < 1.01 * planned, "{radii:?}: {worst} {planned}");
         // The bands overlap, and they are no two finishings of the same floor.
-        assert!(both > 100 && both < 301 * 501 / 4, "{both}");
-        assert!((0..=last).all(|k| !passes(&plan, k).is_empty()));
+        assert!(both > 100 && both < 201 * 401 / 4, "{both}");
+        assert!((0..=last).all(|k| !passes(plan, k).is_empty()));
     }
 }
 
 #[test]
 fn the_verifier_proves_scallop_and_gouge_over_the_blend() {
-    let mut program = with_axes(&[5.0, 3.0], 0.012, ALLOWANCE, AxisMethod::Corridor);
-    program.contracts.push(Contract::whole(ContractKind::Excess, 0.012));
+    // Higher than that of the paper: fewer lines, of which the same is proved.
+    const SCALLOP: f64 = 0.05;
+    let mut program = with_axes(&[5.0, 3.0], SCALLOP, ALLOWANCE, AxisMethod::Corridor);
+    program.contracts.push(Contract::whole(ContractKind::Excess, SCALLOP));
     let plan = plan(&program);
     let certificate = jobs::certified(&program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
     let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
     println!("left {} mm found, {} mm proved; deepest cut {deepest} mm", hub.excess.value, hub.excess_bound);
-    assert!(hub.excess_bound <= 0.012, "{}", hub.excess_bound);
+    assert!(hub.excess_bound <= SCALLOP && hub.excess_bound > 0.8 * SCALLOP, "{}", hub.excess_bound);
     assert!(deepest < 0.0015, "{deepest}");
 }
 
 #[test]
 fn the_larger_ball_keeps_its_allowance_from_both_walls_and_saves_lines() {
-    let program = balls(&[5.0, 3.0], 0.012, ALLOWANCE);
-    let two = plan(&program);
+    let (program, two) = &*TWO;
     let part = &program.part;
     let [first, second] = part.first_passage().walls;
     let mut least = f64::INFINITY;
     for (side, sector) in [(first, 0), (second, 1)] {
         let turn = part.sector_rotation(sector).inverse();
         let surface = &part.face(side).surface;
-        for p in passes(&two, 0).iter().flat_map(|pass| pass.points.iter().step_by(5)) {
+        for p in passes(two, 0).iter().flat_map(|pass| pass.points.iter().step_by(5)) {
             let centre = turn * (p.position + p.normal * 5.0);
             let foot = surface.closest(&centre, Patch { u: [0.0, 1.0], v: [0.0, 1.0] });
             let free = (surface.point(foot.u, foot.v) - centre).norm() - 5.0;
-            if on_hub(&program, p) {
+            if on_hub(program, p) {
                 least = least.min(free);
             }
             // Arcs as well stay off the walls.
@@ -121,9 +132,9 @@ fn the_larger_ball_keeps_its_allowance_from_both_walls_and_saves_lines() {
     assert!((least - ALLOWANCE).abs() < 1e-3, "{least}");
     let alone = plan(&balls(&[3.0], 0.012, ALLOWANCE));
     let length = |plan: &Plan| -> f64 {
-        plan.cc.operations.iter().flat_map(|o| &o.passes).map(|p| contact_length(&program, p)).sum()
+        plan.cc.operations.iter().flat_map(|o| &o.passes).map(|p| contact_length(program, p)).sum()
     };
-    let (two, one) = (length(&two), length(&alone));
+    let (two, one) = (length(two), length(&alone));
     println!("{two} mm of contact with two balls, {one} mm with one");
     assert!(two < 0.9 * one, "{two} {one}");
 }
