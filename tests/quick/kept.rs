@@ -366,12 +366,14 @@ fn load_is_judged_by_tool_and_feed() {
     assert!(found.iter().any(|f| f.0 == "IMP0735" && f.1), "{found:?}");
 }
 
-/// The small job with more cuts at the end of its last operation.
-fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> Motion {
-    let (program, motion) = jobs::small("siemens-840d").planned();
-    let mut motion = motion.clone();
-    let operation = motion.operations.last_mut().unwrap();
+/// The small job with nothing but the end of its last operation, and with cuts before it.
+fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> (Program, Motion) {
+    let (whole, motion) = jobs::small("siemens-840d").planned();
+    let mut operation = motion.operations.last().unwrap().clone();
+    let mut program = Program { operations: PrimaryMap::new(), ..whole.clone() };
+    operation.operation = program.operations.push(whole.operations[operation.operation].clone());
     let last = *operation.moves.last().unwrap();
+    operation.moves = vec![last];
     for (tip, axis) in poses {
         let [rotary, _] = program.machine.chain.nearest(axis, 0.0);
         let joints = program.machine.joints(tip, rotary);
@@ -385,7 +387,7 @@ fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> Motion {
     }
     // Up again to where the operation ended.
     operation.moves.push(impellerc::ir::JointMove { time: 10.0, ..last });
-    motion
+    (program, Motion { operations: vec![operation] })
 }
 
 /// Codes of errors with their messages.
@@ -409,9 +411,7 @@ fn ring(r: f64, z: f64) -> Vec<(Point3<f64>, Vector3<f64>)> {
 
 #[test]
 fn harm_outside_of_the_design_surfaces_is_refused() {
-    // Verified as it is.
-    let program = &jobs::small("siemens-840d").program;
-    let rim = outlet(program);
+    let rim = outlet(&jobs::small("siemens-840d").program);
     let out = Vector3::new(0.0, -1.0, 0.0);
     let radial = |r: f64| (Point3::new(0.0, -r, -14.6), out);
     let along = |z: f64| (Point3::new(4.4, 0.0, z), Vector3::z());
@@ -424,15 +424,16 @@ fn harm_outside_of_the_design_surfaces_is_refused() {
         ("groove of 20 um", ring(rim + 0.98, -15.2), "rim", false),
     ];
     for (name, poses, surface, seen) in cases {
-        let found = errors(program, &harmed(&poses));
+        let (program, motion) = harmed(&poses);
+        let found = errors(&program, &motion);
         let has = |code: &str, word: &str| found.iter().any(|(c, m)| c == code && m.contains(word));
         assert!(has("IMP0736", &format!("into the {surface}")), "{name}: {found:?}");
         assert_eq!(has("IMP0746", "hub disc"), seen, "{name}: {found:?}");
     }
     // Beside the part, the tip below its back at -16 mm.
     let beside = |z: f64| (Point3::new(rim + 6.0, 0.0, z), Vector3::z());
-    let below = harmed(&[beside(20.0), beside(-17.5), beside(20.0)]);
-    let found = errors(program, &below);
+    let (program, below) = harmed(&[beside(20.0), beside(-17.5), beside(20.0)]);
+    let found = errors(&program, &below);
     let has = |found: &[(String, String)], code: &str| found.iter().any(|(c, _)| c == code);
     assert!(found.iter().any(|(code, text)| code == "IMP0737" && text.contains("1.50")), "{found:?}");
     assert!(!has(&found, "IMP0736") && !has(&found, "IMP0746"), "{found:?}");
