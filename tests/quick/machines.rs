@@ -2,15 +2,19 @@
 //! plain vectors put it, and rotary axes that end within a pass.
 
 use crate::support::jobs;
+use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::entity::PrimaryMap;
 use impellerc::ir::Program;
 use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
 use impellerc::method::{LengthTo, ModuloWay};
+use impellerc::passes::pipeline;
 use impellerc::post;
 use impellerc::progress::Progress;
-use impellerc::verify::SPACING;
 use impellerc::verify::proof::sweep::Sweep;
+use impellerc::verify::stock::Settings;
 use impellerc::verify::surface::{self, Limits};
+use impellerc::verify::{SPACING, examine};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::path::Path;
 
@@ -112,7 +116,7 @@ fn every_kind_reaches_the_cutter_locations_of_the_plan() {
 #[test]
 fn the_verifier_samples_sweeps_of_every_kind() {
     let (planned_for, motion) = jobs::small("siemens-840d").planned();
-    // Finishing of the faces, each block in parts so short that the rule between stations does not matter.
+    // The first two strips of a face, each block in parts so short that the rule between stations does not matter.
     const PARTS: u32 = 8;
     let operation = motion.operations.iter().find(|o| planned_for.operations[o.operation].name == "flank").unwrap();
     let tool = &planned_for.tools[planned_for.operations[operation.operation].tool].solid;
@@ -120,6 +124,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
     let poses: Vec<RotaryPose> = operation
         .moves
         .windows(2)
+        .take_while(|w| w[1].pass < 2)
         .flat_map(|w| {
             let [from, to] =
                 [0, 1].map(|k| RotaryPose { tip: own.forward(&w[k].joints).tip, rotary: w[k].joints.rotary });
@@ -358,24 +363,39 @@ fn apart(of: &[FeedBlock], from: &[FeedBlock], (height, beyond): (f64, f64)) -> 
     of.iter().filter(|block| block.2).map(|place| nearest(ends(place))).fold(0.0, f64::max)
 }
 
-/// The reduced job on a shipped machine, planned and verified, as text.
-fn text_on(machine: &str) -> (Program, String) {
-    let compiled = jobs::Compiled::new(jobs::program("reduced", Some(machine)));
+/// Roughing and finishing, each in one operation of the reduced job.
+const ONE_OF_EACH: [&str; 2] = ["groove", "flank"];
+
+/// Operations of the reduced job on a shipped machine, planned and verified, as text.
+fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
+    let whole = jobs::program("reduced", Some(machine));
+    let mut program = Program { operations: PrimaryMap::new(), ..whole.clone() };
+    for (_, operation) in whole.operations.iter().filter(|(_, o)| operations.contains(&o.name.as_str())) {
+        program.operations.push(operation.clone());
+    }
+    assert_eq!(program.operations.iter().count(), operations.len());
+    // The largest cells that a job may have: the stock has no part in what is compared.
+    let (mut sink, mut settings) = (Sink::default(), Settings { cell: Some(1.0), after: None });
+    let motion = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion;
+    let (motion, _) = examine(&program, motion, &mut settings, &Progress::default(), &mut sink).expect("a certificate");
+    let motion = motion.unwrap_or_else(|_| panic!("{machine}: {:?}", sink.diags()));
     let post = post::find("siemens-840d").unwrap();
-    let text = post::emit(post, &compiled.program, &compiled.motion, &[]).text();
-    post::read_back(post, &compiled.program, &compiled.motion, &text).unwrap();
-    (compiled.program, text)
+    let text = post::emit(post, &program, &motion, &[]).text();
+    post::read_back(post, &program, &motion, &text).unwrap();
+    (program, text)
 }
 
 /// Compared with the shipped A/C machine of the paper, operation by operation. Stations are thinned within the chord tolerance
-/// of each machine.
-fn cuts_the_same(name: &str) {
+/// of each machine. Operations do not depend on each other: what the axes do is decided for each one.
+fn cuts_the_same(name: &str, operations: &[&str]) {
     let reference = jobs::reduced("siemens-840d");
     let meant = post::emit(post::find("siemens-840d").unwrap(), &reference.program, &reference.motion, &[]).text();
-    let meant = feed_blocks(&reference.program, &meant);
-    let (program, text) = text_on(name);
+    let names = reference.program.operations.iter().map(|(_, o)| o.name.as_str());
+    let meant = names.zip(feed_blocks(&reference.program, &meant)).filter(|(name, _)| operations.contains(name));
+    let meant: Vec<Vec<FeedBlock>> = meant.map(|(_, blocks)| blocks).collect();
+    let (program, text) = text_on(name, operations);
     let [stations, rapids] = stations_agree(name, &program, &text);
-    assert!(stations == program.operations.iter().count() && rapids >= 6, "{name}: {stations} {rapids}");
+    assert!(stations == program.operations.iter().count() && rapids >= 3, "{name}: {stations} {rapids}");
     let found = feed_blocks(&program, &text);
     assert_eq!(found.len(), meant.len());
     for ((_, operation), (a, b)) in program.operations.iter().zip(meant.iter().zip(&found)) {
@@ -392,23 +412,23 @@ fn cuts_the_same(name: &str) {
 
 #[test]
 fn a_nutating_head_cuts_what_a_table_cuts() {
-    cuts_the_same(GENERIC[4]);
+    cuts_the_same(GENERIC[4], &["groove", "expand", "flank", "channel"]);
 }
 
 #[test]
 fn a_head_of_two_axes_cuts_what_a_table_cuts() {
-    cuts_the_same(GENERIC[3]);
+    cuts_the_same(GENERIC[3], &ONE_OF_EACH);
 }
 
 #[test]
 fn a_head_with_a_table_cuts_what_a_table_cuts() {
-    cuts_the_same(GENERIC[2]);
+    cuts_the_same(GENERIC[2], &ONE_OF_EACH);
 }
 
 #[test]
 fn generic_tables_cut_the_same() {
-    cuts_the_same(GENERIC[0]);
-    cuts_the_same(GENERIC[1]);
+    cuts_the_same(GENERIC[0], &ONE_OF_EACH);
+    cuts_the_same(GENERIC[1], &ONE_OF_EACH);
 }
 
 /// Finishing of the faces of the reduced job in sector 3 on the shipped A/C machine with other travels of A and C.
