@@ -67,8 +67,8 @@ static ORIGINAL: LazyLock<Given> = LazyLock::new(|| {
     let text = job.get_mut(JOB).unwrap();
     let [flank, channel] = ["operation flank", "operation channel"].map(|words| text.find(words).unwrap());
     text.replace_range(flank..channel, "");
-    // The floor is finished beside what the flanks would have cut.
-    *text = text.replace("max-depth 4 mm", "max-depth 9 mm");
+    // The floor is finished beside what the flanks would have cut, in few lines.
+    *text = text.replace("max-depth 4 mm", "max-depth 9 mm").replace("scallop 0.2 mm", "scallop 0.8 mm");
     compiled(job, &[])
 });
 

@@ -258,10 +258,12 @@ fn campaign(dialect: &str, orientation: Orientation, kinds: Vec<Kind>, least: us
     let whole = post::emit(post, program, motion, &[]).text();
     assert_eq!(judged(post, program, &whole, (&program.machine, &meant)).0, Verdict::Harmless, "block numbers");
     // What is found is found for its change.
-    let mut sink = Sink::default();
-    let mut settings = Settings { cell: Some(4.0), after: None };
-    let _ = certify_with(program, &meant, &mut settings, &Progress::default(), &mut sink);
-    assert!(!sink.has_errors(), "{:?}", sink.diags());
+    if kinds.iter().any(|kind| kind.2 == Verdict::Found) {
+        let mut sink = Sink::default();
+        let mut settings = Settings { cell: Some(4.0), after: None };
+        let _ = certify_with(program, &meant, &mut settings, &Progress::default(), &mut sink);
+        assert!(!sink.has_errors(), "{:?}", sink.diags());
+    }
     let mut counts: BTreeMap<(&str, Verdict), usize> = BTreeMap::new();
     let mut complaints = Vec::new();
     let mut seen = std::collections::BTreeSet::new();
