@@ -29,6 +29,10 @@ pub struct PostFile {
     pub orientation_tolerance: Option<f64>,
     /// Digits of words.
     pub decimals: Decimals,
+    /// Whether finishing passes are written as lines or as splines.
+    pub path: PathForm,
+    /// Spline blocks of the control, where it has them for five axes.
+    pub splines: Option<SplineForm>,
     /// Words that smooth within a tolerance in finishing and in roughing, and words that end smoothing.
     pub smoothing: [Template; 3],
     /// Words that switch tool centre point control on, for rotary words and for vectors.
@@ -86,6 +90,65 @@ impl Orientation {
             Self::Angles => "angles",
             Self::Vectors => "vectors",
         }
+    }
+}
+
+/// How the paths of finishing passes are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathForm {
+    /// As straight blocks.
+    Lines,
+    /// As polynomials, on a control that has them.
+    Splines,
+}
+
+impl PathForm {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Lines, Self::Splines];
+
+    /// The name in jobs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lines => "lines",
+            Self::Splines => "splines",
+        }
+    }
+}
+
+/// Spline blocks of a control for five axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SplineForm {
+    /// Polynomials of tip and second point: POLY with ORICURVE, up to degree five (Siemens).
+    Poly,
+    /// Cubics of tip and rotary axes: SPL (HEIDENHAIN iTNC 530).
+    Spl,
+}
+
+impl SplineForm {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Poly, Self::Spl];
+
+    /// The name in post files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Poly => "poly",
+            Self::Spl => "spl",
+        }
+    }
+
+    /// Degree of its polynomials.
+    pub fn degree(self) -> usize {
+        match self {
+            Self::Poly => 5,
+            Self::Spl => 3,
+        }
+    }
+}
+
+impl PostFile {
+    /// The spline blocks of finishing passes, where the job asks for them and the control has them.
+    pub fn spline_form(&self) -> Option<SplineForm> {
+        self.splines.filter(|_| self.path == PathForm::Splines)
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod angle;
 pub mod basis;
+pub mod bezier;
 pub mod curvature;
 pub mod curve;
 pub mod dual;
@@ -15,6 +16,7 @@ pub mod moving_least_squares;
 pub mod proximity;
 pub mod revolution;
 pub mod ruled;
+pub mod spline_fit;
 pub mod surface;
 pub mod triangulation;
 

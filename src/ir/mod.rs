@@ -82,6 +82,11 @@
 //! A control departs from this motion by its tolerance of blending and by its following error.
 //! [`crate::kin::interpolation`] and the model of the control bound the blending, and the certificate states the bound.
 //!
+//! **Spline blocks.** A [`SplineBlock`] is what the control interpolates as polynomials: the tip, and the direction by both
+//! rotary axes or by a second point of the tool axis. Its moves are chords, so that all that counts with moves counts with
+//! them; no point of the tool up to the upper end of its flutes leaves its chord by more than 0.05 um. The verifier measures
+//! this by itself and adds it to what it finds. Posts write the polynomials.
+//!
 //! **Kinds.** [`MoveKind::Cut`] touches material or may touch it. [`MoveKind::Link`] is at the link feed: along the
 //! tool axis into the channel and out of it, and from pass to pass. [`MoveKind::Rapid`] is in air, as fast as all axes
 //! together allow.
@@ -124,7 +129,7 @@ pub mod validate;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClOperation, ClPass, ClPlan, ClPoint};
-pub use motion::{JointMove, Motion, MotionOperation, MoveKind};
+pub use motion::{JointMove, Motion, MotionOperation, MoveKind, SplineBlock};
 pub use program::{
     Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances,
     Tool, ToolId,

@@ -9,7 +9,8 @@
 //! Y and the rotary axes move there with tool centre point control off, from their present positions.
 
 use crate::ir::program::OperationId;
-use crate::kin::Joints;
+use crate::kin::{Joints, PoseCurve};
+use std::ops::RangeInclusive;
 
 /// All moves, operation by operation.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +28,48 @@ pub struct MotionOperation {
     pub labels: Vec<String>,
     /// Moves in order.
     pub moves: Vec<JointMove>,
+    /// Blocks that the control interpolates as polynomials, in order.
+    pub splines: Vec<SplineBlock>,
+}
+
+/// A block that the control interpolates as polynomials. Some moves in a row are its chords: the tool leaves them by no more
+/// than [`crate::kin::pose_curve::CHORD`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplineBlock {
+    /// Index of its first chord.
+    pub first: usize,
+    /// Index of its last chord.
+    pub last: usize,
+    /// Path of the tool.
+    pub curve: PoseCurve,
+    /// Shares of the curve at the ends of the chords; the last is 1.
+    pub shares: Vec<f64>,
+}
+
+impl SplineBlock {
+    /// Indices of its chords.
+    pub fn chords(&self) -> RangeInclusive<usize> {
+        self.first..=self.last
+    }
+}
+
+impl MotionOperation {
+    /// The spline block of a move, and its index.
+    pub fn spline(&self, index: usize) -> Option<(usize, &SplineBlock)> {
+        let at = self.splines.partition_point(|spline| spline.last < index);
+        self.splines.get(at).filter(|spline| spline.first <= index).map(|spline| (at, spline))
+    }
+
+    /// Whether a move goes on in the direction of the move before it: both are chords of one spline block, or of two that
+    /// have no corner between them.
+    pub fn runs_on(&self, index: usize) -> bool {
+        let Some((at, spline)) = self.spline(index) else { return false };
+        if index > spline.first {
+            return true;
+        }
+        let before = at.checked_sub(1).and_then(|before| self.splines.get(before));
+        before.is_some_and(|before| before.last + 1 == index && before.curve.runs_on(&spline.curve))
+    }
 }
 
 /// Kind of a move.

@@ -5,7 +5,9 @@ use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
-use crate::post_file::{Decimals, Field, Frame, LineEnd, Orientation, PostFile, Template, TemplateFault};
+use crate::post_file::{
+    Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, SplineForm, Template, TemplateFault,
+};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::Block;
 use serde::Deserialize;
@@ -42,6 +44,7 @@ struct PostTable {
     orientation: SpannedText,
     orientation_tolerance: Option<SpannedText>,
     decimals: DecimalsTable,
+    splines: Option<SpannedText>,
     smoothing: SmoothingTable,
     transformation: TransformationTable,
     frames: FramesTable,
@@ -222,6 +225,11 @@ pub(super) fn read(
             .as_ref()
             .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
         decimals: reader.decimals(&table.decimals),
+        path: PathForm::Lines,
+        splines: table
+            .splines
+            .as_ref()
+            .and_then(|text| reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)),
         smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
             .map(|text| reader.template(text, &fields)),
         transformation: [&table.transformation.angles, &table.transformation.vectors]
@@ -240,7 +248,8 @@ pub fn shipped(name: &str) -> Option<PostFile> {
 }
 
 /// Properties of the `post` item.
-const PROPERTIES: [&str; 5] = ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end"];
+const PROPERTIES: [&str; 6] =
+    ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end", "path"];
 
 /// The post with the properties of the `post` item of the job.
 pub(super) fn with_properties(
@@ -271,7 +280,23 @@ pub(super) fn with_properties(
     if let Some(Some(end)) = name_of(&mut properties, "line-end", &LineEnd::ALL, LineEnd::name) {
         post.line_end = end;
     }
+    if let Some(Some(path)) = name_of(&mut properties, "path", &PathForm::ALL, PathForm::name) {
+        post.path = path;
+        tell_lines(&post, head, properties.sink);
+    }
     post
+}
+
+/// Reports a control without spline blocks where the job asks for them.
+fn tell_lines(post: &PostFile, span: Span, sink: &mut Sink) {
+    if post.path == PathForm::Splines && post.splines.is_none() {
+        sink.push(
+            Diag::remark(codes::NO_SPLINES, format!("the post {} writes straight blocks, no splines", post.name))
+                .label(span, "`path splines` here")
+                .note("the control has no polynomials for five axes with tool centre point control, or none is documented")
+                .help("use a post with splines (siemens-840d, heidenhain-itnc530), or write `path lines`"),
+        );
+    }
 }
 
 /// Refuses an orientation for which the post has no words of tool centre point control.

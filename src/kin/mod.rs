@@ -10,10 +10,12 @@ mod heights;
 pub mod interpolation;
 pub mod linuxcnc;
 pub mod machine;
+pub mod pose_curve;
 mod rates;
 pub mod transform;
 
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
 pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
+pub use pose_curve::{CurveDirection, PoseCurve, TurnCurve};
 pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

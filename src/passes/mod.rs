@@ -18,6 +18,7 @@ mod channel;
 mod context;
 mod copy_sectors;
 mod feed;
+mod fit_splines;
 mod link;
 mod point;
 mod rough;

@@ -7,7 +7,7 @@ use super::context::{Obstacles, PassContext};
 use super::feed::{exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
-use super::{channel, copy_sectors, flank, point, round_to_words, sample_to_tolerance};
+use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
 use crate::diag::{Aborted, Sink};
 use crate::ir::validate::{self, ClStage};
@@ -71,6 +71,9 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     let mut motion = link_moves::run(&mut cx, &cl)?;
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
+    // Splines go through the ends of moves as they are before rounding.
+    fit_splines::run(&cx, &mut motion);
+    cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
     // What follows counts with the moves that the text says.
     round_to_words::run(program, &mut motion);
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;

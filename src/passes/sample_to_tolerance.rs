@@ -5,7 +5,7 @@
 //! part of the cutter.
 
 use super::context::PassContext;
-use crate::ir::{ClPlan, ClPoint, OperationKind};
+use crate::ir::{ClPlan, ClPoint, Operation, OperationKind, Program};
 use crate::kin::{Angles, Chain, between};
 use rayon::prelude::*;
 
@@ -24,32 +24,46 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
     let program = cx.program;
     for planned in &mut cl.operations {
         let operation = &program.operations[planned.operation];
-        let solid = &program.tools[operation.tool].solid;
-        let (fine, coarse) = (program.tolerances.chord.get(), program.tolerances.chord_rough.get());
-        // Heights over the tip at which tool positions are compared, with the tolerance there.
-        let heights: Vec<(f64, f64)> = match operation.kind {
-            OperationKind::Flank { .. } => {
-                vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
-            }
-            // Barrel and bull nose touch beside the axis, so that a turn of the axis moves the contact.
-            OperationKind::Channel { .. } | OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
-                vec![(0.0, fine), (solid.flute_length, fine)]
-            }
-            OperationKind::Channel { .. } | OperationKind::Point { .. } => {
-                vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
-            }
-            OperationKind::Groove { .. }
-            | OperationKind::Expand { .. }
-            | OperationKind::Rough { .. }
-            | OperationKind::Plunge { .. } => {
-                vec![(0.0, coarse), (solid.flute_length, coarse)]
-            }
-        };
+        let heights = stations_for(program, operation);
         let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());
         planned
             .passes
             .par_iter_mut()
             .for_each(|pass| pass.points = work.step(thin(&program.machine.chain, &pass.points, &heights)));
+    }
+}
+
+/// Share of the tolerance that the stations of a pass may take which becomes a spline; the spline takes the rest.
+pub(super) const FIT_SHARE: f64 = 0.25;
+
+/// Heights over the tip at which tool positions are compared while stations are removed, with the tolerance there.
+fn stations_for(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {
+    let becomes_splines = operation.kind.finishes() && program.post.spline_form().is_some();
+    let share = if becomes_splines { FIT_SHARE } else { 1.0 };
+    compared_heights(program, operation).into_iter().map(|(height, tolerance)| (height, share * tolerance)).collect()
+}
+
+/// Heights over the tip at which tool positions are compared, with the tolerance there, mm.
+pub(super) fn compared_heights(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {
+    let solid = &program.tools[operation.tool].solid;
+    let (fine, coarse) = (program.tolerances.chord.get(), program.tolerances.chord_rough.get());
+    match operation.kind {
+        OperationKind::Flank { .. } => {
+            vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
+        }
+        // Barrel and bull nose touch beside the axis, so that a turn of the axis moves the contact.
+        OperationKind::Channel { .. } | OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
+            vec![(0.0, fine), (solid.flute_length, fine)]
+        }
+        OperationKind::Channel { .. } | OperationKind::Point { .. } => {
+            vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
+        }
+        OperationKind::Groove { .. }
+        | OperationKind::Expand { .. }
+        | OperationKind::Rough { .. }
+        | OperationKind::Plunge { .. } => {
+            vec![(0.0, coarse), (solid.flute_length, coarse)]
+        }
     }
 }
 

@@ -433,7 +433,8 @@ impl<'a> Course<'a> {
         start: Joints,
     ) -> Self {
         let count = section.moves.len() + 2;
-        let mut made = MotionOperation { operation, labels: Vec::new(), moves: Vec::with_capacity(count) };
+        let mut made =
+            MotionOperation { operation, labels: Vec::new(), moves: Vec::with_capacity(count), splines: Vec::new() };
         let mut lines = Vec::with_capacity(count);
         made.moves.push(station(start));
         lines.push(section.start.line);

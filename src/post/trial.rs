@@ -80,5 +80,5 @@ fn moves(program: &Program, id: OperationId, operation: &Operation) -> MotionOpe
         step(MoveKind::Cut, at(0.0, STEP)),
         step(MoveKind::Rapid, at(0.0, 0.0)),
     ];
-    MotionOperation { operation: id, labels: vec![String::new()], moves }
+    MotionOperation { operation: id, labels: vec![String::new()], moves, splines: Vec::new() }
 }

@@ -12,6 +12,7 @@ use super::perimeter::PerimeterReport;
 use super::place::describe;
 use super::proof::piece::At;
 use super::rest::RestReport;
+use super::splines::SplineReport;
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use crate::contract::clock;
@@ -36,6 +37,9 @@ pub struct OperationReport {
     pub length: [f64; 3],
     /// Time of cutting, links and rapids, s.
     pub time: [f64; 3],
+    /// Spline blocks, where the operation has some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub splines: Option<SplineReport>,
     /// Least distance of the shank to the design part; `None` when it is beyond the search distance.
     pub shank: Option<Clearance>,
     /// Least distance of the holder.
@@ -298,6 +302,7 @@ impl Certificate {
         }
         writeln!(t)?;
         self.write_operations(t)?;
+        self.write_splines(t)?;
         writeln!(t)?;
         self.write_rest(t)?;
         writeln!(t)?;
@@ -313,6 +318,20 @@ impl Certificate {
         self.write_limits(t)?;
         self.write_contracts(t)?;
         self.write_allowed(t)
+    }
+
+    /// Spline blocks of each operation that has some.
+    fn write_splines(&self, t: &mut String) -> std::fmt::Result {
+        for operation in &self.operations {
+            let Some(SplineReport { blocks, chords, flutes, .. }) = operation.splines else { continue };
+            writeln!(
+                t,
+                "  {:<12} {blocks} spline blocks, checked on {chords} chords that are at most {:.3} um away; the figures include it",
+                operation.name,
+                flutes * 1e3
+            )?;
+        }
+        Ok(())
     }
 
     /// Stock that each roughing operation leaves.

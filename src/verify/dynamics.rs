@@ -27,6 +27,7 @@ mod jerk;
 pub use active::{ActiveLimit, LimitRow, MotionLimit, rows};
 
 use super::proof::piece::At;
+use crate::ir::motion::MotionOperation;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::{Chain, Joints, Machine, between, linuxcnc};
 use crate::method::Planning;
@@ -170,6 +171,8 @@ pub(super) struct MotionCell {
     sag: f64,
     /// Signed q'' with the curvature that is divided into chords.
     level: Joint5,
+    /// The block goes on from its predecessor without a corner: both are chords of spline blocks.
+    runs_on: bool,
     /// Jump of q' at the start of a block by the time of this block, and the share of such curvature in it.
     jump: Joint5,
     shared: Joint5,
@@ -219,6 +222,19 @@ struct MotionBlock {
     tip: Vector3<f64>,
     /// Jump of q' at its start, by the time of this block.
     jump: Joint5,
+    /// q'' of the spline at its start, by the time of this block, where the block goes on without a corner.
+    bend: Option<Joint5>,
+}
+
+/// What a block has at its end, by the time of this block: the jump of q' there, and q'' of the spline where the next block
+/// goes on without a corner.
+struct BlockEnd {
+    jump: Joint5,
+    bend: Option<Joint5>,
+}
+
+impl BlockEnd {
+    const STOP: Self = Self { jump: [0.0; 5], bend: None };
 }
 
 impl Run {
@@ -331,7 +347,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
         height: program.tools[declared.tool].solid.flute_length,
         length: program.tools[declared.tool].length(),
     };
-    let cells = cells(machine, &limits, &moves.moves, removal);
+    let cells = cells(machine, &limits, moves, removal);
     let trapezoids = trapezoids(&limits, &cells);
     for part in &trapezoids {
         report.within_accelerations[number(cells[part.cell].kind)] += part.time;
@@ -358,7 +374,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
 }
 
 /// Cells of all blocks with a time, and the corners between them.
-fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove], removal: &[f64]) -> Vec<MotionCell> {
+fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, removal: &[f64]) -> Vec<MotionCell> {
+    let moves = &operation.moves;
     let mut cells = Vec::new();
     let mut last: Option<MotionBlock> = None;
     for (i, pair) in moves.windows(2).enumerate() {
@@ -370,12 +387,12 @@ fn cells(machine: &Machine, limits: &RunLimits, moves: &[JointMove], removal: &[
             let feed = block.tip.norm() / limits.feeds[number(m.kind)];
             let removal = removal.get(i + 1).copied().unwrap_or(0.0);
             cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
-            join(limits, last.as_ref(), &mut block, &mut cells);
+            join(limits, last.as_ref(), &mut block, operation.runs_on(i + 1), &mut cells);
             last = Some(block);
         }
     }
     if let Some(last) = &last {
-        finish(limits, last, &[0.0; 5], &mut cells);
+        finish(limits, last, &BlockEnd::STOP, &mut cells);
     }
     cells
 }
@@ -447,6 +464,7 @@ fn block(
             tilting: 0.0,
             sag: Vector3::new(second[0], second[1], second[2]).norm(),
             level,
+            runs_on: false,
             jump: [0.0; 5],
             shared: [0.0; 5],
             flutes: 0.0,
@@ -454,11 +472,18 @@ fn block(
         });
         q0 = end;
     }
-    MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5] }
+    MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5], bend: None }
 }
 
-/// Sets the corner between two blocks, and finishes the first block.
-fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBlock, cells: &mut [MotionCell]) {
+/// Sets the corner between two blocks, and finishes the first block. Where the block runs on along a spline there is no
+/// corner: the jump between the chords is the second derivative of the spline.
+fn join(
+    limits: &RunLimits,
+    before: Option<&MotionBlock>,
+    block: &mut MotionBlock,
+    runs_on: bool,
+    cells: &mut [MotionCell],
+) {
     let at = block.cells.start;
     let Some(before) = before else {
         cells[at].ratio = 0.0;
@@ -471,7 +496,7 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
     // A block without motion is a stop.
     if ratio <= 0.0 || !ratio.is_finite() {
         cells[at].ratio = 0.0;
-        finish(limits, before, &[0.0; 5], cells);
+        finish(limits, before, &BlockEnd::STOP, cells);
         return;
     }
     let jump: Joint5 = std::array::from_fn(|k| v2[k] * ratio - v1[k]);
@@ -480,6 +505,14 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
     let flutes = (block.tip * ratio - before.tip).norm() + limits.height * turn;
     let cell = &mut cells[at];
     cell.ratio = ratio;
+    block.jump = jump.map(|j| j / ratio);
+    if runs_on {
+        // From the middle of the chord before to the middle of this one.
+        let way = 0.5 * (before.time + block.time / ratio);
+        let bend = jump.map(|j| j / way);
+        (cell.runs_on, block.bend) = (true, Some(bend.map(|b| b / (ratio * ratio))));
+        return finish(limits, before, &BlockEnd { jump, bend: Some(bend) }, cells);
+    }
     cell.rounding = rounded * flutes / 8.0;
     cell.tilting = rounded * turn / 8.0;
     cell.flutes = flutes;
@@ -488,20 +521,31 @@ fn join(limits: &RunLimits, before: Option<&MotionBlock>, block: &mut MotionBloc
         cell.corner = cell.rounding_time / rounded;
         cell.corner = cell.corner.min(limits.chord / cell.rounding);
     }
-    block.jump = jump.map(|j| j / ratio);
     cell.jump = block.jump;
-    finish(limits, before, &jump, cells);
+    finish(limits, before, &BlockEnd { jump, bend: None }, cells);
 }
 
-/// Curvature and largest y of a block; `jump` is the jump at its end.
-fn finish(limits: &RunLimits, block: &MotionBlock, jump: &Joint5, cells: &mut [MotionCell]) {
+/// Curvature and largest y of a block.
+fn finish(limits: &RunLimits, block: &MotionBlock, end: &BlockEnd, cells: &mut [MotionCell]) {
+    // Along a spline q'' runs from its value at one end to that at the other.
+    let bends = [block.bend.or(end.bend), end.bend.or(block.bend)];
     for cell in &mut cells[block.cells.clone()] {
-        for (k, (start, end)) in block.jump.iter().zip(jump).enumerate() {
-            cell.second[k] += start.abs().min(end.abs()) / block.time;
+        if let [Some(start), Some(last)] = bends {
+            let most: Joint5 = std::array::from_fn(|k| start[k].abs().max(last[k].abs()));
+            for k in 0..5 {
+                cell.second[k] += most[k];
+                cell.level[k] += 0.5 * (start[k] + last[k]);
+            }
+            cell.sag += Vector3::new(most[0], most[1], most[2]).norm();
+        }
+        for (k, (start, end)) in block.jump.iter().zip(&end.jump).enumerate() {
             // Both ends share curvature only where their jumps have the same sign.
-            if start * end > 0.0 {
-                cell.shared[k] = start.signum() * start.abs().min(end.abs());
-                cell.level[k] += cell.shared[k] / block.time;
+            if bends[0].is_none() {
+                cell.second[k] += start.abs().min(end.abs()) / block.time;
+                if start * end > 0.0 {
+                    cell.shared[k] = start.signum() * start.abs().min(end.abs());
+                    cell.level[k] += cell.shared[k] / block.time;
+                }
             }
             if cell.rate[k] > 0.0 {
                 cell.cap = cell.cap.min((limits.speed[k] / cell.rate[k]).powi(2));

@@ -6,6 +6,7 @@
 //! | layer | question | where |
 //! |---|---|---|
 //! | V1 | is the motion well formed? | [`structure`] |
+//! | | how far are the chords of spline blocks from what the control interpolates? | [`splines`] |
 //! | V2 | what do the swept cutters leave on every design surface? | [`surface`], by [`proof`] |
 //! | | do the cutters leave the kept surfaces untouched? | [`kept`] |
 //! | | does roughing keep clear of the part, deviations of the control included? | [`allowance`] |
@@ -37,6 +38,7 @@ pub mod perimeter;
 pub mod place;
 pub mod proof;
 pub mod rest;
+pub mod splines;
 pub mod stock;
 pub mod structure;
 pub mod surface;
@@ -130,11 +132,15 @@ pub fn certify_with(
     if !structure::check(program, motion, sink) {
         return Err(Aborted);
     }
+    let splines = splines::reports(program, motion, sink).ok_or(Aborted)?;
+    let chords = splines::widest(&splines);
     let samples = sample::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    let surfaces =
-        surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &limits(program), progress);
-    let kept = kept::check(program, &sweeps, progress);
+    let bounds = limits(program).narrowed(chords);
+    let mut surfaces = surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &bounds, progress);
+    splines::widen(&mut surfaces, chords);
+    let mut kept = kept::check(program, &sweeps, progress);
+    splines::widen_kept(&mut kept, chords);
     let allowance = allowance::check(program, motion, progress);
     let (design_cloud, blank) = rayon::join(
         || Cloud::new(sample::cloud_points(&samples)),
@@ -142,7 +148,7 @@ pub fn certify_with(
     );
     let search = search(program);
     let operations: Vec<OperationReport> = (0..motion.operations.len())
-        .map(|o| operation_report(program, motion, o, [&design_cloud, &blank], search, progress))
+        .map(|o| operation_report(program, motion, (o, splines[o]), [&design_cloud, &blank], search, progress))
         .collect();
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let roughing: Vec<usize> = motion
@@ -173,6 +179,9 @@ pub fn certify_with(
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
+    let whole_tool = splines.iter().flatten().map(|s| s.tool).fold(0.0, f64::max);
+    certificate.carried.iter_mut().for_each(|c| splines::nearer(&mut c.clearance, whole_tool));
+    certificate.clamping.distance = certificate.clamping.distance.map(|d| d - whole_tool);
     // The time that the machine takes, not the programmed time.
     for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
         operation.time = run.time;
@@ -191,7 +200,7 @@ pub fn certify_with(
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
     }
-    let narrower = Narrower { program, motion, samples: &samples, progress };
+    let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
     finite::report(program, motion, &certificate, sink);
     Ok(certificate)
@@ -226,6 +235,7 @@ struct Narrower<'a> {
     program: &'a Program,
     motion: &'a Motion,
     samples: &'a [Sample],
+    splines: &'a [Option<splines::SplineReport>],
     progress: &'a Progress,
 }
 
@@ -233,14 +243,17 @@ impl measure::NarrowMeasure for Narrower<'_> {
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();
-        surface::certify(
+        let chords = splines::widest(self.splines);
+        let mut surfaces = surface::certify(
             &self.program.part,
             self.program.finishes_edges(),
             &sweeps,
             SPACING,
-            &limits(self.program),
+            &limits(self.program).narrowed(chords),
             self.progress,
-        )
+        );
+        splines::widen(&mut surfaces, chords);
+        surfaces
     }
 
     fn clearance(&self, operation: usize, body: Guarded, classes: &[SurfaceClass]) -> Option<clearance::Clearance> {
@@ -251,7 +264,9 @@ impl measure::NarrowMeasure for Narrower<'_> {
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
         let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
-        least_over(&pieces, solid, distance, &cloud, (HALF_SPACING, self.search()), &work)
+        let mut found = least_over(&pieces, solid, distance, &cloud, (HALF_SPACING, self.search()), &work);
+        splines::nearer(&mut found, self.splines.get(operation)?.map_or(0.0, |s| s.tool));
+        found
     }
 
     fn part_volume(&self) -> Option<f64> {
@@ -297,7 +312,7 @@ fn least_over(
 fn operation_report(
     program: &Program,
     motion: &Motion,
-    o: usize,
+    (o, splines): (usize, Option<splines::SplineReport>),
     [design, stock]: [&Cloud; 2],
     search: f64,
     progress: &Progress,
@@ -323,6 +338,12 @@ fn operation_report(
         before = Some(tip);
     }
     let work = progress.begin(format!("{}, clearance", declared.name), 2 * pieces.len() + rapids.len());
+    let chords = splines.map_or(0.0, |s| s.tool);
+    let body = |distance: fn(&ToolSolid, f64, f64) -> f64| {
+        let mut found = least_over(&pieces, &tool.solid, distance, design, (HALF_SPACING, search), &work);
+        splines::nearer(&mut found, chords);
+        found
+    };
     OperationReport {
         name: declared.name.clone(),
         tool: tool.name.clone(),
@@ -330,8 +351,9 @@ fn operation_report(
         moves: operation.moves.len(),
         length,
         time,
-        shank: least_over(&pieces, &tool.solid, shank_distance, design, (HALF_SPACING, search), &work),
-        holder: least_over(&pieces, &tool.solid, holder_distance, design, (HALF_SPACING, search), &work),
+        splines,
+        shank: body(shank_distance),
+        holder: body(holder_distance),
         rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, (half_stock, search), &work),
     }
 }

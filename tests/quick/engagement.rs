@@ -246,7 +246,7 @@ fn passes(program: &Program, radius: f64, angle: f64, length: f64) -> Motion {
         moves.push(JointMove { kind: MoveKind::Rapid, joints: up, feed: None, time: 1.0, pass: 0, stop: false });
     }
     let operation = program.operations.ids().next().unwrap();
-    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves }] }
+    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves, splines: Vec::new() }] }
 }
 
 /// Arc of a radial depth of cut, in radii of the cutter, degrees.

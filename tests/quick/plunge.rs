@@ -161,7 +161,7 @@ fn strokes(program: &Program, tilt: f64, places: &[f64]) -> Motion {
 
 pub(crate) fn of_one_operation(program: &Program, moves: Vec<JointMove>) -> Motion {
     let operation = program.operations.ids().next().unwrap();
-    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves }] }
+    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves, splines: Vec::new() }] }
 }
 
 /// A stroke a step beside another, inside of the block. The first one is at rapid in a block that is open there: it comes

@@ -25,5 +25,6 @@ crate::codes! {
     STOCK_FILE = "IMP0223", "fault in the file of the stock", include_str!("pages/IMP0223.md");
     CHIP = "IMP0224", "the feed per tooth is larger than the tool permits", include_str!("pages/IMP0224.md");
     PLUNGE = "IMP0225", "a stroke along the axis would cut with the middle of the tool", include_str!("pages/IMP0225.md");
+    NO_SPLINES = "IMP0227", "the control has no spline blocks", include_str!("pages/IMP0227.md");
     NO_REST_BEFORE = "IMP0222", "rest machining without an operation before it", include_str!("pages/IMP0222.md");
 }

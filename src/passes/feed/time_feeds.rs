@@ -6,6 +6,7 @@
 //! its feed alone; [`Machine::planned_time`] proves this over the whole block, rapids included. The times of the moves
 //! follow from the feeds; the verifier simulates the additional time for acceleration and braking.
 
+use crate::ir::motion::MotionOperation;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
 use crate::kin::{Joints, Machine, between};
@@ -33,13 +34,35 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
             // Corners count the turns of both axes as at a right angle.
             height: tool.solid.flute_length * machine.chain.most_turn_ratio(),
         };
-        let reached = reached_feeds(machine, tool.length(), &rounding, &operation.moves);
+        let mut reached = reached_feeds(machine, tool.length(), &rounding, &operation.moves);
+        // A spline block has one word: the largest feed of its chords. Between them the control slows down by itself, as
+        // within a straight block.
+        for spline in &operation.splines {
+            let chords = reached.get_mut(spline.chords()).unwrap_or_default();
+            let most = chords.iter().flatten().copied().reduce(f64::max);
+            chords.fill(most);
+        }
         let mut before: Option<Joints> = None;
         for (m, reached) in operation.moves.iter_mut().zip(reached) {
             time_move(machine, tool.length(), before, m, reached);
             before = Some(m.joints);
         }
+        one_feed_a_block(machine, operation);
     });
+}
+
+/// Gives all chords of a spline block the least of their feeds: at a larger one an axis would exceed its speed.
+fn one_feed_a_block(machine: &Machine, operation: &mut MotionOperation) {
+    for spline in &operation.splines {
+        let chords = operation.moves.get(spline.chords()).unwrap_or_default();
+        let Some(feed) = chords.iter().filter_map(|m| m.feed).reduce(f64::min) else { continue };
+        for i in spline.chords() {
+            let tips = [i - 1, i].map(|k| machine.forward(&operation.moves[k].joints).tip);
+            let m = &mut operation.moves[i];
+            m.feed = Some(feed);
+            m.time = m.time.max((tips[1] - tips[0]).norm() / feed * 60.0);
+        }
+    }
 }
 
 /// Largest feed of each move in the fastest run through all of them, mm/min; `None` where the tip stands still.

@@ -86,7 +86,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
             labels.push("no pass".to_owned());
             moves = aloft(cx.program, length, motion.operations.last(), at);
         }
-        motion.operations.push(MotionOperation { operation: planned.operation, labels, moves });
+        motion.operations.push(MotionOperation { operation: planned.operation, labels, moves, splines: Vec::new() });
     }
     if failed { Err(Aborted) } else { Ok(motion) }
 }

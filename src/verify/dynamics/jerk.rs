@@ -59,6 +59,9 @@ fn slowest(limits: &RunLimits, change: &Joint5) -> (f64, usize) {
 
 /// Part of a corner that is not curvature, by the time of the block before it.
 fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
+    if cell.runs_on {
+        return [0.0; 5];
+    }
     std::array::from_fn(|k| {
         let jump = cell.jump[k] * cell.ratio;
         jump - 0.5 * (before.shared[k] + cell.shared[k] * cell.ratio)

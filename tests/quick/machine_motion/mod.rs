@@ -25,7 +25,7 @@ fn motion(program: &Program, kind: MoveKind, stops: &[Stop]) -> Motion {
         .map(|s| JointMove { kind, joints: joint(s), feed: None, time: s.3, pass: 0, stop: false })
         .collect();
     let operation = program.operations.ids().next().unwrap();
-    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves }] }
+    Motion { operations: vec![MotionOperation { operation, labels: vec![String::new()], moves, splines: Vec::new() }] }
 }
 
 fn ran(program: &Program, kind: MoveKind, stops: &[Stop]) -> Run {

@@ -45,7 +45,7 @@ fn operation(program: &Program, moves: &[Step]) -> MotionOperation {
     all.extend(moves.iter().map(step));
     all.push(station);
     let operation = program.operations.iter().next().unwrap().0;
-    MotionOperation { operation, labels: vec![String::new()], moves: all }
+    MotionOperation { operation, labels: vec![String::new()], moves: all, splines: Vec::new() }
 }
 
 /// The blocks of a few moves.

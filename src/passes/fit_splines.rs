@@ -1,0 +1,262 @@
+//! `fit-splines`: finishing passes as polynomials, for a control that interpolates them.
+//!
+//! Before: straight moves whose ends are exact. After: the cuts of a finishing pass are spline blocks with their chords, as
+//! few as the chord tolerance allows. Where a pass has a corner, it is divided there; where no spline has fewer blocks than
+//! half the straight moves, the moves stay. Every block begins and ends where the words of the post say, so that the blocks of
+//! the text meet exactly. Feeds are those of the process.
+
+use super::context::PassContext;
+use super::sample_to_tolerance::{FIT_SHARE, compared_heights};
+use crate::geom::spline_fit;
+use crate::ir::motion::MotionOperation;
+use crate::ir::{JointMove, Motion, MoveKind, Program, SplineBlock};
+use crate::kin::pose_curve::{self, Chord};
+use crate::kin::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve, most_turn};
+use crate::post_file::{Decimals, SplineForm};
+use nalgebra::{SVector, Vector2, Vector3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Largest change of direction between two moves of a smooth path, radians; more is a corner.
+const CORNER: f64 = 4.0 * std::f64::consts::PI / 180.0;
+
+/// Fewest moves that a spline replaces.
+const FEWEST: usize = 6;
+
+/// Tip and second point of the axis, mm; or tip and both rotary axes times the height of that point.
+type Place = SVector<f64, 6>;
+
+/// Fits the splines.
+pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
+    let program = cx.program;
+    let Some(form) = program.post.spline_form() else { return };
+    for operation in &mut motion.operations {
+        let declared = &program.operations[operation.operation];
+        if !declared.kind.finishes() {
+            continue;
+        }
+        let height = program.tools[declared.tool].solid.flute_length;
+        let fitting = Fitting {
+            machine: &program.machine,
+            form,
+            decimals: program.post.decimals,
+            height,
+            heights: compared_heights(program, declared).iter().map(|(h, t)| (*h, (1.0 - FIT_SHARE) * t)).collect(),
+        };
+        let runs = runs(&program.machine, &operation.moves, height);
+        let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
+        let fitted: Vec<Vec<Fitted>> =
+            runs.par_iter().map(|run| work.step(fitting.fitted(&operation.moves, run))).collect();
+        replace(program, operation, declared.feed.get(), fitted.into_iter().flatten());
+    }
+}
+
+/// Cuts in a row without a corner between them: the indices of their moves.
+fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>> {
+    let place = |m: &JointMove| {
+        let pose = machine.forward(&m.joints);
+        let second = pose.tip + pose.axis * height;
+        Place::from_column_slice(&[pose.tip.x, pose.tip.y, pose.tip.z, second.x, second.y, second.z])
+    };
+    let places: Vec<Place> = moves.iter().map(place).collect();
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for (i, m) in moves.iter().enumerate().skip(1) {
+        if m.kind != MoveKind::Cut {
+            continue;
+        }
+        let goes_on = runs.last().is_some_and(|run| {
+            run.end == i && moves[i - 1].pass == m.pass && {
+                let [before, behind] = [places[i - 1] - places[i - 2], places[i] - places[i - 1]];
+                before.dot(&behind) >= CORNER.cos() * before.norm() * behind.norm()
+            }
+        });
+        match runs.last_mut() {
+            Some(run) if goes_on => run.end = i + 1,
+            _ => runs.push(i..i + 1),
+        }
+    }
+    runs.retain(|run| run.len() >= FEWEST);
+    runs
+}
+
+/// Spline blocks of moves in a row: the pose at which the first begins, and each curve with the ends of its chords.
+struct Fitted {
+    run: Range<usize>,
+    start: RotaryPose,
+    blocks: Vec<(PoseCurve, Vec<Chord>)>,
+}
+
+/// How a run is fitted.
+struct Fitting<'a> {
+    machine: &'a Machine,
+    form: SplineForm,
+    decimals: Decimals,
+    /// Height of the second point over the tip, and factor of the rotary axes, mm.
+    height: f64,
+    /// Heights over the tip at which tool positions are compared, with the tolerance there, mm.
+    heights: Vec<(f64, f64)>,
+}
+
+impl Fitting<'_> {
+    fn chain(&self) -> &Chain {
+        &self.machine.chain
+    }
+
+    fn place(&self, m: &JointMove) -> Place {
+        let pose = self.machine.forward(&m.joints);
+        let p = pose.tip;
+        let [a, b, c] = match self.form {
+            SplineForm::Poly => (p + pose.axis * self.height).coords.into(),
+            SplineForm::Spl => [m.joints.rotary[0] * self.height, m.joints.rotary[1] * self.height, 0.0],
+        };
+        Place::from_column_slice(&[p.x, p.y, p.z, a, b, c])
+    }
+
+    fn axis(&self, place: &Place) -> Vector3<f64> {
+        let (tip, turn) = (place.fixed_rows::<3>(0), place.fixed_rows::<3>(3));
+        match self.form {
+            SplineForm::Poly => (turn - tip).normalize(),
+            SplineForm::Spl => self.chain().tool_axis([turn[0] / self.height, turn[1] / self.height]),
+        }
+    }
+
+    /// Blocks of a run, which is divided where no spline keeps the tolerance: there is a corner.
+    fn fitted(&self, moves: &[JointMove], run: &Range<usize>) -> Vec<Fitted> {
+        let mut open = vec![run.clone()];
+        let mut found = Vec::new();
+        while let Some(run) = open.pop() {
+            if run.len() < FEWEST {
+                continue;
+            }
+            match self.spans(&moves[run.start - 1..run.end]) {
+                Ok(spans) if 2 * spans.len() <= run.len() => found.extend(self.blocks(spans, moves, &run)),
+                Ok(_) => {}
+                Err(at) => {
+                    let middle = (run.start - 1 + at).clamp(run.start + 1, run.end - 1);
+                    open.extend([middle..run.end, run.start..middle]);
+                }
+            }
+        }
+        found
+    }
+
+    /// Spans of the spline through the ends of moves.
+    fn spans(&self, nodes: &[JointMove]) -> Result<Vec<Vec<Place>>, usize> {
+        let places: Vec<Place> = nodes.iter().map(|m| self.place(m)).collect();
+        let mut parameters = vec![0.0];
+        for (i, pair) in places.windows(2).enumerate() {
+            let way = (pair[1] - pair[0]).norm();
+            if way <= 0.0 {
+                return Err(i);
+            }
+            parameters.push(parameters[parameters.len() - 1] + way);
+        }
+        let axes: Vec<Vector3<f64>> = places.iter().map(|p| self.axis(p)).collect();
+        let off = |i: usize, at: &Place| {
+            let (tip, turned) = (at.fixed_rows::<3>(0) - places[i].fixed_rows::<3>(0), self.axis(at) - axes[i]);
+            self.heights.iter().map(|(h, t)| (tip + turned * *h).norm() / t).fold(0.0, f64::max)
+        };
+        spline_fit::fit(&places, &parameters, self.form.degree(), off)
+    }
+
+    /// The place that the words of the post say.
+    fn rounded(&self, place: &Place) -> Place {
+        let steps = |decimals: usize| 10f64.powi(i32::try_from(decimals).unwrap_or(0));
+        let (length, angle) = (steps(self.decimals.length), steps(self.decimals.angle));
+        Place::from_fn(|k, _| {
+            let turn = k >= 3 && self.form == SplineForm::Spl;
+            if turn {
+                ((place[k] / self.height).to_degrees() * angle).round().to_radians() / angle * self.height
+            } else {
+                (place[k] * length).round() / length
+            }
+        })
+    }
+
+    /// The blocks of spans; `None` where the rotary axes would not end where the moves end.
+    fn blocks(&self, spans: Vec<Vec<Place>>, moves: &[JointMove], run: &Range<usize>) -> Option<Fitted> {
+        let spans = on_words(spans, |place| self.rounded(place));
+        let (first, last) = (moves.get(run.start - 1)?, moves.get(run.end - 1)?);
+        let curves: Option<Vec<PoseCurve>> = spans.iter().map(|span| self.curve(span)).collect();
+        let curves = curves?;
+        let start = RotaryPose {
+            tip: curves.first()?.at(0.0).0,
+            rotary: self.rotary(&self.axis(spans.first()?.first()?), spans.first()?.first()?, first)?,
+        };
+        let mut before = start.rotary;
+        let mut blocks = Vec::with_capacity(curves.len());
+        for curve in curves {
+            let chords = curve.chords(self.chain(), before, self.height)?;
+            before = chords.last()?.end.rotary;
+            blocks.push((curve, chords));
+        }
+        // The rotary axes end where the pass ends, on the same branch.
+        (most_turn(before, last.joints.rotary) < SAME).then(|| Fitted { run: run.clone(), start, blocks })
+    }
+
+    /// Rotary positions at the start.
+    fn rotary(&self, axis: &Vector3<f64>, place: &Place, first: &JointMove) -> Option<[f64; 2]> {
+        match self.form {
+            SplineForm::Poly => pose_curve::near(self.chain(), axis, first.joints.rotary),
+            SplineForm::Spl => Some([place[3] / self.height, place[4] / self.height]),
+        }
+    }
+
+    fn curve(&self, span: &[Place]) -> Option<PoseCurve> {
+        let tip = span.iter().map(|p| p.fixed_rows::<3>(0).into_owned()).collect();
+        let turn = match self.form {
+            SplineForm::Poly => TurnCurve::Second(span.iter().map(|p| p.fixed_rows::<3>(3).into_owned()).collect()),
+            SplineForm::Spl => TurnCurve::Rotary(span.iter().map(|p| Vector2::new(p[3], p[4]) / self.height).collect()),
+        };
+        PoseCurve::new(tip, turn)
+    }
+}
+
+/// Rotary positions that differ by less are the same up to rounding of words, radians.
+const SAME: f64 = 1e-4;
+
+/// Moves both ends of each span to their words. The neighbours of an end go with it, so that no corner arises there.
+fn on_words(mut spans: Vec<Vec<Place>>, rounded: impl Fn(&Place) -> Place) -> Vec<Vec<Place>> {
+    for span in &mut spans {
+        let degree = span.len() - 1;
+        let by = [0, degree].map(|k| rounded(&span[k]) - span[k]);
+        for (k, by) in [(0, by[0]), (1, by[0]), (degree - 1, by[1]), (degree, by[1])] {
+            span[k] += by;
+        }
+        for k in [0, degree] {
+            span[k] = rounded(&span[k]);
+        }
+    }
+    spans
+}
+
+/// Puts the chords of the blocks in the place of the moves of the runs.
+fn replace(program: &Program, operation: &mut MotionOperation, feed: f64, fitted: impl Iterator<Item = Fitted>) {
+    let machine = &program.machine;
+    let old = std::mem::take(&mut operation.moves);
+    let mut moves: Vec<JointMove> = Vec::with_capacity(old.len());
+    let mut taken = 0;
+    for Fitted { run, start, blocks } in fitted {
+        moves.extend_from_slice(&old[taken..run.start]);
+        taken = run.end;
+        let pass = old[run.start].pass;
+        if let Some(before) = moves.last_mut() {
+            before.joints = machine.joints(&start.tip, start.rotary);
+        }
+        for (curve, chords) in blocks {
+            let first = moves.len();
+            moves.extend(chords.iter().map(|Chord { end, .. }| JointMove {
+                kind: MoveKind::Cut,
+                joints: machine.joints(&end.tip, end.rotary),
+                feed: Some(feed),
+                time: 0.0,
+                pass,
+                stop: false,
+            }));
+            let shares = chords.iter().map(|chord| chord.ends[1]).collect();
+            operation.splines.push(SplineBlock { first, last: moves.len() - 1, curve, shares });
+        }
+    }
+    moves.extend_from_slice(&old[taken..]);
+    operation.moves = moves;
+}
