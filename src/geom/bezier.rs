@@ -31,6 +31,36 @@ pub fn part<const N: usize>(control: &[SVector<f64, N>], [from, to]: [f64; 2]) -
     (0..=degree).map(|k| blossom(control, |step| if step < degree - k { from } else { to })).collect()
 }
 
+/// Control points of a polynomial by its coefficients, that of the power 0 first.
+pub fn of_powers<const N: usize>(coefficients: &[SVector<f64, N>]) -> Vec<SVector<f64, N>> {
+    let degree = coefficients.len().saturating_sub(1);
+    let point = |j: usize| {
+        // C(j, i) / C(n, i), term by term.
+        let mut share = 1.0;
+        let mut sum = SVector::zeros();
+        for (i, a) in coefficients.iter().enumerate().take(j + 1) {
+            sum += a * share;
+            share *= (j - i) as f64 / (degree - i).max(1) as f64;
+        }
+        sum
+    };
+    (0..=degree).map(point).collect()
+}
+
+/// Coefficients of the powers of the parameter, that of the power 0 first.
+pub fn powers<const N: usize>(control: &[SVector<f64, N>]) -> Vec<SVector<f64, N>> {
+    let mut differences = control.to_vec();
+    let mut out = Vec::with_capacity(control.len());
+    // C(n, i) times the difference of order i at the first point.
+    let mut factor = 1.0;
+    for i in 0..control.len() {
+        out.push(differences[0] * factor);
+        differences = differences.windows(2).map(|w| w[1] - w[0]).collect();
+        factor *= (control.len() - 1 - i) as f64 / (i + 1) as f64;
+    }
+    out
+}
+
 /// Control points of the same curve with a degree that is not lower.
 pub fn elevated<const N: usize>(control: &[SVector<f64, N>], degree: usize) -> Vec<SVector<f64, N>> {
     let mut out = control.to_vec();
@@ -93,6 +123,15 @@ mod tests {
         ) {
             let part = part(&control, [a, b]);
             prop_assert!((value(&part, t) - value(&control, a + (b - a) * t)).norm() < 1e-10);
+        }
+
+        #[test]
+        fn powers_go_forward_and_back(control in control(), t in 0.0..1.0_f64) {
+            let powers = powers(&control);
+            let sum: Vector2<f64> = powers.iter().enumerate().map(|(i, a)| a * t.powi(i as i32)).sum();
+            prop_assert!((sum - value(&control, t)).norm() < 1e-9);
+            let back = of_powers(&powers);
+            prop_assert!(back.iter().zip(&control).all(|(a, b)| (a - b).norm() < 1e-9));
         }
 
         #[test]

@@ -10,8 +10,9 @@ use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, STANDS
 use super::read_back::says_tool;
 use super::{positions, tool_shape};
 use crate::diag::{Code, Diag, Sink, codes::post};
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
-use crate::kin::{Angles, Interpolation, Joints, Machine, linuxcnc, most_turn};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, SplineBlock};
+use crate::kin::pose_curve::Chord;
+use crate::kin::{Angles, Interpolation, Joints, Machine, PoseCurve, linuxcnc, most_turn};
 use crate::method::Planning;
 use crate::source::Span;
 use nalgebra::Point3;
@@ -189,13 +190,6 @@ impl Interpreter<'_> {
         self.check_start(section, length);
         let (mut widest, mut widest_turn) = (0.0, 0.0);
         for m in &section.moves {
-            let rotary = self.rotary(m, course.rotary, free);
-            if course.stays(m, rotary) {
-                continue;
-            }
-            let first = course.last.is_none();
-            self.check_turn(m, first, (course.rotary, rotary), free);
-            self.check_interpolation(m, course.rotary, rotary);
             if let Some(turn) = m.turn.filter(|turn| *turn > widest_turn) {
                 self.check_turn_tolerance(m, turn, operation);
                 widest_turn = turn;
@@ -204,7 +198,18 @@ impl Interpreter<'_> {
                 self.check_smoothing(m, smoothing, operation);
                 widest = smoothing;
             }
-            let way = course.way(m, rotary);
+            if let Some(curve) = &m.curve {
+                self.spline(m, curve, operation, &mut course);
+                continue;
+            }
+            let rotary = self.rotary(m, course.rotary, free);
+            if course.stays(m, rotary) {
+                continue;
+            }
+            let first = course.last.is_none();
+            self.check_turn(m, first, (course.rotary, rotary), free);
+            self.check_interpolation(m, course.rotary, rotary);
+            let way = course.way(&m.tip, rotary);
             let (kind, mut feed) = self.kind(m, operation, first, &way);
             let time = match (m.time, feed) {
                 (Some(time), _) => time,
@@ -216,7 +221,7 @@ impl Interpreter<'_> {
                 // In inverse time a block with its tip at rest has no feed.
                 feed = Some(operation.feed.get());
             }
-            course.go(m, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
+            course.go(m, m.tip, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
         }
         match section.retract {
             Some((line, NcRetract::Height(z))) => course.retract(line, z),
@@ -227,6 +232,31 @@ impl Interpreter<'_> {
             None => {}
         }
         (course.made, course.lines)
+    }
+
+    /// A block of polynomials, with its chords.
+    fn spline(&mut self, m: &NcMove, curve: &PoseCurve, operation: &Operation, course: &mut Course<'_>) {
+        let machine = &self.program.machine;
+        let height = self.program.tools[operation.tool].solid.flute_length;
+        let Some(chords) = curve.chords(&machine.chain, course.rotary, height) else {
+            let text = "the polynomials of this block bend too much to be checked".to_owned();
+            return self.fatal(
+                post::NC_POSITIONING,
+                m.line,
+                text,
+                "divide the block, or keep the tool away from the pole",
+            );
+        };
+        let first = course.made.moves.len();
+        for Chord { end, .. } in &chords {
+            let way = course.way(&end.tip, end.rotary);
+            let (kind, feed) = self.kind(m, operation, course.last.is_none(), &way);
+            let time = feed.map_or_else(|| way.rapid_time(), |feed| way.time(feed));
+            course.go(m, end.tip, JointMove { kind, joints: way.joints[1], feed, time, pass: 0, stop: false });
+        }
+        let last = course.made.moves.len() - 1;
+        let shares = chords.iter().map(|chord| chord.ends[1]).collect();
+        course.made.splines.push(SplineBlock { first, last, curve: curve.clone(), shares });
     }
 
     /// Positions to which the control turns the rotary axes in a block, from the positions `before`. In a text that knows
@@ -420,7 +450,15 @@ struct Course<'a> {
     /// Positions of the rotary axes.
     rotary: Angles,
     /// The block before; `None` before the first one.
-    last: Option<&'a NcMove>,
+    last: Option<LastBlock>,
+}
+
+/// What the next block needs of a block.
+#[derive(Clone, Copy)]
+struct LastBlock {
+    tip: Point3<f64>,
+    rapid: bool,
+    smoothing: Option<f64>,
 }
 
 impl<'a> Course<'a> {
@@ -446,17 +484,17 @@ impl<'a> Course<'a> {
         self.last.is_some_and(|l| l.tip == m.tip && rotary == self.rotary)
     }
 
-    /// The motion from the end of the last block to the end of this block.
-    fn way(&self, m: &NcMove, rotary: Angles) -> ReadMove<'a> {
+    /// The motion from the end of the last block to a tip.
+    fn way(&self, tip: &Point3<f64>, rotary: Angles) -> ReadMove<'a> {
         let machine = self.machine;
-        let joints = machine.joints(&m.tip, rotary);
+        let joints = machine.joints(tip, rotary);
         let start = self.made.moves.last().map_or(joints, |from| from.joints);
-        let tips = [self.last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), m.tip];
+        let tips = [self.last.map_or_else(|| machine.forward(&start).tip, |l| l.tip), *tip];
         ReadMove { machine, length_of_tool: self.length_of_tool, tips, joints: [start, joints] }
     }
 
     /// Adds the move of a block, with its pass. A pass begins with the first rapid after a feed.
-    fn go(&mut self, m: &'a NcMove, step: JointMove) {
+    fn go(&mut self, m: &NcMove, tip: Point3<f64>, step: JointMove) {
         let made = &mut self.made;
         if self.last.is_none_or(|l| m.rapid && !l.rapid) {
             made.labels.push(format!("{READ_PASS}{}", m.line));
@@ -470,7 +508,7 @@ impl<'a> Course<'a> {
         made.moves.push(JointMove { pass, stop: stops, ..step });
         self.lines.push(m.line);
         self.rotary = step.joints.rotary;
-        self.last = Some(m);
+        self.last = Some(LastBlock { tip, rapid: m.rapid, smoothing: m.smoothing });
     }
 
     /// Adds the retract to a height of the gauge line.

@@ -1,7 +1,7 @@
 //! NC text as blocks, and the result of a reader.
 
 use super::tool_shape::NcToolShape;
-use crate::kin::{Angles, Interpolation};
+use crate::kin::{Angles, Interpolation, PoseCurve};
 use crate::source::Span;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
@@ -150,6 +150,8 @@ pub struct NcMove {
     pub smoothing: Option<f64>,
     /// Largest error of the tool direction through smoothing, radians, where a word states it.
     pub turn: Option<f64>,
+    /// Path of the tool in a block of polynomials; `None` for a straight one.
+    pub curve: Option<PoseCurve>,
 }
 
 /// A line that a reader does not understand, or that makes the program invalid.

@@ -5,11 +5,12 @@ use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcTool
 use super::tool_shape;
 use super::words::INVERSE_DECIMALS;
 use crate::diag::{Diag, codes::post as codes};
+use crate::geom::bezier;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
-use crate::kin::{Angles, most_turn};
+use crate::kin::{Angles, PoseCurve, TurnCurve, most_turn};
 use crate::post_file::Decimals;
 use crate::verify::Verified;
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 /// Share of a time that rounding may take.
 const ROUNDING: f64 = 1e-12;
@@ -87,22 +88,33 @@ pub(super) fn compare_text(
         if let Some(why) = tool_shape::difference(&section.shape, tool) {
             return Err(differs(section.start.line, why));
         }
-        let meant = operation.moves.get(1..operation.moves.len().saturating_sub(1)).unwrap_or_default();
-        for (i, meant) in meant.iter().enumerate() {
-            let Some(read) = section.moves.get(i) else {
-                return Err(differs(line, "the operation ends before the motion".to_owned()));
+        let end = operation.moves.len().saturating_sub(1);
+        let mut index = 1;
+        for read in &section.moves {
+            let Some(meant) = operation.moves.get(index).filter(|_| index < end) else {
+                return Err(differs(read.line, "a move that the motion does not have".to_owned()));
             };
-            compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?;
+            let spline = operation.spline(index).map(|(_, spline)| spline);
+            match (spline, &read.curve) {
+                (Some(spline), Some(curve)) => {
+                    same_curve(program, &spline.curve, curve, &mut result).map_err(|why| differs(read.line, why))?;
+                    same_feed(program, meant, read).map_err(|why| differs(read.line, why))?;
+                    index = spline.last;
+                }
+                (None, None) => compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?,
+                _ => return Err(differs(read.line, "a spline and a straight block are exchanged".to_owned())),
+            }
             // After the last move the transformation is switched off, at rest.
-            if meant.stop && read.smoothing != Some(0.0) && i + 3 < operation.moves.len() {
+            if meant.stop && read.smoothing != Some(0.0) && index + 2 < end {
                 return Err(differs(read.line, "an exact stop is missing".to_owned()));
             }
             if !says_tool(read, tool) || (read.speed - declared.speed.get()).abs() > 0.5 {
                 return Err(differs(read.line, format!("tool {} at {} rpm", read.tool, read.speed)));
             }
+            index += 1;
         }
-        if let Some(more) = section.moves.get(meant.len()) {
-            return Err(differs(more.line, "a move that the motion does not have".to_owned()));
+        if index < end {
+            return Err(differs(line, "the operation ends before the motion".to_owned()));
         }
         result.moves += section.moves.len() + 2;
     }
@@ -110,6 +122,42 @@ pub(super) fn compare_text(
         Some(more) => Err(differs(more.start.line, "an operation that the motion does not have".to_owned())),
         None => Ok(result),
     }
+}
+
+/// Largest error of a control point by the rounding of all coefficients, mm and radians: they have eight digits behind the
+/// point, one fewer from 10 on.
+const COEFFICIENTS: f64 = 1e-6;
+
+/// Compares the polynomials of a block. Two curves of one degree are nowhere farther apart than their control points.
+fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &mut ReadBack) -> Result<(), String> {
+    fn apart<const N: usize>(a: &[SVector<f64, N>], b: &[SVector<f64, N>]) -> f64 {
+        let [a, b] = [a, b].map(|control| bezier::elevated(control, bezier::MOST_DEGREE));
+        a.iter().zip(&b).map(|(p, q)| (p - q).amax()).fold(0.0, f64::max)
+    }
+    let digits = &program.post.decimals;
+    let tip = apart(meant.tip(), read.tip());
+    if tip > half_step(digits.length) + COEFFICIENTS {
+        return Err(format!("the tip is off by {tip:.6} mm"));
+    }
+    let axis = match (meant.turn(), read.turn()) {
+        (TurnCurve::Rotary(a), TurnCurve::Rotary(b)) => {
+            let off = apart(a, b);
+            if off > half_step(digits.angle).to_radians() + COEFFICIENTS {
+                return Err(format!("a rotary axis is off by {:.7} deg", off.to_degrees()));
+            }
+            off
+        }
+        (TurnCurve::Second(a), TurnCurve::Second(b)) => {
+            let off = apart(a, b);
+            if off > half_step(digits.length) + COEFFICIENTS {
+                return Err(format!("the second point is off by {off:.6} mm"));
+            }
+            3f64.sqrt() * (tip + off) / meant.least_length()
+        }
+        _ => return Err("the directions of two kinds of splines are exchanged".to_owned()),
+    };
+    (result.tip, result.axis) = (result.tip.max(tip), result.axis.max(axis));
+    Ok(())
 }
 
 /// Compares the stations at retract height with the first and the last move. A fault says whether it is in the last
@@ -227,6 +275,11 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         let fits = time >= meant.time * (1.0 - ROUNDING) && time <= longest;
         return if fits { Ok(()) } else { Err(format!("a rapid takes {time} s instead of {} s", meant.time)) };
     }
+    same_feed(program, meant, read)
+}
+
+fn same_feed(program: &Program, meant: &JointMove, read: &NcMove) -> Result<(), String> {
+    let digits = &program.post.decimals;
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
         (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(digits.feed) && r <= m + 1e-8 => Ok(()),

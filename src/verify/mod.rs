@@ -139,8 +139,7 @@ pub fn certify_with(
     let bounds = limits(program).narrowed(chords);
     let mut surfaces = surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &bounds, progress);
     splines::widen(&mut surfaces, chords);
-    let mut kept = kept::check(program, &sweeps, progress);
-    splines::widen_kept(&mut kept, chords);
+    let kept = splines::widened_kept(kept::check(program, &sweeps, progress), chords);
     let allowance = allowance::check(program, motion, progress);
     let (design_cloud, blank) = rayon::join(
         || Cloud::new(sample::cloud_points(&samples)),
@@ -179,9 +178,7 @@ pub fn certify_with(
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
-    let whole_tool = splines.iter().flatten().map(|s| s.tool).fold(0.0, f64::max);
-    certificate.carried.iter_mut().for_each(|c| splines::nearer(&mut c.clearance, whole_tool));
-    certificate.clamping.distance = certificate.clamping.distance.map(|d| d - whole_tool);
+    splines::nearer_surroundings(&mut certificate, &splines);
     // The time that the machine takes, not the programmed time.
     for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
         operation.time = run.time;

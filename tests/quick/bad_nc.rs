@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 static MACHINES: LazyLock<[Machine; 2]> =
     LazyLock::new(|| ["siemens-840d", "linuxcnc"].map(|d| support::machine_for(d, &support::machine())));
 
-const SIEMENS: &str = "\
+pub const SIEMENS: &str = "\
 ; %_N_TEST_MPF
 N10 G17 G710 G90 G94 G40
 N20 TRAFOOF

@@ -520,6 +520,7 @@ impl<'a> State<'a> {
                 speed,
                 smoothing,
                 turn: None,
+                curve: None,
             });
             self.moves += 1;
         }

@@ -6,6 +6,7 @@
 //! text. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
 
 pub(super) mod modal;
+pub(super) mod spline;
 mod state;
 
 pub(super) use state::{control_character, read};
@@ -13,6 +14,7 @@ pub(super) use state::{control_character, read};
 use crate::kin::Machine;
 use crate::post::nc::NcTool;
 use modal::{GROUPS, Modal, ModalGroup};
+use spline::SplineWords;
 use std::sync::Arc;
 
 /// Most faults of one text that are reported.
@@ -79,6 +81,8 @@ pub(super) struct Control {
     pub(super) behind: &'static str,
     /// The word of a rapid.
     pub(super) rapid: &'static str,
+    /// Motion word with which blocks of polynomials are polynomials.
+    pub(super) spline_motion: MotionWord,
     /// The words that bring a tool into the spindle.
     pub(super) change: &'static str,
     /// The words of the direction vector; empty where the control has none.
@@ -159,6 +163,8 @@ pub(super) enum MotionWord {
     Rapid,
     /// G1.
     Feed,
+    /// POLY: blocks are polynomials.
+    Polynomial,
     /// Neither: axis words need a motion word in their block.
     Cancelled,
 }
@@ -205,6 +211,10 @@ pub(super) struct NcBlock {
     pub(super) tip: [Option<f64>; 3],
     /// Tool direction.
     pub(super) vector: [Option<f64>; 3],
+    /// Second point of the tool axis, mm.
+    pub(super) second: [Option<f64>; 3],
+    /// Polynomials.
+    pub(super) spline: Option<SplineWords>,
     /// The rotary axes; the first is next to the tool.
     pub(super) rotary: [Option<f64>; 2],
     /// F.
@@ -300,7 +310,8 @@ impl NcBlock {
     }
 
     pub(super) fn has_axis_words(&self) -> bool {
-        self.tip.iter().chain(&self.vector).chain(&self.rotary).any(Option::is_some)
+        let words = self.tip.iter().chain(&self.vector).chain(&self.second).chain(&self.rotary);
+        self.spline.is_some() || words.into_iter().any(Option::is_some)
     }
 }
 

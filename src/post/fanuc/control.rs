@@ -1,7 +1,7 @@
 //! Modal groups and order of words of the family, and what differs between its members.
 
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{Act, Control};
+use crate::post::control::{Act, Control, MotionWord};
 
 /// The word that takes back shifts of the work frame, as a message names it.
 pub(super) const PRESET: &str = "G92.1 X0. Y0. Z0. with both rotary axes at 0.";
@@ -197,6 +197,7 @@ pub(super) const CONTROL: Control = Control {
     machine_frame: "G53 G0",
     behind: "",
     rapid: "G0",
+    spline_motion: MotionWord::Feed,
     change: "T and M6",
     vector: ["I", "J", "K"],
     length: "G43.4 H",

@@ -3,7 +3,7 @@
 //! Tool centre point control is FUNCTION TCPM (TNC 640) or M128 (iTNC 530); the frames of the post file say which. F is the
 //! feed of the tip then, and the rotary axes run linearly between blocks, as in the motion. Blocks carry the positions of
 //! the rotary axes (L), or the tool direction as a vector of length 1 (LN). Nothing in LN is modal: each block has all six
-//! words. Rapids carry the positions of the rotary axes in any case, and thus select one of the two positions that a
+//! words. The iTNC 530 also takes cubics of tip and rotary axes (SPL). Rapids carry the positions of the rotary axes in any case, and thus select one of the two positions that a
 //! vector fits; [`Post::check`] makes sure that the nearest position is the right one in every later block.
 //!
 //! Each operation first resets what an aborted program can have left active. With tool centre point control off, axes
@@ -12,6 +12,7 @@
 //! the length of its tool at once; M128 must be off before M91 and before TOOL CALL.
 
 mod reader;
+mod spline;
 mod straight;
 mod writer;
 

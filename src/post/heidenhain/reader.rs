@@ -4,10 +4,11 @@
 //! LN knows nothing modal. `~` at the end of a line continues the block. A program uses M128 or FUNCTION TCPM, not both:
 //! the manuals do not say that the word that switches one off does so for the other.
 
+use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{self, Act, Control, NcBlock, Smoothing, SmoothingTolerance, once, shown};
+use crate::post::control::{self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, once, shown};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Longest block with its continued lines.
@@ -116,6 +117,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         machine_frame: "L",
         behind: " R0 FMAX M91",
         rapid: "FMAX",
+        spline_motion: MotionWord::Feed,
         change: "TOOL CALL",
         vector: ["TX", "TY", "TZ"],
         length: "TOOL CALL",
@@ -205,8 +207,9 @@ impl<'a> ProgramReader<'a> {
             faults.push(format!("a block of more than {LONGEST_BLOCK} characters"));
             return None;
         }
-        if continues && first && code.split_whitespace().nth(1) != Some("CYCL") {
-            faults.push("`~` continues only the block of a cycle: write the block in one line".to_owned());
+        if continues && first && !matches!(code.split_whitespace().nth(1), Some("CYCL" | "SPL")) {
+            faults
+                .push("`~` continues only the block of a cycle or of a spline: write the block in one line".to_owned());
             return None;
         }
         text.push_str(code);
@@ -296,6 +299,9 @@ impl<'a> ProgramReader<'a> {
                 once(&mut block.wait, "M0, M1 or STOP", "STOP").map(|()| Some(block))
             }
             ["L", rest @ ..] => straight::line(rest, false, self.control, self.machine).map(Some),
+            ["SPL", rest @ ..] => {
+                spline::block(rest, std::ptr::eq(self.control, &raw const M128), self.machine).map(Some)
+            }
             ["LN", rest @ ..] => straight::line(rest, true, self.control, self.machine).map(Some),
             [first, ..] if is_m(first) => straight::miscellaneous(words, self.control, self.machine).map(Some),
             _ => Err(not_read(words)),
@@ -534,7 +540,7 @@ fn not_read(words: &[&str]) -> String {
     let first = words.first().copied().unwrap_or_default();
     let why = match first {
         "C" | "CC" | "CR" | "CT" | "CP" | "LP" | "LT" | "CTP" | "CHF" | "RND" | "APPR" | "DEP" | "FL" | "FC"
-        | "FLT" | "FCT" | "FPOL" | "SPL" => ": of motions only L and LN are read",
+        | "FLT" | "FCT" | "FPOL" => ": of motions only L, LN and SPL are read",
         "LBL" | "CALL" | "SEL" | "FN" | "IF" => ": the order of blocks would depend on it",
         "PLANE" => ": it tilts the working plane; write PLANE RESET STAY to reset it",
         "TRANS" => ": it shifts the work frame",

@@ -2,7 +2,8 @@
 
 use super::Heidenhain;
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::{Motion, MotionOperation, MoveKind, Program};
+use crate::ir::{Motion, MotionOperation, MoveKind, Program, SplineBlock};
+use crate::kin::TurnCurve;
 use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
@@ -68,6 +69,15 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
     let decimals = program.post.decimals.feed;
     let mut last_feed = String::new();
     for (i, m) in write::between(operation) {
+        if let Some((_, spline)) = operation.spline(i) {
+            if i == spline.first {
+                let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+                let word = if f == last_feed { String::new() } else { format!(" F{f}") };
+                last_feed = f;
+                spline_block(program, spline, &word, &mut |text| write(text, Some(i)));
+            }
+            continue;
+        }
         let tip = write::tip(post, program, &m.joints);
         let rotary = || write::rotary(post, program, m.joints.rotary);
         if m.kind == MoveKind::Rapid {
@@ -88,4 +98,60 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
         };
         write(text, Some(i));
     }
+}
+
+/// Digits behind the point of the coefficients of a spline, and the largest without an exponent (iTNC 530).
+const COEFFICIENT_DECIMALS: usize = 8;
+const LARGEST_COEFFICIENT: f64 = 9.99999999;
+
+/// Writes SPL: the ends of all axes, then the coefficients of the powers 3, 2 and 1 of each, for a parameter that runs from 1
+/// to 0. They count from the end of the block before as it is written, since the control refuses a start that is more than
+/// 1 um away.
+fn spline_block(program: &Program, spline: &SplineBlock, feed: &str, write: &mut dyn FnMut(String)) {
+    let TurnCurve::Rotary(turns) = spline.curve.turn() else { return };
+    let (digits, machine) = (&program.post.decimals, &program.machine);
+    let step = |value: f64, decimals: usize| {
+        let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
+        (value * scale).round() / scale
+    };
+    let word = |k: usize| -> (String, [f64; 4], usize) {
+        if k < 3 {
+            let points: [f64; 4] = std::array::from_fn(|j| spline.curve.tip()[j][k]);
+            (["X", "Y", "Z"][k].to_owned(), points, digits.length)
+        } else {
+            let axis = &machine.rotary[k - 3];
+            let points = std::array::from_fn(|j| turns[j][k - 3].to_degrees() * axis.word_sign);
+            (axis.name.clone(), points, digits.angle)
+        }
+    };
+    let mut ends = String::new();
+    let mut lines = Vec::new();
+    for k in 0..5 {
+        let (name, [p0, p1, p2, p3], decimals) = word(k);
+        let (start, end) = (step(p0, decimals), step(p3, decimals));
+        let coefficient = |value: f64| step(value, COEFFICIENT_DECIMALS);
+        let (third, second) = (coefficient(p0 - 3.0 * p1 + 3.0 * p2 - p3), coefficient(3.0 * (p1 - 2.0 * p2 + p3)));
+        let first = start - end - third - second;
+        ends.push_str(&format!(" {name}{}", number(end, decimals)));
+        let [third, second, first] = [third, second, first].map(scaled);
+        lines.push(format!("  K3{name}{third} K2{name}{second} K1{name}{first}"));
+    }
+    write(format!("SPL{ends} ~"));
+    let last = lines.len() - 1;
+    for (k, line) in lines.into_iter().enumerate() {
+        write(if k == last { format!("{line}{feed}") } else { format!("{line} ~") });
+    }
+}
+
+/// A coefficient, with an exponent where it is large.
+fn scaled(value: f64) -> String {
+    let mut exponent = 0;
+    let mut mantissa = value;
+    // Rounding must not lead beyond the largest mantissa.
+    while mantissa.abs() > LARGEST_COEFFICIENT {
+        mantissa /= 10.0;
+        exponent += 1;
+    }
+    let text = number(mantissa, COEFFICIENT_DECIMALS);
+    if exponent == 0 { text } else { format!("{text}E+{exponent}") }
 }

@@ -139,6 +139,7 @@ const LINUXCNC: Control = Control {
     machine_frame: "G53 G0",
     behind: "",
     rapid: "G0",
+    spline_motion: MotionWord::Feed,
     change: "T and M6",
     vector: [""; 3],
     length: "G43",

@@ -9,6 +9,10 @@
 //! every later block: within a pass rotary axis 1 keeps its branch, and rotary axis 2 turns less than 90 deg a block.
 //! Rotary axis 2 is a limited axis here: no DC().
 //!
+//! Spline blocks are polynomials (POLY) of the tip and, with ORICURVE, of a second point of the tool axis (`PO[XH]`). Before the
+//! first of them a block without motion states where this point begins; behind the last, ORIAXES is active again. Outside of
+//! POLY the control runs straight to the ends of polynomials without a word about it.
+//!
 //! The head of the program resets what an aborted program can have left active. With the transformation off, axes move
 //! in the machine frame (SUPA) without tool length (D0): Z alone to the retract height, there the rotary axes, then X
 //! and Y. TRAORI and TRAFOOF cancel frames, so the work offset is written again after them.

@@ -6,6 +6,7 @@
 
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
+use crate::post::control::spline::SplineWords;
 use crate::post::control::{
     self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
 };
@@ -83,18 +84,8 @@ const SINUMERIK: Control = Control {
         Modal {
             group: ModalGroup::Turning,
             what: "the interpolation of the tool direction",
-            right: &["ORIAXES"],
-            wrong: &[
-                "ORIVECT",
-                "ORIPLANE",
-                "ORIPATH",
-                "ORIPATHS",
-                "ORICONCW",
-                "ORICONCCW",
-                "ORICONIO",
-                "ORICONTO",
-                "ORICURVE",
-            ],
+            right: &["ORIAXES", "ORICURVE"],
+            wrong: &["ORIVECT", "ORIPLANE", "ORIPATH", "ORIPATHS", "ORICONCW", "ORICONCCW", "ORICONIO", "ORICONTO"],
             needed: Needed::Transformed,
         },
         Modal {
@@ -139,6 +130,7 @@ const SINUMERIK: Control = Control {
     machine_frame: "SUPA G0",
     behind: " D0",
     rapid: "G0",
+    spline_motion: MotionWord::Polynomial,
     change: "T and M6",
     vector: ["A3", "B3", "C3"],
     length: "D1",
@@ -189,8 +181,15 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
         if number == 1 && line.starts_with("%_N_") {
             return None;
         }
-        let mut reader =
-            BlockReader { machine, block: NcBlock::default(), words: 0, alone: None, frame: None, edge: None };
+        let mut reader = BlockReader {
+            machine,
+            block: NcBlock::default(),
+            words: 0,
+            alone: None,
+            frame: None,
+            edge: None,
+            polynomials: Default::default(),
+        };
         if let Err(reason) = reader.words(line) {
             faults.push(reason);
         }
@@ -211,6 +210,8 @@ enum WordValue<'a> {
     Quoted(&'a str),
     /// Text between brackets.
     Arguments(&'a str),
+    /// Text between brackets behind an address with an index, `PO[X]=(...)`.
+    Polynomial(&'a str),
 }
 
 struct BlockReader<'a> {
@@ -222,6 +223,8 @@ struct BlockReader<'a> {
     /// A word that shifts or rotates the work frame.
     frame: Option<&'static str>,
     edge: Option<u32>,
+    /// Polynomials of X Y Z and XH YH ZH.
+    polynomials: [Option<Vec<f64>>; 6],
 }
 
 impl BlockReader<'_> {
@@ -259,8 +262,33 @@ impl BlockReader<'_> {
                 once(&mut self.block.smoothing, "CYCLE832", smoothing(arguments)?)
             }
             WordValue::Arguments(_) => Err(format!("`{}(...)` is not understood", shown(name, 40))),
+            WordValue::Polynomial(coefficients) => self.polynomial(name, coefficients),
             WordValue::None => self.keyword(name),
         }
+    }
+
+    /// PO[X]=(end, a2, a3, a4, a5): missing coefficients are 0.
+    fn polynomial(&mut self, axis: &str, coefficients: &str) -> Result<(), String> {
+        const AXES: [&str; 6] = ["X", "Y", "Z", "XH", "YH", "ZH"];
+        let Some(k) = AXES.iter().position(|known| *known == axis) else {
+            return Err(format!("`PO[{}]` is not understood: X Y Z XH YH ZH have polynomials", shown(axis, 20)));
+        };
+        let mut numbers = Vec::new();
+        for text in coefficients.split(',') {
+            let value = number(text.trim_matches([' ', '\t']))?;
+            if value.abs() > FARTHEST {
+                return Err(format!("`PO[{axis}]`: {value} is out of range"));
+            }
+            numbers.push(value);
+        }
+        if numbers.len() > HIGHEST {
+            return Err(format!(
+                "`PO[{axis}]` has {} numbers: the end and at most {} coefficients",
+                numbers.len(),
+                HIGHEST - 1
+            ));
+        }
+        once(&mut self.polynomials[k], &format!("PO[{axis}]"), numbers)
     }
 
     fn keyword(&mut self, name: &str) -> Result<(), String> {
@@ -281,6 +309,10 @@ impl BlockReader<'_> {
                 self.block.machine_frame = true;
                 Ok(())
             }
+            "POLY" => match self.block.motion.replace(MotionWord::Polynomial) {
+                Some(_) => Err("two of G0, G1 and POLY in one block".to_owned()),
+                None => Ok(()),
+            },
             "TRANS" => once(&mut self.frame, "TRANS", "TRANS"),
             "ROT" => once(&mut self.frame, "ROT", "ROT"),
             "SCALE" => once(&mut self.frame, "SCALE", "SCALE"),
@@ -302,6 +334,9 @@ impl BlockReader<'_> {
             "X" => block.coordinate(0, value()?),
             "Y" => block.coordinate(1, value()?),
             "Z" => block.coordinate(2, value()?),
+            "XH" => once(&mut block.second[0], "XH", within(value()?)?),
+            "YH" => once(&mut block.second[1], "YH", within(value()?)?),
+            "ZH" => once(&mut block.second[2], "ZH", within(value()?)?),
             "A3" => block.component(&SINUMERIK, 0, value()?),
             "B3" => block.component(&SINUMERIK, 1, value()?),
             "C3" => block.component(&SINUMERIK, 2, value()?),
@@ -358,8 +393,24 @@ impl BlockReader<'_> {
         }
     }
 
+    /// The polynomials of a block: all six, and no other word of an axis.
+    fn spline(&mut self) -> Result<(), String> {
+        if self.polynomials.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        if self.block.has_axis_words() {
+            return Err("polynomials and words of axes in one block".to_owned());
+        }
+        let [Some(x), Some(y), Some(z), Some(i), Some(j), Some(k)] = std::mem::take(&mut self.polynomials) else {
+            return Err("an incomplete polynomial: write PO[X] PO[Y] PO[Z] PO[XH] PO[YH] PO[ZH] together".to_owned());
+        };
+        self.block.spline = Some(SplineWords::Forward { tip: [x, y, z], second: [i, j, k] });
+        Ok(())
+    }
+
     /// Checks the words of a block together.
     fn together(&mut self) -> Result<(), String> {
+        self.spline()?;
         let block = &mut self.block;
         if block.wait == Some("G4") {
             // F and S in a block of G4 are the time of the dwell.
@@ -394,6 +445,17 @@ impl BlockReader<'_> {
     }
 }
 
+/// Most numbers of a polynomial: the end and the coefficients of degrees two to five.
+const HIGHEST: usize = 5;
+
+/// Largest coordinate and coefficient, mm.
+const FARTHEST: f64 = 1e5;
+
+/// A coordinate in its range.
+fn within(value: f64) -> Result<f64, String> {
+    if value.abs() > FARTHEST { Err(format!("{value} is out of range")) } else { Ok(value) }
+}
+
 /// First word of a text: its name in upper case, its value, and the rest.
 fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     let letter = text.chars().next().unwrap_or(' ');
@@ -406,6 +468,9 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
         };
         return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(text, 1)));
     }
+    if let Some(found) = polynomial(text) {
+        return found;
+    }
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let second = text[1..].chars().next().unwrap_or(' ');
     if second.is_ascii_alphabetic() || second == '_' {
@@ -415,6 +480,10 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
         if let Some(inside) = rest.strip_prefix('(') {
             let (arguments, rest) = arguments(inside)?;
             return Ok((name, WordValue::Arguments(arguments), rest));
+        }
+        if let Some(behind) = after_equals(rest).filter(|_| ["XH", "YH", "ZH"].contains(&&*name)) {
+            let (value, rest) = value(behind)?;
+            return Ok((name, value, rest));
         }
         if rest.trim_start_matches([' ', '\t']).starts_with('=') {
             return Err(format!("`{}=` is not understood", shown(&name, 40)));
@@ -434,6 +503,19 @@ fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), String> {
     let behind = &text[1..];
     let (value, rest) = value(after_equals(behind).unwrap_or(behind))?;
     Ok((upper(&text[..1]), value, rest))
+}
+
+/// Name of an axis, coefficients, and the rest of a text.
+type FirstWord<'a> = Result<(Cow<'a, str>, WordValue<'a>, &'a str), String>;
+
+/// A word `PO[axis]=(...)` at the start of a text; `None` where there is another word.
+fn polynomial(text: &str) -> Option<FirstWord<'_>> {
+    let head = text.get(..3).filter(|head| head.eq_ignore_ascii_case("PO["))?;
+    let (axis, rest) = text[head.len()..].split_once(']')?;
+    let Some(inside) = after_equals(rest).and_then(|rest| rest.strip_prefix('(')) else {
+        return Some(Err("`PO[..]` without `=(...)`".to_owned()));
+    };
+    Some(arguments(inside).map(|(coefficients, rest)| (upper(axis), WordValue::Polynomial(coefficients), rest)))
 }
 
 /// Text after an equals sign.

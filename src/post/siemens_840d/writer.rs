@@ -2,12 +2,15 @@
 
 use super::Siemens840d;
 use crate::diag::Sink;
-use crate::ir::{Motion, MotionOperation, MoveKind, Program};
+use crate::geom::bezier;
+use crate::ir::{Motion, MotionOperation, MoveKind, Program, SplineBlock};
+use crate::kin::TurnCurve;
 use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::Orientation;
+use nalgebra::{SVector, Vector3};
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
@@ -24,13 +27,37 @@ pub(super) const FORM: TextForm = TextForm {
     longest: 512,
 };
 
+/// Digits of coefficients behind the point: five coefficients are rounded by less than a thousandth of the step of a length.
+const COEFFICIENT_DECIMALS: usize = 8;
+
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
     let post = &Siemens840d;
     let decimals = program.post.decimals.feed;
     let mut last_feed = String::new();
     let mut last_kind = None;
+    let mut spline_before = false;
     for (i, m) in write::between(operation) {
+        if let Some((at, spline)) = operation.spline(i) {
+            if i > spline.first {
+                continue;
+            }
+            let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
+            let goes_on = spline_before && at > 0 && operation.splines[at - 1].last + 1 == i;
+            if !goes_on {
+                // The second point begins where this block says, since blocks before have none. No axis moves.
+                write("ORICURVE".to_owned(), None);
+                write(format!("G1 {} F{f}", start(program, spline)), None);
+            }
+            let word = if goes_on && f != last_feed { format!(" F{f}") } else { String::new() };
+            let begin = if goes_on { "" } else { "POLY " };
+            write(format!("{begin}{}{word}", polynomials(program, spline)), Some(i));
+            (spline_before, last_feed, last_kind) = (true, f, Some(m.kind));
+            continue;
+        }
+        if std::mem::take(&mut spline_before) {
+            write("G1 ORIAXES".to_owned(), None);
+        }
         let tip = write::tip(post, program, &m.joints);
         let text = match m.kind {
             MoveKind::Rapid => format!("G0 {tip} {}", write::rotary(post, program, m.joints.rotary)),
@@ -50,4 +77,39 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
         last_kind = Some(m.kind);
         write(text, Some(i));
     }
+    if spline_before {
+        write("G1 ORIAXES".to_owned(), None);
+    }
+}
+
+/// Words of the start of a spline: tip and second point.
+fn start(program: &Program, spline: &SplineBlock) -> String {
+    let digits = program.post.decimals.length;
+    let names = ["X", "Y", "Z", "XH=", "YH=", "ZH="];
+    let places = both(spline)[0];
+    names.iter().zip(&places).map(|(name, x)| format!("{name}{}", fixed(*x, digits))).collect::<Vec<_>>().join(" ")
+}
+
+/// Control points of tip and second point, six numbers each.
+fn both(spline: &SplineBlock) -> Vec<SVector<f64, 6>> {
+    let TurnCurve::Second(second) = spline.curve.turn() else { return Vec::new() };
+    let six = |(p, h): (&Vector3<f64>, &Vector3<f64>)| SVector::from_column_slice(&[p.x, p.y, p.z, h.x, h.y, h.z]);
+    spline.curve.tip().iter().zip(second).map(six).collect()
+}
+
+/// Words of the polynomials: the end and the coefficients from the second power on. The control takes the linear term from
+/// start and end. Zeros at the end are left out.
+fn polynomials(program: &Program, spline: &SplineBlock) -> String {
+    let control = both(spline);
+    let powers = bezier::powers(&control);
+    let names = ["X", "Y", "Z", "XH", "YH", "ZH"];
+    let words = names.iter().enumerate().map(|(k, name)| {
+        let mut numbers: Vec<String> = powers.iter().skip(2).map(|a| fixed(a[k], COEFFICIENT_DECIMALS)).collect();
+        while numbers.last().is_some_and(|n| n.bytes().all(|b| matches!(b, b'0' | b'.' | b'-'))) {
+            numbers.pop();
+        }
+        numbers.insert(0, fixed(control[control.len() - 1][k], program.post.decimals.length));
+        format!("PO[{name}]=({})", numbers.join(","))
+    });
+    words.collect::<Vec<_>>().join(" ")
 }

@@ -4,14 +4,16 @@
 mod apt_cl;
 mod fanuc;
 mod heidenhain;
+mod splines;
 
 use crate::support::{self, golden};
 use impellerc::diag::Sink;
-use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
-use impellerc::kin::Machine;
+use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
+use impellerc::job::shipped_post;
+use impellerc::kin::{Machine, PoseCurve, TurnCurve};
 use impellerc::post;
 use impellerc::post_file::Orientation;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// A quirk of a dialect.
 pub struct Quirk {
@@ -58,6 +60,29 @@ pub fn blocks(dialect: &str, orientation: Orientation, moves: &[Step]) -> Vec<St
     blocks
 }
 
+/// The blocks of a cubic.
+fn spline_blocks(dialect: &str) -> Vec<String> {
+    let mut program = program(dialect);
+    let spl = dialect == "heidenhain";
+    if spl {
+        program.post = shipped_post("heidenhain-itnc530").unwrap();
+    }
+    let start = ([40.0, 0.0, 10.0], [30.0, 20.0], Some(1800.0));
+    let mut operation = operation(&program, &[start, ([36.4, 6.1, 8.3], [32.2, 28.5], Some(1800.0))]);
+    let tip = [[40.0, 0.0, 10.0], [39.0, 2.0, 9.2], [37.6, 4.4, 8.7], [36.4, 6.1, 8.3]].map(Vector3::from).to_vec();
+    let turn = if spl {
+        let angles = [[30.0, 20.0], [30.7, 22.9], [31.5, 25.7], [32.2, 28.5]];
+        TurnCurve::Rotary(angles.map(|a| Vector2::from(a.map(f64::to_radians))).to_vec())
+    } else {
+        TurnCurve::Second(tip.iter().map(|p| p + Vector3::new(5.0, -8.0, 17.0)).collect())
+    };
+    let curve = PoseCurve::new(tip, turn).unwrap();
+    operation.splines.push(SplineBlock { first: 2, last: 2, curve, shares: vec![1.0] });
+    let mut blocks = Vec::new();
+    post::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
+    blocks
+}
+
 fn shown(dialect: &str, machine: &Machine, quirk: &Quirk) -> String {
     let post = post::find(dialect).unwrap();
     let mut golden: Vec<String> = Vec::new();
@@ -92,6 +117,12 @@ fn check(dialect: &str, quirks: &[Quirk]) {
 #[test]
 fn heidenhain() {
     check("heidenhain", &heidenhain::quirks());
+    check("heidenhain", &splines::heidenhain());
+}
+
+#[test]
+fn siemens_840d() {
+    check("siemens-840d", &splines::siemens());
 }
 
 /// With M126 an axis without end takes the shorter way: the post refuses what would go the other way.

@@ -1,6 +1,7 @@
 //! The state of a control while it executes a program: the changes of each block, and its faults.
 
 mod moves;
+mod splines;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Carries, Machine, RotaryAxis};
@@ -54,6 +55,8 @@ struct ControlState<'a> {
     placed: usize,
     tip: [Option<f64>; 3],
     direction: Direction,
+    /// Second point of the tool axis, where a block has stated it, part frame, mm.
+    second: Option<Vector3<f64>>,
     motion: Option<MotionWord>,
     feed: Option<f64>,
     ready: Option<NcTool>,
@@ -91,6 +94,7 @@ impl<'a> ControlState<'a> {
             placed: 0,
             tip: [None; 3],
             direction: Direction::Rotary([0.0; 2]),
+            second: None,
             motion: None,
             feed: None,
             ready: None,
@@ -392,6 +396,7 @@ impl<'a> ControlState<'a> {
         self.transformation = Transformation::On;
         self.tip = [None; 3];
         self.direction = Direction::Rotary(rotary);
+        self.second = None;
         (self.at_start, self.turned) = (true, None);
         if self.faults.is_empty() {
             let place = NcPlace::Axes { xyz: Vector3::new(x, y, z), rotary, turned: None };

@@ -24,6 +24,12 @@ impl ControlState<'_> {
             return;
         }
         match self.transformation {
+            Transformation::On if block.spline.is_some() && !block.machine_frame => {
+                if let Some(words) = &block.spline {
+                    self.spline_move(block, words);
+                }
+            }
+            Transformation::On if block.second != [None; 3] && !block.machine_frame => self.state_second_point(block),
             Transformation::On => self.tip_move(block),
             Transformation::Off => self.axis_move(block),
             Transformation::Unknown => {
@@ -44,6 +50,9 @@ impl ControlState<'_> {
         let Control { machine_frame, behind, .. } = self.control;
         if block.vector != [None; 3] {
             self.fault("a direction vector with the transformation off");
+        }
+        if block.second != [None; 3] || block.spline.is_some() {
+            self.fault("polynomials with the transformation off");
         }
         match self.motion {
             Some(MotionWord::Rapid) => {}
@@ -158,7 +167,12 @@ impl ControlState<'_> {
         self.motion = block.motion.or(self.motion);
         let before = self.tip;
         let tip = self.target(block);
+        self.second = None;
         let rapid = match self.motion {
+            Some(MotionWord::Polynomial) => {
+                self.fault("a straight block under POLY: write G0 or G1");
+                false
+            }
             Some(MotionWord::Feed) => false,
             Some(MotionWord::Rapid) => true,
             Some(MotionWord::Cancelled) | None => {
@@ -167,6 +181,9 @@ impl ControlState<'_> {
             }
         };
         self.judge_modes(true, true, !rapid);
+        if self.turns_by_second_point() {
+            self.fault_once("oricurve", "a straight block with ORICURVE, without XH YH ZH: write ORIAXES before it");
+        }
         let (feed, time) = if rapid { (None, None) } else { self.feed_of(block, before, &tip, &direction) };
         if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
             self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
@@ -183,7 +200,7 @@ impl ControlState<'_> {
         self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
-        let turn = if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None };
+        let turn = self.turn_tolerance();
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
             section.moves.push(NcMove {
                 line,
@@ -197,9 +214,15 @@ impl ControlState<'_> {
                 speed,
                 smoothing,
                 turn,
+                curve: None,
             });
             self.moves += 1;
         }
+    }
+
+    /// Tolerance of the direction through smoothing, where a word states it.
+    pub(super) fn turn_tolerance(&self) -> Option<f64> {
+        if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None }
     }
 
     /// The tip at the end of a block.
@@ -238,7 +261,7 @@ impl ControlState<'_> {
     }
 
     /// Rule of the moves of the tip.
-    fn interpolation(&self) -> Interpolation {
+    pub(super) fn interpolation(&self) -> Interpolation {
         match self.modal[ModalGroup::Turning as usize] {
             Setting::Said(word, _) if self.control.great_circle.contains(&word) => Interpolation::GreatCircle,
             _ => Interpolation::RotaryLinear,
@@ -246,7 +269,7 @@ impl ControlState<'_> {
     }
 
     /// Tolerance of a move; `None` where only the control knows it.
-    fn smoothing_of(&mut self, rapid: bool) -> Option<f64> {
+    pub(super) fn smoothing_of(&mut self, rapid: bool) -> Option<f64> {
         match self.smoothing {
             Some(Smoothing::Within(deviation)) => Some(deviation.path),
             Some(Smoothing::AtControl) => None,
