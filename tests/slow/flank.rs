@@ -3,23 +3,29 @@
 use crate::support;
 use impellerc::collide::{Cutter, Section};
 use impellerc::contract::{Guarded, Scope};
-use impellerc::diag::Sink;
+use impellerc::diag::codes::verification;
+use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
+use impellerc::ir::{Contract, ContractKind, Motion, Operation, OperationKind, Program};
 use impellerc::method::{ErrorSide, Flank, FlankMethod};
-use impellerc::part::{BladeId, FaceId, SurfaceClass};
+use impellerc::part::{BladeId, FaceId, SurfaceClass, SurfaceId};
 use impellerc::passes::{Obstacles, pipeline};
+use impellerc::progress::Progress;
 use impellerc::units::Mm;
-use impellerc::verify::certify;
+use impellerc::verify::certify_with;
+use impellerc::verify::stock::Settings;
 
-/// The paper's part with one flank operation on both faces of all vanes, and contracts on faces and fillets, um.
+/// The vanes that are milled: two, so that one follows the other. All vanes have one shape.
+const VANES: [u32; 2] = [0, 1];
+
+/// The paper's part with one flank operation on both faces of two vanes, and contracts on faces and fillets, um.
 fn program(cutter: Cutter, choices: Flank, gouge: f64, excess: f64, chord: f64) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, cutter, 30.0, 50.0));
     let kind = OperationKind::Flank { faces: BladeId::MAIN.faces().to_vec(), flank: choices };
     // Nothing roughs the blank before: at link feed the way down to a pass would remove more than its cuts.
-    let operation = support::operation("flank", kind, tool, (0..8).collect(), 15.0);
+    let operation = support::operation("flank", kind, tool, VANES.to_vec(), 15.0);
     program.operations.push(Operation { link_feed: operation.feed, ..operation });
     program.tolerances.chord = Mm(chord * 1e-3);
     let surfaces = vec![SurfaceClass::Pressure, SurfaceClass::Suction, SurfaceClass::Fillet];
@@ -37,6 +43,20 @@ fn minimax(strips: Option<u32>) -> Flank {
 
 const BALL: Cutter = Cutter::Ball { radius: 3.0 };
 
+/// Whether a motion keeps all contracts; of the contract on excess, which no vane keeps that nothing mills, only the part on
+/// the milled vanes. The stock has the largest cells: no contract is about it.
+fn keeps(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
+    let mut settings = Settings { cell: Some(1.0), after: None };
+    let certificate = certify_with(program, motion, &mut settings, &Progress::default(), sink).expect("a certificate");
+    let mut errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
+    let not_milled = errors.all(|d| d.code == verification::EXCESS && d.message.contains("not machined"));
+    let excess = program.contracts.iter().find(|c| c.kind == ContractKind::Excess).expect("a contract");
+    let asked = |id: SurfaceId| VANES.contains(&id.sector) && excess.scope.surfaces.contains(&id.kind.class());
+    let milled: Vec<_> = certificate.surfaces.iter().filter(|s| asked(s.id)).collect();
+    assert!(milled.len() >= VANES.len() * excess.scope.surfaces.len(), "surfaces are missing");
+    not_milled && milled.iter().all(|s| s.excess_bound <= excess.bound.value())
+}
+
 /// Plans and verifies; the passes of a vane, and whether all contracts are kept.
 fn run(program: &Program) -> (usize, bool) {
     let mut sink = Sink::default();
@@ -45,8 +65,7 @@ fn run(program: &Program) -> (usize, bool) {
     for note in &plan.cl.operations[0].notes {
         println!("{note}");
     }
-    let certificate = certify(program, &plan.motion, &mut sink);
-    let kept = certificate.is_ok() && !sink.has_errors();
+    let kept = keeps(program, &plan.motion, &mut sink);
     for d in sink.diags() {
         println!("{} {} {:?} {:?}", d.code, d.message, d.place, d.notes);
     }
@@ -62,7 +81,7 @@ fn run(program: &Program) -> (usize, bool) {
             assert!(gap < 0.03, "{gap}");
         }
     }
-    (plan.cl.operations[0].passes.len() / 8, kept)
+    (plan.cl.operations[0].passes.len() / VANES.len(), kept)
 }
 
 #[test]
@@ -159,7 +178,7 @@ fn cutters_of_other_shapes_keep_contracts_as_well() {
     }
 }
 
-/// One face of all vanes with a holder of a radius at a reach, and the contracts of one band on it.
+/// One face of the vanes with a holder of a radius at a reach, and the contracts of one band on it.
 fn with_holder(side: FaceId, reach: f64, radius: f64) -> Program {
     let mut program = program(BALL, minimax(Some(1)), 1.0, 12.0, 0.25);
     program.tools = {
@@ -228,7 +247,7 @@ fn the_path_keeps_to_the_travel_of_a() {
     // The contracts of the face are kept as well.
     let mut sink = Sink::default();
     let plan = pipeline::run(&program, &mut sink).unwrap();
-    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+    assert!(keeps(&program, &plan.motion, &mut sink), "{:?}", sink.diags());
 }
 
 #[test]
@@ -256,7 +275,7 @@ fn the_path_keeps_the_holder_clear() {
     assert!(free < 0.5 && kept >= 0.5, "{free} {kept}");
     let mut sink = Sink::default();
     let plan = pipeline::run(&program, &mut sink).unwrap();
-    assert!(certify(&program, &plan.motion, &mut sink).is_ok() && !sink.has_errors(), "{:?}", sink.diags());
+    assert!(keeps(&program, &plan.motion, &mut sink), "{:?}", sink.diags());
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn left_on_vanes(vane: VaneAllowance, hub: Mm) -> Vec<(f64, f64)> {
     let sweeps: Vec<Sweep<'_>> =
         (0..motion.operations.len()).filter_map(|o| Sweep::new(&program, &motion, o)).collect();
     let on_vane = |s: &Sample| matches!(s.surface.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
-    let samples: Vec<Sample> = sample(&program.part, 0.2).into_iter().filter(on_vane).collect();
+    let samples: Vec<Sample> = sample(&program.part, 0.4).into_iter().filter(on_vane).collect();
     let left = samples.par_iter().filter_map(|sample| {
         let height = height(&program.part, &sample.position);
         let required = vane.root().get() - vane.growth() * height;
