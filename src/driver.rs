@@ -149,6 +149,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Err(Aborted);
     };
 
+    post::sectors::remark(post, &program, motion.get(), sink);
     let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
     let mut written = or_reported(written, sink)?;
     if options.source_map.is_some() {

@@ -5,7 +5,7 @@ use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
-use crate::post_file::{Decimals, Field, Frame, LineEnd, Orientation, PostFile, Template, TemplateFault};
+use crate::post_file::{Decimals, Field, Frame, LineEnd, Orientation, PostFile, Sectors, Template, TemplateFault};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::Block;
 use serde::Deserialize;
@@ -221,6 +221,7 @@ pub(super) fn read(
             .orientation_tolerance
             .as_ref()
             .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
+        sectors: Sectors::Inline,
         decimals: reader.decimals(&table.decimals),
         smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
             .map(|text| reader.template(text, &fields)),
@@ -240,7 +241,8 @@ pub fn shipped(name: &str) -> Option<PostFile> {
 }
 
 /// Properties of the `post` item.
-const PROPERTIES: [&str; 5] = ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end"];
+const PROPERTIES: [&str; 6] =
+    ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end", "sectors"];
 
 /// The post with the properties of the `post` item of the job.
 pub(super) fn with_properties(
@@ -270,6 +272,9 @@ pub(super) fn with_properties(
     }
     if let Some(Some(end)) = name_of(&mut properties, "line-end", &LineEnd::ALL, LineEnd::name) {
         post.line_end = end;
+    }
+    if let Some(Some(sectors)) = name_of(&mut properties, "sectors", &Sectors::ALL, Sectors::name) {
+        post.sectors = sectors;
     }
     post
 }

@@ -2,6 +2,7 @@
 
 use super::form::TextForm;
 use super::nc::{NcSection, ReadError};
+use super::sectors::Divided;
 use super::words;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
@@ -41,6 +42,15 @@ pub trait Post: Sync {
     /// ends, or `None` for a block without motion. `smoothing` has the words that smooth within the tolerances of the
     /// operation.
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>);
+    /// Why the dialect has no subprograms for what sectors repeat; `None` where it has them.
+    fn no_subprograms(&self) -> Option<&'static str> {
+        Some("this post writes no subprograms")
+    }
+    /// Writes the blocks of an operation as [`Self::moves`] does, and each section once, with a call for each place. A block
+    /// of a section has the index of its move in the first place.
+    fn sections(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+        self.moves(program, divided.operation, smoothing, write);
+    }
     /// Motion that a text in this dialect commands, section by section: from the block that switches the transformation
     /// on to the retract after it.
     ///

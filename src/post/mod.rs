@@ -16,6 +16,7 @@ pub mod motion_of;
 mod nc;
 mod positions;
 mod read_back;
+pub mod sectors;
 mod siemens_840d;
 mod tool_shape;
 pub mod trial;

@@ -108,6 +108,7 @@ mod tests {
             interpolation: crate::kin::Interpolation::RotaryLinear,
             smoothing: Some(0.0),
             turn: None,
+            frame_turned: false,
         });
         let place = NcPlace::Pose(NcPose { tip, axis: axis(through[0].0) });
         let start = NcStation { line: 1, place };

@@ -401,6 +401,7 @@ fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
         speed: 0.0,
         smoothing: Some(0.0),
         turn: None,
+        frame_turned: false,
         interpolation: impellerc::kin::Interpolation::RotaryLinear,
     }
 }

@@ -520,6 +520,7 @@ impl<'a> State<'a> {
                 speed,
                 smoothing,
                 turn: None,
+                frame_turned: false,
             });
             self.moves += 1;
         }

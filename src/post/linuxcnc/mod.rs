@@ -14,6 +14,7 @@
 //! retract height, there the rotary axes, then X and Y.
 
 mod reader;
+mod subprograms;
 mod writer;
 
 use crate::diag::Sink;
@@ -22,6 +23,7 @@ use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::post::sectors::Divided;
 
 /// The dialect.
 pub(super) struct LinuxCnc;
@@ -49,6 +51,14 @@ impl Post for LinuxCnc {
 
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, smoothing, write);
+    }
+
+    fn no_subprograms(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn sections(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::sections(program, divided, smoothing, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

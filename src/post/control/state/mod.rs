@@ -4,6 +4,7 @@ mod moves;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Carries, Machine, RotaryAxis};
+use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
 use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, ReadError};
 use crate::post::tool_shape::NcToolShape;
@@ -68,8 +69,12 @@ struct ControlState<'a> {
     /// Position of the tip while tables turn at the start, machine frame, mm.
     turned: Option<Vector3<f64>>,
     ended: bool,
+    /// Turn of the work frame about Z, radians.
+    frame_turn: f64,
     sections: Vec<NcSection>,
     moves: usize,
+    /// Line of the call that is executed.
+    call: Option<usize>,
     faults: Vec<ReadError>,
     /// The block has a fault already: faults that follow from it are not reported.
     quiet: bool,
@@ -102,8 +107,10 @@ impl<'a> ControlState<'a> {
             at_start: false,
             turned: None,
             ended: false,
+            frame_turn: 0.0,
             sections: Vec::new(),
             moves: 0,
+            call: None,
             faults: Vec::new(),
             quiet: false,
             understood: true,
@@ -113,8 +120,14 @@ impl<'a> ControlState<'a> {
 
     /// Reports a fault of this block unless the block has one already.
     fn fault(&mut self, reason: impl Into<String>) {
-        if !self.quiet && self.faults.len() < MOST_FAULTS {
-            self.faults.push(ReadError { line: self.line, reason: reason.into() });
+        // A line that is called again has the same faults.
+        let known = self.call.is_some() && self.faults.iter().any(|f| f.line == self.line);
+        if !self.quiet && !known && self.faults.len() < MOST_FAULTS {
+            let mut reason = reason.into();
+            if let Some(call) = self.call {
+                reason.push_str(&format!(" (called in line {call})"));
+            }
+            self.faults.push(ReadError { line: self.line, reason });
         }
         self.quiet = true;
     }
@@ -155,6 +168,11 @@ impl<'a> ControlState<'a> {
         for act in self.control.order {
             match act {
                 Act::Set(group) => self.set(*group, block),
+                Act::TurnFrame => {
+                    if let Some(turn) = block.frame_turn {
+                        self.turn_frame(turn);
+                    }
+                }
                 Act::Feed => self.feed = block.feed.or(self.feed),
                 Act::Speed => self.speed = block.speed.or(self.speed),
                 Act::Select => {
@@ -203,6 +221,15 @@ impl<'a> ControlState<'a> {
                  before"
             )),
         }
+    }
+
+    /// Turns the work frame.
+    fn turn_frame(&mut self, turn: f64) {
+        if turn != self.frame_turn {
+            // The control counts the place of the tool in the new frame.
+            self.tip = [None; 3];
+        }
+        self.frame_turn = turn;
     }
 
     fn wait(&mut self, word: &str) {
@@ -296,9 +323,18 @@ impl<'a> ControlState<'a> {
         if self.control.switching_drops_frames {
             // The control cancels the programmable frame and the work offset.
             self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
+            self.frame_turn = 0.0;
             if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
                 self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
             }
+        }
+        if self.frame_turn != 0.0 {
+            self.fault(format!(
+                "the work frame is still turned by {} deg here: {}",
+                figure(self.frame_turn.to_degrees()),
+                self.control.unturned
+            ));
+            self.turn_frame(0.0);
         }
         if !on {
             if self.transformation == Transformation::On {
@@ -434,6 +470,9 @@ impl<'a> ControlState<'a> {
     /// Checks the state at the end of the program.
     fn end(&mut self, word: &str) {
         let [_, off] = self.control.transformation;
+        if self.frame_turn != 0.0 {
+            self.fault(format!("the program ends with the work frame turned: {}", self.control.unturned));
+        }
         match self.transformation {
             Transformation::On => self.fault(format!(
                 "the program ends with the transformation on: write {off}, then {}",
@@ -465,6 +504,17 @@ impl<'a> ControlState<'a> {
     }
 }
 
+/// A line that is executed.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::post) struct Line<'a> {
+    /// Text.
+    pub(in crate::post) text: &'a str,
+    /// Number, from 1.
+    pub(in crate::post) number: usize,
+    /// Values of the parameters 1, 2 ... of the subprogram.
+    pub(in crate::post) arguments: &'a [f64],
+}
+
 /// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
 /// adds whatever it does not understand to the list that it receives.
 ///
@@ -476,34 +526,94 @@ pub(in crate::post) fn read(
     machine: &Machine,
     mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
 ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    read_in_order(text, control, machine, &Flow::default(), |line, reasons| block(line.text, line.number, reasons))
+}
+
+/// As [`read`], in the order of the calls of the text.
+///
+/// # Errors
+/// As [`read`].
+pub(in crate::post) fn read_in_order(
+    text: &str,
+    control: &Control,
+    machine: &Machine,
+    flow: &Flow,
+    mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
     let mut state = ControlState::new(control, machine);
-    let mut reasons = Vec::new();
-    for (i, line) in text.strip_suffix('\n').unwrap_or(text).split('\n').enumerate() {
-        state.line = i + 1;
-        state.quiet = false;
-        let found = match control_character(line.strip_suffix('\r').unwrap_or(line)) {
-            Some(reason) => {
-                reasons.push(reason);
-                None
+    let mut executed = 0_usize;
+    let mut at = 0;
+    while at < lines.len() {
+        let step = flow.0.get(&at);
+        state.line_of(lines[at], at, &[], step, &mut block);
+        executed += 1;
+        at += 1;
+        match step {
+            Some(Step::SkipTo(next)) => at = at.max(*next),
+            Some(Step::Call { lines: called, times, arguments }) if state.faults.len() < MOST_FAULTS => {
+                state.call = Some(at);
+                executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
+                if executed > MOST_EXECUTED {
+                    state.fault(format!("more than {MOST_EXECUTED} lines are executed; divide the program by operations"));
+                    return Err(state.faults);
+                }
+                for line in (0..*times).flat_map(|_| called.clone()) {
+                    state.line_of(lines[line], line, arguments, flow.0.get(&line), &mut block);
+                    if state.faults.len() >= MOST_FAULTS {
+                        break;
+                    }
+                }
+                state.call = None;
             }
-            None => block(line, i + 1, &mut reasons),
-        };
-        state.understood = reasons.is_empty();
-        if let Some(first) = reasons.drain(..).next() {
-            state.fault(first);
-        }
-        if let Some(block) = found {
-            state.run(&block);
+            _ => {}
         }
         if state.faults.len() >= MOST_FAULTS {
             return Err(state.faults);
         }
     }
     if !state.ended {
-        (state.quiet, state.understood) = (false, true);
+        (state.quiet, state.understood, state.line) = (false, true, lines.len());
         state.fault(format!("the text ends here, without {}", control.end));
     }
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+}
+
+impl ControlState<'_> {
+    /// Executes a line; `at` counts from 0.
+    fn line_of(
+        &mut self,
+        line: &str,
+        at: usize,
+        arguments: &[f64],
+        step: Option<&Step>,
+        block: &mut impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+    ) {
+        (self.line, self.quiet) = (at + 1, false);
+        let mut reasons = Vec::new();
+        let found = match (control_character(line.strip_suffix('\r').unwrap_or(line)), step) {
+            (Some(reason), _) => {
+                reasons.push(reason);
+                None
+            }
+            (None, Some(step)) => {
+                if let Step::Fault(reason) = step {
+                    reasons.push(reason.clone());
+                } else if self.ended {
+                    reasons.push("text after the end of the program".to_owned());
+                }
+                None
+            }
+            (None, None) => block(Line { text: line, number: at + 1, arguments }, &mut reasons),
+        };
+        self.understood = reasons.is_empty();
+        if let Some(first) = reasons.into_iter().next() {
+            self.fault(first);
+        }
+        if let Some(block) = found {
+            self.run(&block);
+        }
+    }
 }
 
 pub(in crate::post) fn control_character(line: &str) -> Option<String> {
