@@ -211,7 +211,8 @@ impl Units {
                 if from.len() != range.len() {
                     return None;
                 }
-                let pair = |k: usize| ([&moves[from.start + k], &moves[range.start + k]], [from.start + k, range.start + k]);
+                let pair =
+                    |k: usize| ([&moves[from.start + k], &moves[range.start + k]], [from.start + k, range.start + k]);
                 let at = |[a, b]: [usize; 2]| [&poses[a], &poses[b]];
                 let (first, places) = pair(0);
                 let turned = symmetry.turn_between(first, at(places))?;
@@ -237,7 +238,9 @@ impl Units {
         self.classes.iter().for_each(|(class, _)| count[*class] += 1);
         let next = |class: usize| self.classes.get(self.first[class] + 1).map(|n| n.0);
         let mut followed: Vec<bool> = (0..self.first.len())
-            .map(|class| next(class).is_some_and(|n| self.first[n] == self.first[class] + 1 && count[n] == count[class]))
+            .map(|class| {
+                next(class).is_some_and(|n| self.first[n] == self.first[class] + 1 && count[n] == count[class])
+            })
             .collect();
         for (unit, (class, turned)) in self.classes.iter().enumerate() {
             let holds = self.classes.get(unit + 1).is_some_and(|(n, t)| Some(*n) == next(*class) && t.is(turned));
@@ -297,12 +300,19 @@ mod tests {
 
     fn symmetry(machine: &Machine, sectors: u32) -> Symmetry<'_> {
         let pitch = std::f64::consts::TAU / f64::from(sectors);
-        let turns = (0..sectors).map(|k| Rotation3::from_axis_angle(&Vector3::z_axis(), pitch * f64::from(k))).collect();
+        let turns =
+            (0..sectors).map(|k| Rotation3::from_axis_angle(&Vector3::z_axis(), pitch * f64::from(k))).collect();
         Symmetry { machine, turns, pitch }
     }
 
     /// A course of `count` moves in a sector, from rotary positions on.
-    fn course(machine: &Machine, turn: &Rotation3<f64>, [first, second]: [f64; 2], seed: f64, count: usize) -> Vec<JointMove> {
+    fn course(
+        machine: &Machine,
+        turn: &Rotation3<f64>,
+        [first, second]: [f64; 2],
+        seed: f64,
+        count: usize,
+    ) -> Vec<JointMove> {
         let at = |k: usize| {
             let t = seed + k as f64 * 0.1;
             let sign = if first < 0.0 { -1.0 } else { 1.0 };
@@ -329,7 +339,11 @@ mod tests {
             let turn = &symmetry.turns[k];
             let second = 0.3 + pitch * k as f64;
             // Sectors 5 to 7 take the other branch; a full turn of axis 2 is another winding.
-            let rotary = if k < 5 { [0.7, second - if k == 4 { 2.0 * std::f64::consts::TAU } else { 0.0 }] } else { [-0.7, second - std::f64::consts::PI] };
+            let rotary = if k < 5 {
+                [0.7, second - if k == 4 { 2.0 * std::f64::consts::TAU } else { 0.0 }]
+            } else {
+                [-0.7, second - std::f64::consts::PI]
+            };
             moves.extend(course(&machine, turn, rotary, 0.0, 40));
             // What no other sector has.
             moves.extend(course(&machine, turn, rotary, 7.0 + k as f64, 5));

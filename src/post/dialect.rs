@@ -1,8 +1,8 @@
 //! The operations of a dialect: refuse, write, read, recognise.
 
+use super::divided::Divided;
 use super::form::TextForm;
 use super::nc::{NcSection, ReadError};
-use super::sectors::Divided;
 use super::words;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
@@ -44,7 +44,9 @@ pub trait Post: Sync {
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>);
     /// Why the dialect has no subprograms for what sectors repeat; `None` where it has them.
     fn no_subprograms(&self) -> Option<&'static str> {
-        Some("no manual that the project knows says how a turned work frame acts in this control with tool centre point control on")
+        Some(
+            "no manual that the project knows says how a turned work frame acts in this control with tool centre point control on",
+        )
     }
     /// Writes the blocks of an operation as [`Self::moves`] does, and each section once, with a call for each place. A block
     /// of a section has the index of its move in the first place.

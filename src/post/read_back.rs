@@ -202,8 +202,11 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
         return Err("rapid and feed are exchanged".to_owned());
     }
     // A turned frame turns the errors of two rounded words into one coordinate.
-    let (most, margin) =
-        if read.frame_turned { (half_step(digits.length) * SQRT_2, TURNED) } else { (half_step(digits.length), (0.0, 0.0)) };
+    let (most, margin) = if read.frame_turned {
+        (half_step(digits.length) * SQRT_2, TURNED)
+    } else {
+        (half_step(digits.length), (0.0, 0.0))
+    };
     let tip = (read.tip - pose.tip).amax();
     if tip > most + margin.0 {
         return Err(format!("the tip is off by {tip:.6} mm"));

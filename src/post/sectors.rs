@@ -6,53 +6,15 @@
 //! [`Decimals::EXACT`](crate::post_file::Decimals::EXACT).
 
 use super::dialect::Post;
+use super::divided::Divided;
 use crate::diag::{Diag, Sink, codes::post as codes};
 use crate::ir::repeats::{Division, NoSymmetry, Symmetry};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::method::Planning;
 use crate::post_file::Sectors;
-use crate::units::trim;
-
-/// Digits of turns and shifts, degrees. They are finer than the words of positions, since a pitch of 360/7 deg has no end.
-const DIGITS: usize = 9;
 
 /// Difference of feeds (mm/min) and times (s) that is rounding of the arithmetic, as a share.
 const ROUNDING: f64 = 1e-9;
-
-/// First number of a subprogram.
-const FIRST: usize = 101;
-
-/// An operation with parts that sectors repeat.
-pub struct Divided<'a> {
-    /// The operation.
-    pub operation: &'a MotionOperation,
-    /// Its stretches.
-    pub division: Division,
-    /// Sections of operations before.
-    pub before: usize,
-}
-
-impl Divided<'_> {
-    /// Number of a section in the text.
-    pub(super) fn number(&self, section: usize) -> usize {
-        FIRST + self.before + section
-    }
-
-    /// Whether some places of a section have the other branch of the rotary axes.
-    pub(super) fn changes_branch(&self, section: usize) -> bool {
-        self.division.places(section).any(|(_, turned)| turned.first < 0.0)
-    }
-}
-
-/// An angle in a turn or a shift, degrees.
-pub(super) fn degrees(angle: f64) -> String {
-    trim(angle, DIGITS)
-}
-
-/// Turn of the work frame, degrees.
-pub(super) fn frame_degrees(program: &Program, pitches: u32) -> String {
-    degrees(360.0 * f64::from(pitches) / f64::from(program.part.vane_count))
-}
 
 /// Divides an operation; `None` where its text is inline.
 pub(super) fn divided<'a>(
@@ -107,9 +69,10 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
             "axis {} of the machine {} does not turn the part about its axis",
             program.machine.rotary[1].name, program.machine.name
         )),
-        (None, Some(NoSymmetry::Digits)) => {
-            Some("the words of the post have too few digits: turned words would be others than those that are proved".to_owned())
-        }
+        (None, Some(NoSymmetry::Digits)) => Some(
+            "the words of the post have too few digits: turned words would be others than those that are proved"
+                .to_owned(),
+        ),
         (None, None) => None,
     };
     if let Some(why) = why {
@@ -123,6 +86,9 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
     let names: Vec<String> = inline.map(|o| format!("`{}`", program.operations[o.operation].name)).collect();
     if !names.is_empty() {
         let message = format!("the text has every sector of {} move by move", names.join(", "));
-        sink.push(tell(message, "no part of these operations is the same in two sectors, or it is too short".to_owned()));
+        sink.push(tell(
+            message,
+            "no part of these operations is the same in two sectors, or it is too short".to_owned(),
+        ));
     }
 }

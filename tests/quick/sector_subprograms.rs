@@ -115,10 +115,20 @@ fn changed(text: &str, behind: &str, from: &str, to: &str) -> String {
 fn broken_texts_are_refused() {
     let siemens: &[[&str; 4]] = &[
         ["", "SECTION_101_END:", "", "the label `SECTION_101_END`, and no block before has it"],
-        ["", "REPEAT SECTION_101_BEGIN", "REPEAT SECTION_100_BEGIN", "the label `SECTION_100_BEGIN`, and no block before"],
+        [
+            "",
+            "REPEAT SECTION_101_BEGIN",
+            "REPEAT SECTION_100_BEGIN",
+            "the label `SECTION_100_BEGIN`, and no block before",
+        ],
         ["", "REPEAT SECTION_101_BEGIN SECTION_101_END", "REPEAT SECTION_101_END SECTION_101_BEGIN", "is not behind"],
         ["", "P=1", "P=0", "`P=0` of REPEAT is not read"],
-        ["", "SECTION_101_END:", "REPEAT SECTION_101_BEGIN SECTION_101_END P=1\nSECTION_101_END:", "no block before has it"],
+        [
+            "",
+            "SECTION_101_END:",
+            "REPEAT SECTION_101_BEGIN SECTION_101_END P=1\nSECTION_101_END:",
+            "no block before has it",
+        ],
         ["SECTION_101_BEGIN:", "G1 ", "SECTION_101_BEGIN: G1 ", "words behind the label"],
         ["", "ROT Z", "ROT X", "turns of the work frame are read about Z only"],
         ["", "ROT Z", "AROT Z", "`AROT` is not understood"],
@@ -238,7 +248,9 @@ fn calls_as_they_are_written() {
         let text = written(compiled, program).text();
         let lines: Vec<&str> = text.lines().collect();
         let marks = ["sub", "call", "SECTION", "ROT", "R90=", "G10 L2 P1 R"];
-        let near = |at: usize| lines[at.saturating_sub(1)..lines.len().min(at + 2)].iter().any(|l| marks.iter().any(|m| l.contains(m)));
+        let near = |at: usize| {
+            lines[at.saturating_sub(1)..lines.len().min(at + 2)].iter().any(|l| marks.iter().any(|m| l.contains(m)))
+        };
         let mut shown: Vec<&str> = Vec::new();
         for (at, line) in lines.iter().enumerate() {
             if near(at) {

@@ -21,9 +21,9 @@ use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
+use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
-use crate::post::sectors::Divided;
 
 /// The dialect.
 pub(super) struct LinuxCnc;

@@ -192,37 +192,44 @@ enum Tape {
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let mut tape = Tape::Start;
-    control::read_in_order(text, &LINUXCNC, machine, &subprograms::flow(text), |Line { text: line, arguments, .. }, faults| {
-        if line.len() > LONGEST_LINE {
-            faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
-            return None;
-        }
-        let code = match without_comments(line) {
-            Ok(code) => code,
-            Err(reason) => {
-                faults.push(reason);
+    control::read_in_order(
+        text,
+        &LINUXCNC,
+        machine,
+        &subprograms::flow(text),
+        |Line { text: line, arguments, .. }, faults| {
+            if line.len() > LONGEST_LINE {
+                faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
                 return None;
             }
-        };
-        if code.is_empty() {
-            return None;
-        }
-        if code == "%" {
-            let end = NcBlock { end: Some("%"), ..NcBlock::default() };
-            return match std::mem::replace(&mut tape, Tape::Open) {
-                Tape::Start => None,
-                Tape::Open => Some(end),
-                Tape::None => {
-                    faults.push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
-                    Some(end)
+            let code = match without_comments(line) {
+                Ok(code) => code,
+                Err(reason) => {
+                    faults.push(reason);
+                    return None;
                 }
             };
-        }
-        if tape == Tape::Start {
-            tape = Tape::None;
-        }
-        block(&code, arguments, machine, faults)
-    })
+            if code.is_empty() {
+                return None;
+            }
+            if code == "%" {
+                let end = NcBlock { end: Some("%"), ..NcBlock::default() };
+                return match std::mem::replace(&mut tape, Tape::Open) {
+                    Tape::Start => None,
+                    Tape::Open => Some(end),
+                    Tape::None => {
+                        faults
+                            .push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
+                        Some(end)
+                    }
+                };
+            }
+            if tape == Tape::Start {
+                tape = Tape::None;
+            }
+            block(&code, arguments, machine, faults)
+        },
+    )
 }
 
 /// A line without comments and blanks, in upper case.

@@ -66,9 +66,9 @@ pub(super) fn flow(text: &str) -> Flow {
                 }
             },
             Ok((name, OWord::Call(arguments))) => match (&open, known.get(&name)) {
-                (Some(_), _) => Step::Fault(format!(
-                    "`o{name} call` inside of a subprogram: call it from the program itself"
-                )),
+                (Some(_), _) => {
+                    Step::Fault(format!("`o{name} call` inside of a subprogram: call it from the program itself"))
+                }
                 (None, Some(lines)) => Step::Call { lines: lines.clone(), times: 1, arguments },
                 (None, None) => Step::Fault(format!(
                     "`o{name} call`, and no `o{name} sub` before: the control looks for a file of this name; write the subprogram before its call"
@@ -100,7 +100,11 @@ fn o_word(text: &str) -> Result<(String, OWord), String> {
     } else if let Some(values) = rest.strip_prefix("CALL") {
         OWord::Call(arguments(values)?)
     } else {
-        return Err(format!("`o{} {}` is not read: of O words only sub, endsub and call", shown(name, 20), shown(rest, 20)));
+        return Err(format!(
+            "`o{} {}` is not read: of O words only sub, endsub and call",
+            shown(name, 20),
+            shown(rest, 20)
+        ));
     };
     Ok((name.to_owned(), word))
 }
@@ -110,7 +114,8 @@ fn arguments(mut text: &str) -> Result<Vec<f64>, String> {
     let mut values = Vec::new();
     while !text.is_empty() {
         let inside = text.strip_prefix('[').and_then(|t| t.split_once(']'));
-        let (value, rest) = inside.ok_or_else(|| format!("`{}` is no value of a call: write `[45]`", shown(text, 20)))?;
+        let (value, rest) =
+            inside.ok_or_else(|| format!("`{}` is no value of a call: write `[45]`", shown(text, 20)))?;
         values.push(number(value).map_err(|reason| format!("a value of a call: {reason}"))?);
         text = rest;
     }

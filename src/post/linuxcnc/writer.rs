@@ -7,8 +7,8 @@ use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program
 use crate::kin::{Carries, Machine};
 use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
+use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
-use crate::post::sectors::{Divided, degrees, frame_degrees};
 use crate::post::words::{self, feed, fixed, inverse_time};
 use crate::post::write;
 use nalgebra::Vector3;

@@ -188,35 +188,41 @@ const HARMLESS: [&str; 17] = [
 pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
     // Values of the R parameters; at the start they are unknown.
     let mut parameters = BTreeMap::new();
-    control::read_in_order(text, &SINUMERIK, machine, &repetition::flow(text), |Line { text: line, number, .. }, faults| {
-        let line = line.strip_suffix('\r').unwrap_or(line);
-        if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
-            faults.push(format!("longer than {LONGEST_BLOCK} characters"));
-            return None;
-        }
-        // First line of a transferred file.
-        if number == 1 && line.starts_with("%_N_") {
-            return None;
-        }
-        let mut reader = BlockReader {
-            machine,
-            parameters: &mut parameters,
-            block: NcBlock::default(),
-            words: 0,
-            alone: None,
-            frame: None,
-            frame_turn: None,
-            assigned: 0,
-            edge: None,
-        };
-        if let Err(reason) = reader.words(line) {
-            faults.push(reason);
-        }
-        if let Err(reason) = reader.together() {
-            faults.push(reason);
-        }
-        (reader.words > 0).then_some(reader.block)
-    })
+    control::read_in_order(
+        text,
+        &SINUMERIK,
+        machine,
+        &repetition::flow(text),
+        |Line { text: line, number, .. }, faults| {
+            let line = line.strip_suffix('\r').unwrap_or(line);
+            if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
+                faults.push(format!("longer than {LONGEST_BLOCK} characters"));
+                return None;
+            }
+            // First line of a transferred file.
+            if number == 1 && line.starts_with("%_N_") {
+                return None;
+            }
+            let mut reader = BlockReader {
+                machine,
+                parameters: &mut parameters,
+                block: NcBlock::default(),
+                words: 0,
+                alone: None,
+                frame: None,
+                frame_turn: None,
+                assigned: 0,
+                edge: None,
+            };
+            if let Err(reason) = reader.words(line) {
+                faults.push(reason);
+            }
+            if let Err(reason) = reader.together() {
+                faults.push(reason);
+            }
+            (reader.words > 0).then_some(reader.block)
+        },
+    )
 }
 
 /// Value of a word.
@@ -350,8 +356,14 @@ impl BlockReader<'_> {
         }
         if self.frame == Some("ROT") {
             return match name {
-                "Z" if number(text).is_ok_and(|turn| turn.abs() <= MOST_TURN) => once(&mut self.frame_turn, "Z", value()?),
-                _ => Err(format!("`ROT {}{}`: turns of the work frame are read about Z only, up to {MOST_TURN} deg", shown(name, 20), shown(text, 20))),
+                "Z" if number(text).is_ok_and(|turn| turn.abs() <= MOST_TURN) => {
+                    once(&mut self.frame_turn, "Z", value()?)
+                }
+                _ => Err(format!(
+                    "`ROT {}{}`: turns of the work frame are read about Z only, up to {MOST_TURN} deg",
+                    shown(name, 20),
+                    shown(text, 20)
+                )),
             };
         }
         let block = &mut self.block;

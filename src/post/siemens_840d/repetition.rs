@@ -22,7 +22,10 @@ pub(super) fn flow(text: &str) -> Flow {
             let step = if !behind.trim().is_empty() {
                 Step::Fault(format!("words behind the label `{name}:`: write the label alone in its block"))
             } else if let Some(before) = labels.get(&name) {
-                Step::Fault(format!("the label `{name}` is in line {} as well: give each label a name of its own", before + 1))
+                Step::Fault(format!(
+                    "the label `{name}` is in line {} as well: give each label a name of its own",
+                    before + 1
+                ))
             } else {
                 labels.insert(name, at);
                 Step::Label
@@ -70,11 +73,13 @@ fn call(words: &str, labels: &BTreeMap<String, usize>, at: usize) -> Result<Step
     };
     let times = count.strip_prefix(['P', 'p']).map(|t| t.strip_prefix('=').unwrap_or(t));
     let times = times.and_then(|t| t.parse::<u32>().ok()).filter(|t| (1..=MOST_TIMES).contains(t));
-    let times = times.ok_or_else(|| format!("`{}` of REPEAT is not read: write P=1, at most P={MOST_TIMES}", shown(count, 20)))?;
+    let times = times
+        .ok_or_else(|| format!("`{}` of REPEAT is not read: write P=1, at most P={MOST_TIMES}", shown(count, 20)))?;
     let line = |name: &str| {
-        labels.get(&name.to_ascii_uppercase()).copied().ok_or_else(|| {
-            format!("REPEAT names the label `{}`, and no block before has it: {due}", shown(name, 40))
-        })
+        labels
+            .get(&name.to_ascii_uppercase())
+            .copied()
+            .ok_or_else(|| format!("REPEAT names the label `{}`, and no block before has it: {due}", shown(name, 40)))
     };
     let lines = line(first)?..line(last)? + 1;
     if lines.len() < 2 || lines.end > at {

@@ -5,8 +5,8 @@ use crate::diag::Sink;
 use crate::ir::repeats::Stretch;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::post::dialect::WriteBlock;
+use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
-use crate::post::sectors::{Divided, degrees, frame_degrees};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::Orientation;
@@ -89,8 +89,8 @@ fn stretch(
 /// Writes the blocks of an operation, and each section once, between two labels. The other places repeat it.
 ///
 /// With the transformation on, a turn of the work frame turns X, Y and, with ORIWKS, vectors of the tool. It turns no rotary
-/// words: these count with R parameters, which the text sets before each place. So nothing of it acts after an abort: TRAORI
-/// and TRAFOOF cancel the frame.
+/// words: these count with R parameters, which the text sets before each place. So nothing of it acts after an abort: each
+/// operation takes the frame back at its start.
 pub(super) fn sections(program: &Program, divided: &Divided<'_>, write: &mut WriteBlock<'_>) {
     let operation = divided.operation;
     let mut frame = 0;

@@ -225,6 +225,13 @@ impl<'a> ControlState<'a> {
 
     /// Turns the work frame.
     fn turn_frame(&mut self, turn: f64) {
+        if turn != 0.0 && self.transformation != Transformation::On {
+            let [on, _] = self.control.transformation;
+            self.fault(format!(
+                "the work frame is turned with the transformation off: turn it behind {on}, and back before the transformation ends"
+            ));
+            return;
+        }
         if turn != self.frame_turn {
             // The control counts the place of the tool in the new frame.
             self.tip = [None; 3];
@@ -320,21 +327,13 @@ impl<'a> ControlState<'a> {
         if block.has_axis_words() {
             self.fault("the transformation is switched in a move: write the word alone in its block");
         }
+        self.check_turn();
         if self.control.switching_drops_frames {
             // The control cancels the programmable frame and the work offset.
             self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
-            self.frame_turn = 0.0;
             if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
                 self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
             }
-        }
-        if self.frame_turn != 0.0 {
-            self.fault(format!(
-                "the work frame is still turned by {} deg here: {}",
-                figure(self.frame_turn.to_degrees()),
-                self.control.unturned
-            ));
-            self.turn_frame(0.0);
         }
         if !on {
             if self.transformation == Transformation::On {
@@ -397,6 +396,15 @@ impl<'a> ControlState<'a> {
             self.fault(reason);
         }
         self.begin();
+    }
+
+    /// Reports a work frame that is still turned where the transformation is switched.
+    fn check_turn(&mut self) {
+        if self.frame_turn != 0.0 {
+            let turn = figure(self.frame_turn.to_degrees());
+            self.fault(format!("the work frame is still turned by {turn} deg here: {}", self.control.unturned));
+            self.turn_frame(0.0);
+        }
     }
 
     /// Reports a table that does not stand at zero where the control fixes the work frame to it.
@@ -555,7 +563,9 @@ pub(in crate::post) fn read_in_order(
                 state.call = Some(at);
                 executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
                 if executed > MOST_EXECUTED {
-                    state.fault(format!("more than {MOST_EXECUTED} lines are executed; divide the program by operations"));
+                    state.fault(format!(
+                        "more than {MOST_EXECUTED} lines are executed; divide the program by operations"
+                    ));
                     return Err(state.faults);
                 }
                 for line in (0..*times).flat_map(|_| called.clone()) {
