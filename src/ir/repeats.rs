@@ -5,7 +5,7 @@
 //! branch of the rotary axes: then axis 1 has the opposite sign, and axis 2 another position.
 //!
 //! An operation is cut into *units* where the caller allows it. Units of the same moves are of one class. Units that
-//! follow each other in every place are one *section*, as long as possible: the text says it once.
+//! follow each other in every place are one *subprogram*, as long as possible: the text says it once.
 
 use crate::ir::{JointMove, Program};
 use crate::kin::{Carries, Machine, Pose};
@@ -26,7 +26,7 @@ const NEAR_AXIS: f64 = 1e-3;
 /// as rare as the arithmetic is exact.
 const KEY: f64 = 1e-3;
 
-/// Lines that a call adds: frame, shift of the rotary axes, call. A section also has a begin, an end and a comment.
+/// Lines that a call adds: frame, shift of the rotary axes, call. A subprogram also has a begin, an end and a comment.
 const CALL_LINES: usize = 4;
 
 /// How a part of an operation is turned from where it is first.
@@ -56,7 +56,7 @@ impl Turned {
 pub struct Stretch {
     /// Indices of the moves.
     pub moves: Range<usize>,
-    /// Section, counted from 0 in the order of the first places, and its turn from there; `None` for moves that nothing
+    /// Subprogram, counted from 0 in the order of the first places, and its turn from there; `None` for moves that nothing
     /// repeats.
     pub repeats: Option<(usize, Turned)>,
 }
@@ -66,15 +66,15 @@ pub struct Stretch {
 pub struct Division {
     /// All moves between the first and the last one.
     pub stretches: Vec<Stretch>,
-    /// Number of sections.
-    pub sections: usize,
+    /// Number of subprograms.
+    pub subprograms: usize,
 }
 
 impl Division {
-    /// Places of a section, the first one first.
-    pub fn places(&self, section: usize) -> impl Iterator<Item = (&Range<usize>, &Turned)> {
+    /// Places of a subprogram, the first one first.
+    pub fn places(&self, subprogram: usize) -> impl Iterator<Item = (&Range<usize>, &Turned)> {
         self.stretches.iter().filter_map(move |s| match &s.repeats {
-            Some((of, turned)) if *of == section => Some((&s.moves, turned)),
+            Some((of, turned)) if *of == subprogram => Some((&s.moves, turned)),
             _ => None,
         })
     }
@@ -251,7 +251,7 @@ impl Units {
 
     fn division(&self) -> Division {
         let followed = self.followed();
-        // Stretches of whole sections, each with the class that it begins with.
+        // Stretches of whole subprograms, each with the class that it begins with.
         let mut found: Vec<(Range<usize>, usize, Turned)> = Vec::new();
         let mut goes_on = false;
         for (range, (class, turned)) in self.ranges.iter().zip(&self.classes) {
@@ -263,14 +263,14 @@ impl Units {
         }
         let mut places = vec![0_usize; self.first.len()];
         found.iter().for_each(|(_, class, _)| places[*class] += 1);
-        let mut sections: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut subprograms: BTreeMap<usize, usize> = BTreeMap::new();
         let mut division = Division::default();
         for (moves, class, turned) in found {
             let (count, lines) = (places[class], moves.len());
             if (count - 1) * lines > (count + 1) * CALL_LINES {
-                let number = sections.len();
-                let section = *sections.entry(class).or_insert(number);
-                division.stretches.push(Stretch { moves, repeats: Some((section, turned)) });
+                let number = subprograms.len();
+                let subprogram = *subprograms.entry(class).or_insert(number);
+                division.stretches.push(Stretch { moves, repeats: Some((subprogram, turned)) });
             } else {
                 match division.stretches.last_mut().filter(|last| last.repeats.is_none()) {
                     Some(last) => last.moves.end = moves.end,
@@ -278,7 +278,7 @@ impl Units {
                 }
             }
         }
-        division.sections = sections.len();
+        division.subprograms = subprograms.len();
         division
     }
 }
@@ -351,7 +351,7 @@ mod tests {
         ends(&mut moves);
         let cut = |i: usize| (i - 1) % 45 == 0 || (i - 1) % 45 == 40 || (i - 1) % 45 == 20;
         let division = symmetry.divide(&moves, &cut, &|a, b| a.feed == b.feed);
-        assert_eq!(division.sections, 1);
+        assert_eq!(division.subprograms, 1);
         let places: Vec<_> = division.places(0).collect();
         assert_eq!(places.len(), 8);
         for (k, (range, turned)) in places.into_iter().enumerate() {
@@ -366,10 +366,10 @@ mod tests {
             at = stretch.moves.end;
         }
         assert_eq!(at, moves.len() - 1);
-        // Another feed in one move divides the section.
+        // Another feed in one move divides the subprogram.
         moves[1 + 45 * 3 + 30].feed = Some(199.0);
         let division = symmetry.divide(&moves, &cut, &|a, b| a.feed == b.feed);
-        assert_eq!(division.sections, 2);
+        assert_eq!(division.subprograms, 2);
         assert_eq!([0, 1].map(|s| division.places(s).count()), [8, 7]);
         // A tip that is off by more than rounding is no repetition.
         moves[1 + 45 * 2 + 5].joints.xyz.x += 1e-5;
@@ -387,7 +387,7 @@ mod tests {
         }
         ends(&mut moves);
         let division = symmetry.divide(&moves, &|i| (i - 1) % 4 == 0, &|_, _| true);
-        assert_eq!(division.sections, 0);
+        assert_eq!(division.subprograms, 0);
         assert_eq!(division.stretches, [Stretch { moves: 1..33, repeats: None }]);
         let groups = symmetry.groups(&moves, &|i| (i - 1) % 4 == 0, &|_, _| true);
         assert_eq!(groups.len(), 4);

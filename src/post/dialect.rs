@@ -48,9 +48,9 @@ pub trait Post: Sync {
             "no manual that the project knows says how a turned work frame acts in this control with tool centre point control on",
         )
     }
-    /// Writes the blocks of an operation as [`Self::moves`] does, and each section once, with a call for each place. A block
-    /// of a section has the index of its move in the first place.
-    fn sections(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+    /// Writes the blocks of an operation as [`Self::moves`] does, and each subprogram once, with a call for each place. A block
+    /// of a subprogram has the index of its move in the first place.
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
         self.moves(program, divided.operation, smoothing, write);
     }
     /// Motion that a text in this dialect commands, section by section: from the block that switches the transformation

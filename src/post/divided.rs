@@ -16,19 +16,19 @@ pub struct Divided<'a> {
     pub operation: &'a MotionOperation,
     /// Its stretches.
     pub division: Division,
-    /// Sections of operations before.
+    /// Subprograms of operations before.
     pub before: usize,
 }
 
 impl Divided<'_> {
-    /// Number of a section in the text.
-    pub(super) fn number(&self, section: usize) -> usize {
-        FIRST + self.before + section
+    /// Number of a subprogram in the text.
+    pub(super) fn number(&self, subprogram: usize) -> usize {
+        FIRST + self.before + subprogram
     }
 
-    /// Whether some places of a section have the other branch of the rotary axes.
-    pub(super) fn changes_branch(&self, section: usize) -> bool {
-        self.division.places(section).any(|(_, turned)| turned.first < 0.0)
+    /// Whether some places of a subprogram have the other branch of the rotary axes.
+    pub(super) fn changes_branch(&self, subprogram: usize) -> bool {
+        self.division.places(subprogram).any(|(_, turned)| turned.first < 0.0)
     }
 }
 

@@ -16,9 +16,10 @@ use std::f64::consts::SQRT_2;
 /// Share of a time that rounding may take.
 const ROUNDING: f64 = 1e-12;
 
-/// Margin of moves whose words are those of another sector: how far the sectors may differ by rounding, tip in mm and angles
-/// in radians, twice.
-const TURNED: (f64, f64) = (2.0 * repeats::ROUNDING.0, 2.0 * repeats::ROUNDING.1);
+/// Margin of moves whose words are those of another place, tip in mm and angles in radians. A move of a subprogram differs
+/// from its first place by at most the rounding of the arithmetic, and so does the turn of each unit of it from that of the
+/// whole, in both positions.
+const TURNED: (f64, f64) = (4.0 * repeats::ROUNDING.0, 4.0 * repeats::ROUNDING.1);
 
 /// What reading back found.
 #[derive(Clone, Copy, Debug, PartialEq)]

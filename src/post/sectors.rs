@@ -27,7 +27,7 @@ pub(super) fn divided<'a>(
         return None;
     }
     let division = division(program, operation)?;
-    (division.sections > 0).then_some(Divided { operation, division, before })
+    (division.subprograms > 0).then_some(Divided { operation, division, before })
 }
 
 fn division(program: &Program, operation: &MotionOperation) -> Option<Division> {

@@ -36,7 +36,7 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         lines.block(format!("{before}{}{behind}", words::comment(line)), None, None);
     }
     lines.frame(Frame::Head, &whole, None);
-    let mut sections = 0;
+    let mut subprograms = 0;
     for (o, operation) in motion.operations.iter().enumerate() {
         let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else { continue };
         let declared = &program.operations[operation.operation];
@@ -45,14 +45,14 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         let source = |i: usize| (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
         lines.frame(Frame::OperationStart, &values, Some((&[Field::X, Field::Y, Field::StartTip], source(0))));
         let smoothing = values.value(Field::Smoothing);
-        let divided = sectors::divided(post, program, operation, sections);
+        let divided = sectors::divided(post, program, operation, subprograms);
         let begun = lines.nc.lines.len();
         let mut write = |text, index: Option<usize>| lines.block(text, index.map(source), None);
         match &divided {
             None => post.moves(program, operation, &smoothing, &mut write),
             Some(divided) => {
-                post.sections(program, divided, &smoothing, &mut write);
-                sections += divided.division.sections;
+                post.subprograms(program, divided, &smoothing, &mut write);
+                subprograms += divided.division.subprograms;
                 again(&divided.division, &mut lines.nc.lines[begun..]);
             }
         }
@@ -66,8 +66,8 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
 /// Sets the further moves of the lines of an operation that are called again.
 fn again(division: &Division, lines: &mut [NcLine]) {
     let mut of_line: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
-    for section in 0..division.sections {
-        let mut places = division.places(section).map(|(moves, _)| moves);
+    for subprogram in 0..division.subprograms {
+        let mut places = division.places(subprogram).map(|(moves, _)| moves);
         let Some(first) = places.next() else { continue };
         for moves in places {
             for (own, other) in first.clone().zip(moves.clone()) {

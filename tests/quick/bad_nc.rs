@@ -391,7 +391,7 @@ fn edits_with_which_the_control_does_something_else() {
     siemens("N140 G1", "N140 M0 G1", 15, "wait with the tool in the part");
     siemens("N140 G1", "N135 G4 F2\nN140 G1", 15, "wait with the tool in the part");
     siemens("N160 TRAFOOF", "N160 M30", 17, "ends with the transformation on");
-    siemens("N110 G54", "N105 ROT Z10\nN110 G54", 19, "the work frame is still turned by 10 deg here");
+    siemens("N110 G54", "N105 ROT Z10\nN110 G54", 18, "the work frame is still turned by 10 deg here");
     siemens("N110 G54", "N105 ROT X10\nN110 G54", 12, "read about Z only");
     siemens("N110 G54", "N105 ATRANS X1\nN110 G54", 12, "not understood");
     siemens("N50 S8000", "N50 BRISK S8000", 6, "jerk");

@@ -3,9 +3,10 @@
 use crate::support::{self, golden, jobs::Compiled};
 use impellerc::compare::{ComparedMotion, compare};
 use impellerc::diag::{Severity, Sink};
+use impellerc::export::source_map::{LaidMap, SourceMapFile, WrittenLine};
 use impellerc::ir::{Motion, Program};
 use impellerc::kin::{Carries, Chain};
-use impellerc::post::{self, NcProgram, motion_of::motion_of, sectors};
+use impellerc::post::{self, NcMove, NcProgram, motion_of::motion_of, sectors};
 use impellerc::post_file::{Orientation, Sectors};
 use impellerc::source::Span;
 use impellerc::verify::verify;
@@ -114,29 +115,20 @@ fn changed(text: &str, behind: &str, from: &str, to: &str) -> String {
 #[test]
 fn broken_texts_are_refused() {
     let siemens: &[[&str; 4]] = &[
-        ["", "SECTION_101_END:", "", "the label `SECTION_101_END`, and no block before has it"],
-        [
-            "",
-            "REPEAT SECTION_101_BEGIN",
-            "REPEAT SECTION_100_BEGIN",
-            "the label `SECTION_100_BEGIN`, and no block before",
-        ],
-        ["", "REPEAT SECTION_101_BEGIN SECTION_101_END", "REPEAT SECTION_101_END SECTION_101_BEGIN", "is not behind"],
+        ["", "SUB_101_END:", "", "the label `SUB_101_END`, and no block before has it"],
+        ["", "REPEAT SUB_101_BEGIN", "REPEAT SUB_100_BEGIN", "the label `SUB_100_BEGIN`, and no block before"],
+        ["", "REPEAT SUB_101_BEGIN SUB_101_END", "REPEAT SUB_101_END SUB_101_BEGIN", "is not behind"],
         ["", "P=1", "P=0", "`P=0` of REPEAT is not read"],
-        [
-            "",
-            "SECTION_101_END:",
-            "REPEAT SECTION_101_BEGIN SECTION_101_END P=1\nSECTION_101_END:",
-            "no block before has it",
-        ],
-        ["SECTION_101_BEGIN:", "G1 ", "SECTION_101_BEGIN: G1 ", "words behind the label"],
+        ["", "SUB_101_END:", "REPEAT SUB_101_BEGIN SUB_101_END P=1\nSUB_101_END:", "no block before has it"],
+        ["SUB_101_BEGIN:", "G1 ", "SUB_101_BEGIN: G1 ", "words behind the label"],
         ["", "ROT Z", "ROT X", "turns of the work frame are read about Z only"],
         ["", "ROT Z", "AROT Z", "`AROT` is not understood"],
         ["", "R90=0 R91=1", "G17", "R91 has no value"],
     ];
     let linuxcnc: &[[&str; 4]] = &[
         ["", "o101 endsub\n", "", "without `o101 endsub` behind"],
-        ["", "o101 sub\n", "", "`o101 endsub` without `o101 sub` before"],
+        ["", "o101 sub\n", "", "has no value: the call of the subprogram gives it"],
+        ["", "o101 endsub\n", "o101 endsub\no101 endsub\n", "`o101 endsub` without `o101 sub` before"],
         ["", "o101 call", "o100 call", "no `o100 sub` before"],
         ["", "o101 call [0]", "o101 call", "`#1` has no value"],
         ["", "o101 endsub", "o101 call [0] [1]\no101 endsub", "inside of a subprogram"],
@@ -247,7 +239,7 @@ fn calls_as_they_are_written() {
     for (compiled, program) in [&cases()[0], &cases()[2]] {
         let text = written(compiled, program).text();
         let lines: Vec<&str> = text.lines().collect();
-        let marks = ["sub", "call", "SECTION", "ROT", "R90=", "G10 L2 P1 R"];
+        let marks = ["sub", "call", "SUB_", "ROT", "R90=", "G10 L2 P1 R"];
         let near = |at: usize| {
             lines[at.saturating_sub(1)..lines.len().min(at + 2)].iter().any(|l| marks.iter().any(|m| l.contains(m)))
         };
@@ -260,5 +252,50 @@ fn calls_as_they_are_written() {
             }
         }
         golden::check("posts", &format!("sectors.{}", program.post.dialect), &(shown.join("\n") + "\n"));
+    }
+}
+
+/// The text from the restart point on, for a control of which nothing is known.
+#[test]
+fn an_operation_holds_its_subprograms() {
+    for (compiled, program) in cases() {
+        let post = post::find(&program.post.dialect).unwrap();
+        let nc = written(compiled, &program);
+        let start = nc.lines.iter().position(|line| line.text.contains("a restart point")).unwrap();
+        let rest = NcProgram { lines: nc.lines[start..].to_vec(), ..nc.clone() };
+        let moves = |nc: &NcProgram| -> Vec<NcMove> {
+            let sections = post.read(&nc.text(), &program.machine).unwrap();
+            sections.into_iter().flat_map(|s| s.moves).map(|m| NcMove { line: 0, ..m }).collect()
+        };
+        assert_eq!(moves(&rest), moves(&nc));
+    }
+}
+
+/// Each time that a line of a subprogram is executed, the source map has the pass of that time.
+#[test]
+fn the_source_map_names_the_pass_of_each_call() {
+    for (compiled, program) in cases() {
+        let post = post::find(&program.post.dialect).unwrap();
+        let nc = written(compiled, &program);
+        let lines = nc.lines.iter().map(|line| WrittenLine {
+            text: &line.text,
+            source: line.source,
+            again: &line.again,
+            frame: None,
+        });
+        let map = SourceMapFile::new(&program, compiled.motion.get(), "a.imp", |_| 1, lines);
+        let map = LaidMap::new(SourceMapFile::read(&map.json().unwrap()).unwrap(), &nc.text());
+        let planned = &compiled.motion.get().operations[0];
+        let sections = post.read(&nc.text(), &program.machine).unwrap();
+        let mut executed = vec![0; nc.lines.len() + 1];
+        for (m, read) in planned.moves[1..].iter().zip(&sections[0].moves) {
+            let time = executed[read.line];
+            executed[read.line] += 1;
+            assert_eq!(map.pass(read.line, time), Some(planned.labels[m.pass as usize].as_str()), "line {}", read.line);
+        }
+        let line = (1..executed.len()).find(|line| executed[*line] == SECTORS.len()).unwrap();
+        let says = map.says(line).unwrap();
+        assert!(says.contains("again, turned, for `sector 2 ") && says.contains("`sector 6 "), "{says}");
+        assert_eq!(map.pass(line, SECTORS.len()), None);
     }
 }

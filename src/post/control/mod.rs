@@ -236,6 +236,8 @@ pub(super) struct NcBlock {
     pub(super) end: Option<&'static str>,
     /// The work frame is turned about Z to this angle from its place at zero, radians.
     pub(super) frame_turn: Option<f64>,
+    /// The position of a rotary axis is not the written one: it counts with the values of a call.
+    pub(super) shifted: bool,
 }
 
 /// Stores a value of which a block may hold only one.

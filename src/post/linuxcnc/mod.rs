@@ -13,6 +13,7 @@
 //! kinematics off, axes move in the machine frame (G53), in which neither offsets nor tool length act: Z alone to the
 //! retract height, there the rotary axes, then X and Y.
 
+mod comments;
 mod reader;
 mod subprograms;
 mod writer;
@@ -57,8 +58,8 @@ impl Post for LinuxCnc {
         None
     }
 
-    fn sections(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
-        writer::sections(program, divided, smoothing, write);
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::subprograms(program, divided, smoothing, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

@@ -4,6 +4,7 @@
 //! The reader accepts the words that the interpreter accepts, and they act in the same order (manual, "Order of
 //! Execution").
 
+use super::comments::without_comments;
 use super::subprograms;
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
@@ -162,22 +163,6 @@ const LINUXCNC: Control = Control {
     end_switches_off: true,
 };
 
-/// Beginnings of comments that the control or its screen executes.
-const EXECUTED: [&str; 12] = [
-    "debug,",
-    "print,",
-    "log,",
-    "logopen",
-    "logappend",
-    "logclose",
-    "probeopen",
-    "probeclose",
-    "abort",
-    "axis,",
-    "py",
-    "preview,",
-];
-
 /// State of the `%` lines.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Tape {
@@ -230,51 +215,6 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
             block(&code, arguments, machine, faults)
         },
     )
-}
-
-/// A line without comments and blanks, in upper case.
-pub(super) fn without_comments(line: &str) -> Result<String, String> {
-    let mut code = String::with_capacity(line.len());
-    let mut inside: Option<usize> = None;
-    let line = line.strip_suffix('\r').unwrap_or(line);
-    for (i, c) in line.char_indices() {
-        match (inside, c) {
-            (None, ';') => {
-                harmless(&line[i + 1..])?;
-                break;
-            }
-            (None, '(') => inside = Some(i + 1),
-            (Some(from), ')') => {
-                harmless(&line[from..i])?;
-                inside = None;
-            }
-            (Some(_), '(') => return Err("a comment inside a comment".to_owned()),
-            (None, ')') => return Err("a comment has an end, but no beginning".to_owned()),
-            (None, ' ' | '\t') => {}
-            (None, c) => code.push(c.to_ascii_uppercase()),
-            (Some(_), _) => {}
-        }
-    }
-    if inside.is_some() { Err("a comment does not end".to_owned()) } else { Ok(code) }
-}
-
-/// Refuses comments that are commands.
-fn harmless(comment: &str) -> Result<(), String> {
-    let start: String =
-        comment.chars().filter(|c| !c.is_whitespace()).take(12).collect::<String>().to_ascii_lowercase();
-    let order = EXECUTED.iter().find(|order| match **order {
-        // The name of the language, then its code.
-        "py" => ["py,", "pyrun,", "pyreload"].iter().any(|p| start.starts_with(p)),
-        order => start.starts_with(order),
-    });
-    match order {
-        Some(order) => Err(format!(
-            "`({})` is not a comment: the control executes the text behind `{}`",
-            shown(comment.trim(), 30),
-            order.trim_end_matches(',')
-        )),
-        None => Ok(()),
-    }
 }
 
 /// Number of a word.
@@ -433,7 +373,9 @@ fn turned_word(
     if machine.rotary_axis(&name).is_none() {
         return Err(format!("`{letter}[{}]`: expressions are read for rotary axes only", shown(text, 20)));
     }
-    block.angle(&name, subprograms::computed(text, arguments)?, machine)
+    let [written, value] = subprograms::computed(text, arguments)?;
+    block.shifted |= value != written;
+    block.angle(&name, value, machine)
 }
 
 /// A whole number as the interpreter accepts it: leading zeros and a decimal point are allowed.

@@ -3,7 +3,7 @@
 //! The interpreter knows a subprogram of the same file from its line `sub` on, and skips it there (manual, "O Codes"). Its
 //! words may count with the values of a call. Other O words, which branch and loop, are refused.
 
-use super::reader::without_comments;
+use super::comments::without_comments;
 use crate::post::control::flow::{Flow, Step};
 use crate::post::control::{number, shown};
 use std::collections::BTreeMap;
@@ -122,8 +122,8 @@ fn arguments(mut text: &str) -> Result<Vec<f64>, String> {
     if values.len() > MOST_ARGUMENTS { Err(format!("more than {MOST_ARGUMENTS} values in a call")) } else { Ok(values) }
 }
 
-/// The value of `[12.5+#1]` or `[12.5*#2]` without its brackets.
-pub(super) fn computed(text: &str, arguments: &[f64]) -> Result<f64, String> {
+/// The written number of `[12.5+#1]` or `[12.5*#2]` without its brackets, and its value.
+pub(super) fn computed(text: &str, arguments: &[f64]) -> Result<[f64; 2], String> {
     let due = || format!("`[{}]` is not read: write a number, `[12.5+#1]` or `[12.5*#1]`", shown(text, 20));
     let (value, parameter) = text.split_once('#').ok_or_else(due)?;
     let (value, sum) = match (value.strip_suffix('+'), value.strip_suffix('*')) {
@@ -135,5 +135,5 @@ pub(super) fn computed(text: &str, arguments: &[f64]) -> Result<f64, String> {
     let index: usize = parameter.parse().ok().filter(|_| parameter.len() <= 2).ok_or_else(due)?;
     let given = index.checked_sub(1).and_then(|k| arguments.get(k));
     let given = given.ok_or_else(|| format!("`#{index}` has no value: the call of the subprogram gives it"))?;
-    Ok(if sum { value + given } else { value * given })
+    Ok([value, if sum { value + given } else { value * given }])
 }

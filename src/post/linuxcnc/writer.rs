@@ -160,11 +160,11 @@ fn stretch(
     }
 }
 
-/// Writes the blocks of an operation, and each section as a subprogram before its first call.
+/// Writes the blocks of an operation, and each subprogram as a subprogram before its first call.
 ///
 /// R of the work offset turns X and Y about the axis of the part. No offset turns rotary axes as well: their words count
 /// with the values of the call. So nothing but R remains after an abort, and each operation resets it at its start.
-pub(super) fn sections(program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
     let operation = divided.operation;
     let mut frame = 0;
     let mut turn_frame = |pitches: u32, write: &mut WriteBlock<'_>| {
@@ -175,14 +175,14 @@ pub(super) fn sections(program: &Program, divided: &Divided<'_>, smoothing: &str
     };
     let mut written = 0;
     for Stretch { moves, repeats } in &divided.division.stretches {
-        let Some((section, turned)) = repeats else {
+        let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
             stretch(program, operation, (moves.clone(), RotaryWords::Fixed), smoothing, write);
             continue;
         };
-        let (name, branches) = (divided.number(*section), divided.changes_branch(*section));
-        if *section == written {
-            let places = divided.division.places(*section).count();
+        let (name, branches) = (divided.number(*subprogram), divided.changes_branch(*subprogram));
+        if *subprogram == written {
+            let places = divided.division.places(*subprogram).count();
             let words = if branches { RotaryWords::BranchOfCall } else { RotaryWords::ShiftOfCall };
             write(format!("(o{name}: the same in {places} places)"), None);
             write(format!("o{name} sub"), None);

@@ -62,8 +62,8 @@ impl Post for Siemens840d {
         None
     }
 
-    fn sections(&self, program: &Program, divided: &Divided<'_>, _smoothing: &str, write: &mut WriteBlock<'_>) {
-        writer::sections(program, divided, write);
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::subprograms(program, divided, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

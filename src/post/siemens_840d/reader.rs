@@ -343,7 +343,9 @@ impl BlockReader<'_> {
             format!("R{} has no value: no block before gives it one in this program", shown(parameter, 9))
         })?;
         let value = number(text)?;
-        self.block.angle(name, if sum { value + given } else { value * given }, self.machine)
+        let position = if sum { value + given } else { value * given };
+        self.block.shifted |= position != value;
+        self.block.angle(name, position, self.machine)
     }
 
     fn valued(&mut self, name: &str, text: &str) -> Result<(), String> {

@@ -86,12 +86,12 @@ fn stretch(
     }
 }
 
-/// Writes the blocks of an operation, and each section once, between two labels. The other places repeat it.
+/// Writes the blocks of an operation, and each subprogram once, between two labels. The other places repeat it.
 ///
 /// With the transformation on, a turn of the work frame turns X, Y and, with ORIWKS, vectors of the tool. It turns no rotary
 /// words: these count with R parameters, which the text sets before each place. So nothing of it acts after an abort: each
 /// operation takes the frame back at its start.
-pub(super) fn sections(program: &Program, divided: &Divided<'_>, write: &mut WriteBlock<'_>) {
+pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut WriteBlock<'_>) {
     let operation = divided.operation;
     let mut frame = 0;
     let mut turn_frame = |pitches: u32, write: &mut WriteBlock<'_>| {
@@ -104,7 +104,7 @@ pub(super) fn sections(program: &Program, divided: &Divided<'_>, write: &mut Wri
     let mut parameters = String::new();
     let mut written = 0;
     for Stretch { moves, repeats } in &divided.division.stretches {
-        let Some((section, turned)) = repeats else {
+        let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
             stretch(program, operation, (moves.clone(), RotaryWords::Fixed), write);
             continue;
@@ -120,16 +120,16 @@ pub(super) fn sections(program: &Program, divided: &Divided<'_>, write: &mut Wri
                 parameters = set;
             }
         }
-        let name = divided.number(*section);
-        if *section == written {
-            let places = divided.division.places(*section).count();
-            write(format!("; section {name}: the same in {places} places"), None);
-            write(format!("SECTION_{name}_BEGIN:"), None);
+        let name = divided.number(*subprogram);
+        if *subprogram == written {
+            let places = divided.division.places(*subprogram).count();
+            write(format!("; subprogram {name}: the same in {places} places"), None);
+            write(format!("SUB_{name}_BEGIN:"), None);
             stretch(program, operation, (moves.clone(), RotaryWords::OfParameters), write);
-            write(format!("SECTION_{name}_END:"), None);
+            write(format!("SUB_{name}_END:"), None);
             written += 1;
         } else {
-            write(format!("REPEAT SECTION_{name}_BEGIN SECTION_{name}_END P=1"), None);
+            write(format!("REPEAT SUB_{name}_BEGIN SUB_{name}_END P=1"), None);
         }
     }
     turn_frame(0, write);

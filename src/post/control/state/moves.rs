@@ -197,7 +197,7 @@ impl ControlState<'_> {
                 speed,
                 smoothing,
                 turn,
-                frame_turned: self.frame_turn != 0.0,
+                frame_turned: self.frame_turn != 0.0 || block.shifted,
             });
             self.moves += 1;
         }
