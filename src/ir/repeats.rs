@@ -349,7 +349,7 @@ mod tests {
             moves.extend(course(&machine, turn, rotary, 7.0 + k as f64, 5));
         }
         ends(&mut moves);
-        let cut = |i: usize| (i - 1) % 45 == 0 || (i - 1) % 45 == 40 || (i - 1) % 45 == 20;
+        let cut = |i: usize| (i - 1).is_multiple_of(45) || (i - 1) % 45 == 40 || (i - 1) % 45 == 20;
         let division = symmetry.divide(&moves, &cut, &|a, b| a.feed == b.feed);
         assert_eq!(division.subprograms, 1);
         let places: Vec<_> = division.places(0).collect();
@@ -386,10 +386,10 @@ mod tests {
             moves.extend(course(&machine, &symmetry.turns[k], [0.7, symmetry.pitch * k as f64], 0.0, 4));
         }
         ends(&mut moves);
-        let division = symmetry.divide(&moves, &|i| (i - 1) % 4 == 0, &|_, _| true);
+        let division = symmetry.divide(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(division.subprograms, 0);
         assert_eq!(division.stretches, [Stretch { moves: 1..33, repeats: None }]);
-        let groups = symmetry.groups(&moves, &|i| (i - 1) % 4 == 0, &|_, _| true);
+        let groups = symmetry.groups(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(groups.len(), 4);
         assert_eq!(groups[1], (0..8).map(|k| 2 + 4 * k).collect::<Vec<_>>());
     }

@@ -410,7 +410,7 @@ fn edits_with_which_the_control_does_something_else() {
     linuxcnc("Q0", "Q-1", 6, "Q of G64");
     linuxcnc("G64 P0.001 Q0", "G61 G64 P0.001", 6, "set the path mode");
     linuxcnc("G92.1", "G92 X5", 4, "shifts the work frame");
-    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "rotates the work offset");
+    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "turned with the transformation off");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P2 R0", 5, "only G10 L2 P1 R0");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P1 X5 R0", 5, "changes the work offset");
     linuxcnc("T2 M6", "T M6", 9, "`T`: a number is missing");
