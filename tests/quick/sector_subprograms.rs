@@ -130,7 +130,7 @@ fn broken_texts_are_refused() {
         ["", "o101 sub\n", "", "has no value: the call of the subprogram gives it"],
         ["", "o101 endsub\n", "o101 endsub\no101 endsub\n", "`o101 endsub` without `o101 sub` before"],
         ["", "o101 call", "o100 call", "no `o100 sub` before"],
-        ["", "o101 call [0]", "o101 call", "`#1` has no value"],
+        ["", "o101 call [0]", "o101 call", "`#2` has no value"],
         ["", "o101 endsub", "o101 call [0] [1]\no101 endsub", "inside of a subprogram"],
         ["", "o101 endsub", "o300 sub\no101 endsub", "inside of the subprogram o101"],
         ["", "o101 call [0]", "o101 while [0]", "of O words only"],
