@@ -149,6 +149,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Err(Aborted);
     };
 
+    post::sectors::remark(post, &program, motion.get(), sink);
     let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
     let mut written = or_reported(written, sink)?;
     if options.source_map.is_some() {
@@ -475,7 +476,7 @@ fn source_map(program: &Program, motion: &Motion, sources: &SourceMap, nc: &NcPr
     let line_of = |span: Span| sources.line_column(span).0;
     let lines = nc.lines.iter().map(|line| {
         let frame = line.frame.and_then(|span| Some((sources.get(span.source)?.name.as_str(), line_of(span))));
-        WrittenLine { text: &line.text, source: line.source, frame }
+        WrittenLine { text: &line.text, source: line.source, again: &line.again, frame }
     });
     let inputs = inputs(sources);
     let job = inputs.files.first().map_or("", |file| file.name.as_str());

@@ -27,6 +27,8 @@ pub struct PostFile {
     /// Largest error of the tool direction through smoothing, radians. `None`: the angle that moves the upper end of the
     /// flutes by the chord tolerance of the operation.
     pub orientation_tolerance: Option<f64>,
+    /// How the text says what several sectors repeat.
+    pub sectors: Sectors,
     /// Digits of words.
     pub decimals: Decimals,
     /// Whether finishing passes are written as lines or as splines.
@@ -152,6 +154,28 @@ impl PostFile {
     }
 }
 
+/// How the text says what several sectors repeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sectors {
+    /// Move by move in every sector.
+    Inline,
+    /// Once, and called for each sector with the work frame turned to it.
+    Subprogram,
+}
+
+impl Sectors {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Inline, Self::Subprogram];
+
+    /// The name in jobs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inline => "inline",
+            Self::Subprogram => "subprogram",
+        }
+    }
+}
+
 /// Digits behind the point, by kind of word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decimals {
@@ -169,6 +193,20 @@ impl Decimals {
     /// A step of 0.1 um for lengths, a fiftieth of the least error that a vane is made with. A step of an angle moves a
     /// point 100 mm from the axis by 0.02 um, that of a vector by 1 nm.
     pub const FINE: Self = Self { length: 4, angle: 5, vector: 8, feed: 3 };
+
+    /// Digits from which on the words count as exact. Half a step of three lengths moves the tip by less than 0.09 um; half a
+    /// step of an angle or a component moves a point 100 mm from the tip by as much. Independent checks agree with the
+    /// certificate to 0.1 um.
+    pub const EXACT: Self = Self { length: 4, angle: 4, vector: 6, feed: 3 };
+
+    /// Whether words of an orientation have fewer digits than [`Self::EXACT`].
+    pub fn is_coarse(&self, orientation: Orientation) -> bool {
+        let fine = Self::EXACT;
+        // Rapids carry rotary words in every orientation.
+        self.length < fine.length
+            || self.angle < fine.angle
+            || (self.vector < fine.vector && orientation == Orientation::Vectors)
+    }
 }
 
 /// A part of the program that templates make.

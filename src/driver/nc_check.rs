@@ -16,6 +16,7 @@ use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options of a check of NC text.
@@ -136,11 +137,16 @@ fn with_map(diag: Diag, map: &LaidMap, sources: &SourceMap, nc: SourceId) -> Dia
 /// Names the passes of a motion that was read as the source map names them.
 fn name_passes(motion: &mut NcMotion, map: &LaidMap) {
     for (made, lines) in motion.motion.operations.iter_mut().zip(&motion.lines) {
+        // A line of a subprogram is executed several times.
+        let mut executed: BTreeMap<usize, usize> = BTreeMap::new();
         for (m, line) in made.moves.iter().zip(lines) {
-            let Some((block, operation)) = map.block(*line).filter(|(block, _)| block.kind == "cut") else { continue };
-            let planned = operation.passes.get(block.pass as usize);
+            let times = executed.entry(*line).or_default();
+            let time = std::mem::replace(times, *times + 1);
+            if map.block(*line).is_none_or(|(block, _)| block.kind != "cut") {
+                continue;
+            }
             // The first cut of a pass names it.
-            if let (Some(label), Some(planned)) = (made.labels.get_mut(m.pass as usize), planned)
+            if let (Some(label), Some(planned)) = (made.labels.get_mut(m.pass as usize), map.pass(*line, time))
                 && label.starts_with(READ_PASS)
             {
                 *label = format!("{planned}, {label}");

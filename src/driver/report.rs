@@ -55,9 +55,15 @@ pub(super) struct NcLines {
 impl NcLines {
     /// Lines of a program that was written.
     pub(super) fn written(nc: &NcProgram) -> Self {
-        let numbered = nc.lines.iter().zip(1..);
-        let moves = numbered.filter_map(|(l, number)| l.source.map(|(operation, index)| (operation, index, number)));
-        Self { count: nc.lines.len(), moves: moves.collect() }
+        let mut moves = Vec::with_capacity(nc.lines.len());
+        for (line, number) in nc.lines.iter().zip(1..) {
+            let Some((operation, index)) = line.source else { continue };
+            moves.push((operation, index, number));
+            // A line of a subprogram makes several moves.
+            moves.extend(line.again.iter().map(|index| (operation, *index, number)));
+        }
+        moves.sort_unstable();
+        Self { count: nc.lines.len(), moves }
     }
 
     /// Lines of a text that was read.

@@ -24,6 +24,8 @@ pub struct WrittenLine<'a> {
     pub text: &'a str,
     /// Operation and move of the motion.
     pub source: Option<(u32, u32)>,
+    /// Further moves of the operation that the line makes when it is called again.
+    pub again: &'a [u32],
     /// File and line of the template that made the line.
     pub frame: Option<(&'a str, usize)>,
 }
@@ -56,6 +58,10 @@ pub struct MappedBlock {
     pub tip: [f64; 3],
     /// Vector from the tip to the holder, part frame.
     pub axis: [f64; 3],
+    /// Passes in which the block is executed again, turned about the axis of the part, in the order of the calls. What the
+    /// other fields say is true of the first time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub again: Vec<u32>,
 }
 
 /// A line that a template of the post file made.
@@ -134,6 +140,10 @@ impl SourceMapFile {
             frames: Vec::new(),
             hashes: String::new(),
         };
+        let pass_of = |operation: u32, index: u32| {
+            let made = motion.operations.get(operation as usize)?;
+            Some(made.moves.get(index as usize)?.pass)
+        };
         for (line, written) in (1..).zip(lines) {
             map.hashes.push_str(&line_hash(written.text));
             if let Some((file, file_line)) = written.frame {
@@ -155,6 +165,7 @@ impl SourceMapFile {
                 kind: kind.to_owned(),
                 tip: pose.tip.coords.map(|x| rounded(x, 5)).into(),
                 axis: pose.axis.map(|x| rounded(x, 8)).into(),
+                again: written.again.iter().filter_map(|index| pass_of(operation, *index)).collect(),
             });
         }
         map
@@ -184,7 +195,8 @@ impl SourceMapFile {
         }
         let fits = |b: &MappedBlock| {
             let operation = map.operations.get(b.operation as usize);
-            operation.is_some_and(|o| (b.pass as usize) < o.passes.len())
+            let known = |pass: &u32| operation.is_some_and(|o| (*pass as usize) < o.passes.len());
+            known(&b.pass) && b.again.iter().all(known)
         };
         let ordered =
             map.blocks.is_sorted_by(|a, b| a.line < b.line) && map.frames.is_sorted_by(|a, b| a.line < b.line);
@@ -241,13 +253,29 @@ impl LaidMap {
         Some((block, self.map.operations.get(block.operation as usize)?))
     }
 
+    /// Pass of a line of the text when it is executed for the first time (0), for the second time (1) and so on.
+    pub fn pass(&self, line: usize, time: usize) -> Option<&str> {
+        let (block, operation) = self.block(line)?;
+        let pass = match time.checked_sub(1) {
+            None => block.pass,
+            Some(again) => *block.again.get(again)?,
+        };
+        operation.passes.get(pass as usize).map(String::as_str)
+    }
+
     /// What the map says of a line of the text, in one sentence.
     pub fn says(&self, line: usize) -> Option<String> {
         if let Some((block, operation)) = self.block(line) {
             let place = |v: &[f64; 3], digits: usize| v.map(|x| format!("{x:.digits$}")).join(", ");
-            let pass = operation.passes.get(block.pass as usize).map_or("", String::as_str);
+            let name = |pass: u32| operation.passes.get(pass as usize).map_or("", String::as_str);
+            let pass = name(block.pass);
+            let again: Vec<String> = block.again.iter().map(|pass| format!("`{}`", name(*pass))).collect();
+            let again = match again.is_empty() {
+                true => String::new(),
+                false => format!("; the text executes it again, turned, for {}", again.join(", ")),
+            };
             return Some(format!(
-                "line {line} was written for `{}`, line {} of {}: {} of pass `{pass}` to ({}) mm, axis ({})",
+                "line {line} was written for `{}`, line {} of {}: {} of pass `{pass}` to ({}) mm, axis ({}){again}",
                 operation.name,
                 operation.job_line,
                 self.map.job,

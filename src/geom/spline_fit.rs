@@ -170,10 +170,10 @@ impl<const N: usize> Spline<N> {
         weights[0] = 1.0;
         for d in 1..=self.degree {
             let mut saved = 0.0;
-            for j in 0..d {
+            for (j, weight) in weights.iter_mut().take(d).enumerate() {
                 let (right, left) = (self.knots[span + 1 + j], self.knots[span + 1 + j - d]);
-                let term = weights[j] / (right - left);
-                weights[j] = saved + (right - u) * term;
+                let term = *weight / (right - left);
+                *weight = saved + (right - u) * term;
                 saved = (u - left) * term;
             }
             weights[d] = saved;
@@ -228,7 +228,7 @@ impl<const N: usize> Spline<N> {
             .map(|k| {
                 let behind = k.checked_sub(1).map(change);
                 let ahead = (k + 1 < spans.len()).then(|| change(k));
-                behind.into_iter().chain(ahead).fold(0.0, f64::max).powf(power)
+                libm::pow(behind.into_iter().chain(ahead).fold(0.0, f64::max), power)
             })
             .collect();
         let width: f64 = ends.iter().map(|e| e[1] - e[0]).sum();

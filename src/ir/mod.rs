@@ -125,6 +125,7 @@ pub mod cl;
 pub mod motion;
 pub mod print;
 pub mod program;
+pub mod repeats;
 pub mod validate;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};

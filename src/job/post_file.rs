@@ -6,7 +6,7 @@ use super::quantity::Dimension;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::post_file::{
-    Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, SplineForm, Template, TemplateFault,
+    Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, Sectors, SplineForm, Template, TemplateFault,
 };
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::Block;
@@ -224,6 +224,7 @@ pub(super) fn read(
             .orientation_tolerance
             .as_ref()
             .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
+        sectors: Sectors::Inline,
         decimals: reader.decimals(&table.decimals),
         path: PathForm::Lines,
         splines: table
@@ -248,8 +249,8 @@ pub fn shipped(name: &str) -> Option<PostFile> {
 }
 
 /// Properties of the `post` item.
-const PROPERTIES: [&str; 6] =
-    ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end", "path"];
+const PROPERTIES: [&str; 7] =
+    ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end", "path", "sectors"];
 
 /// The post with the properties of the `post` item of the job.
 pub(super) fn with_properties(
@@ -283,6 +284,9 @@ pub(super) fn with_properties(
     if let Some(Some(path)) = name_of(&mut properties, "path", &PathForm::ALL, PathForm::name) {
         post.path = path;
         tell_lines(&post, head, properties.sink);
+    }
+    if let Some(Some(sectors)) = name_of(&mut properties, "sectors", &Sectors::ALL, Sectors::name) {
+        post.sectors = sectors;
     }
     post
 }

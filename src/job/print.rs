@@ -6,7 +6,7 @@ use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
 use crate::operation::{Allowances, word};
 use crate::part::FaceId;
-use crate::post_file::PostFile;
+use crate::post_file::{PostFile, Sectors};
 use crate::units::{Rad, trim};
 use std::fmt::Write;
 
@@ -62,6 +62,9 @@ fn post(out: &mut String, post: &PostFile) {
     let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.orientation.name());
     let _ =
         writeln!(out, "  {numbers}, program number {}, lines end with {}", post.program_number, post.line_end.name());
+    if post.sectors != Sectors::Inline {
+        let _ = writeln!(out, "  sectors {}", post.sectors.name());
+    }
     let d = post.decimals;
     let _ = writeln!(
         out,

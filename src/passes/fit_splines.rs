@@ -67,7 +67,7 @@ fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>
         let goes_on = runs.last().is_some_and(|run| {
             run.end == i && moves[i - 1].pass == m.pass && {
                 let [before, behind] = [places[i - 1] - places[i - 2], places[i] - places[i - 1]];
-                before.dot(&behind) >= CORNER.cos() * before.norm() * behind.norm()
+                before.dot(&behind) >= libm::cos(CORNER) * before.norm() * behind.norm()
             }
         });
         match runs.last_mut() {

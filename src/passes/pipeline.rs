@@ -4,7 +4,7 @@ use super::axis::{avoid_collision, clear_floor, orient_tool, smooth_axis};
 use super::channel::middle::Middles;
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
-use super::feed::{exact_stops, removal_feeds, time_feeds};
+use super::feed::{equal_sectors, exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
 use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
@@ -84,9 +84,12 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
     time_feeds::run(program, &mut motion);
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
+    equal_sectors::feeds(program, &mut motion);
+    cx.holds("equal-sectors", |program| validate::motion(program, &motion))?;
     // How far the control leaves the path depends on the speeds of all moves.
     exact_stops::run(program, &mut motion);
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
+    equal_sectors::stops(program, &mut motion);
     Ok(Plan { cc, cl, motion })
 }
 

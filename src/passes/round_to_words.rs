@@ -2,17 +2,13 @@
 //!
 //! Before: exact tips, axes and rotary positions. After: those that NC text with few digits can say, so that the verifier
 //! proves what the text commands, and rounding takes its share of the tolerances where everybody sees it. Finer words
-//! stay exact: see [`EXACT`].
+//! stay exact: see [`Decimals::EXACT`]. All posts with such words have the same motion, so that their texts have the same
+//! feeds.
 
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Joints, Machine};
 use crate::post_file::{Decimals, Orientation};
 use nalgebra::{Point3, Vector3};
-
-/// Digits from which on the words count as exact. Half a step of three lengths moves the tip by less than 0.09 um; half a step
-/// of an angle or a component moves a point 100 mm from the tip by as much. Independent checks agree with the certificate
-/// to 0.1 um. All posts with such words have the same motion, so that their texts have the same feeds.
-const EXACT: Decimals = Decimals { length: 4, angle: 4, vector: 6, feed: 3 };
 
 /// Rounds the motion.
 pub(crate) fn run(program: &Program, motion: &mut Motion) {
@@ -46,11 +42,7 @@ impl<'a> Words<'a> {
     }
 
     fn is_coarse(&self) -> bool {
-        let (words, fine) = (self.decimals, EXACT);
-        // Rapids carry rotary words in every orientation.
-        words.length < fine.length
-            || words.angle < fine.angle
-            || (words.vector < fine.vector && self.orientation == Orientation::Vectors)
+        self.decimals.is_coarse(self.orientation)
     }
 
     fn operation(&self, operation: &mut MotionOperation, length: f64) {

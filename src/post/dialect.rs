@@ -1,5 +1,6 @@
 //! The operations of a dialect: refuse, write, read, recognise.
 
+use super::divided::Divided;
 use super::form::TextForm;
 use super::nc::{NcSection, ReadError};
 use super::words;
@@ -41,6 +42,17 @@ pub trait Post: Sync {
     /// ends, or `None` for a block without motion. `smoothing` has the words that smooth within the tolerances of the
     /// operation.
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>);
+    /// Why the dialect has no subprograms for what sectors repeat; `None` where it has them.
+    fn no_subprograms(&self) -> Option<&'static str> {
+        Some(
+            "no manual that the project knows says how a turned work frame acts in this control with tool centre point control on",
+        )
+    }
+    /// Writes the blocks of an operation as [`Self::moves`] does, and each subprogram once, with a call for each place. A block
+    /// of a subprogram has the index of its move in the first place.
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+        self.moves(program, divided.operation, smoothing, write);
+    }
     /// Motion that a text in this dialect commands, section by section: from the block that switches the transformation
     /// on to the retract after it.
     ///

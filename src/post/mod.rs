@@ -8,6 +8,7 @@
 mod apt_cl;
 mod control;
 mod dialect;
+mod divided;
 mod fanuc;
 mod form;
 mod heidenhain;
@@ -16,6 +17,7 @@ pub mod motion_of;
 mod nc;
 mod positions;
 mod read_back;
+pub mod sectors;
 mod siemens_840d;
 mod tool_shape;
 pub mod trial;
@@ -24,6 +26,7 @@ mod write;
 
 pub use control::MOST_FAULTS;
 pub use dialect::{Post, WriteBlock};
+pub use divided::Divided;
 pub use form::{NumberForm, TextForm};
 pub use nc::{
     Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, ReadError,

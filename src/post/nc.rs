@@ -22,6 +22,8 @@ pub struct NcLine {
     pub text: String,
     /// Operation and move of the motion that the line writes.
     pub source: Option<(u32, u32)>,
+    /// Further moves of the operation that the line makes when it is called again, in their order.
+    pub again: Vec<u32>,
     /// The template of the post file that made the line.
     pub frame: Option<Span>,
 }
@@ -152,6 +154,8 @@ pub struct NcMove {
     pub turn: Option<f64>,
     /// Path of the tool in a block of polynomials; `None` for a straight one.
     pub curve: Option<PoseCurve>,
+    /// The block states tip and direction in a turned frame, or positions of rotary axes with a shift.
+    pub frame_turned: bool,
 }
 
 /// A line that a reader does not understand, or that makes the program invalid.

@@ -109,6 +109,7 @@ mod tests {
             smoothing: Some(0.0),
             turn: None,
             curve: None,
+            frame_turned: false,
         });
         let place = NcPlace::Pose(NcPose { tip, axis: axis(through[0].0) });
         let start = NcStation { line: 1, place };

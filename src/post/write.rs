@@ -3,12 +3,15 @@
 use super::dialect::Post;
 use super::form::TextForm;
 use super::nc::{NcLine, NcProgram};
+use super::sectors;
 use super::words::{self, fixed};
+use crate::ir::repeats::Division;
 use crate::ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
 use crate::kin::{Angles, Joints};
 use crate::post_file::{Field, Frame, Orientation, Template};
 use crate::source::Span;
 use crate::verify::Verified;
+use std::collections::BTreeMap;
 
 /// Digits of tolerances: mm and degrees.
 const TOLERANCE_DECIMALS: usize = 4;
@@ -33,6 +36,7 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         lines.block(format!("{before}{}{behind}", words::comment(line)), None, None);
     }
     lines.frame(Frame::Head, &whole, None);
+    let mut subprograms = 0;
     for (o, operation) in motion.operations.iter().enumerate() {
         let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else { continue };
         let declared = &program.operations[operation.operation];
@@ -41,12 +45,40 @@ pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, heade
         let source = |i: usize| (u32::try_from(o).unwrap_or(u32::MAX), u32::try_from(i).unwrap_or(u32::MAX));
         lines.frame(Frame::OperationStart, &values, Some((&[Field::X, Field::Y, Field::StartTip], source(0))));
         let smoothing = values.value(Field::Smoothing);
-        post.moves(program, operation, &smoothing, &mut |text, index| lines.block(text, index.map(source), None));
+        let divided = sectors::divided(post, program, operation, subprograms);
+        let begun = lines.nc.lines.len();
+        let mut write = |text, index: Option<usize>| lines.block(text, index.map(source), None);
+        match &divided {
+            None => post.moves(program, operation, &smoothing, &mut write),
+            Some(divided) => {
+                post.subprograms(program, divided, &smoothing, &mut write);
+                subprograms += divided.division.subprograms;
+                again(&divided.division, &mut lines.nc.lines[begun..]);
+            }
+        }
         let end = source(operation.moves.len() - 1);
         lines.frame(Frame::OperationEnd, &values, Some((&[Field::Z, Field::EndTip], end)));
     }
     lines.frame(Frame::End, &whole, None);
     lines.nc
+}
+
+/// Sets the further moves of the lines of an operation that are called again.
+fn again(division: &Division, lines: &mut [NcLine]) {
+    let mut of_line: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+    for subprogram in 0..division.subprograms {
+        let mut places = division.places(subprogram).map(|(moves, _)| moves);
+        let Some(first) = places.next() else { continue };
+        for moves in places {
+            for (own, other) in first.clone().zip(moves.clone()) {
+                of_line.entry(own).or_default().push(u32::try_from(other).unwrap_or(u32::MAX));
+            }
+        }
+    }
+    for line in lines {
+        let further = line.source.and_then(|(_, index)| of_line.remove(&(index as usize)));
+        line.again = further.unwrap_or_default();
+    }
 }
 
 /// The words that smooth in an operation.
@@ -70,13 +102,18 @@ pub(super) fn between(operation: &MotionOperation) -> impl Iterator<Item = (usiz
 
 /// Words of both rotary axes in the sense of the machine.
 pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> String {
-    let (between, decimals) = (post.form().rotary, program.post.decimals.angle);
-    let [first, second] = [0, 1].map(|k| {
-        let axis = &program.machine.rotary[k];
-        let angle = angles[k].to_degrees() * axis.word_sign;
-        format!("{}{between}{}", axis.name, post.number(angle, decimals))
-    });
-    format!("{first} {second}")
+    let between = post.form().rotary;
+    let [first, second] = rotary_numbers(post, program, angles);
+    let [.., a, b] = program.machine.names();
+    format!("{a}{between}{first} {b}{between}{second}")
+}
+
+/// Numbers of the words of both rotary axes.
+pub(super) fn rotary_numbers(post: &dyn Post, program: &Program, angles: Angles) -> [String; 2] {
+    [0, 1].map(|k| {
+        let angle = angles[k].to_degrees() * program.machine.rotary[k].word_sign;
+        post.number(angle, program.post.decimals.angle)
+    })
 }
 
 /// Words X Y Z of the tip on the part.
@@ -126,7 +163,7 @@ impl ProgramLines {
             }
             numbered
         };
-        self.nc.lines.push(NcLine { text, source, frame });
+        self.nc.lines.push(NcLine { text, source, again: Vec::new(), frame });
     }
 
     /// Writes a frame. `station` marks the last line with one of some fields as the block that ends at a station.

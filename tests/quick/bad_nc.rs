@@ -391,7 +391,8 @@ fn edits_with_which_the_control_does_something_else() {
     siemens("N140 G1", "N140 M0 G1", 15, "wait with the tool in the part");
     siemens("N140 G1", "N135 G4 F2\nN140 G1", 15, "wait with the tool in the part");
     siemens("N160 TRAFOOF", "N160 M30", 17, "ends with the transformation on");
-    siemens("N110 G54", "N105 ROT Z10\nN110 G54", 12, "turns the work frame");
+    siemens("N110 G54", "N105 ROT Z10\nN110 G54", 18, "the work frame is still turned by 10 deg here");
+    siemens("N110 G54", "N105 ROT X10\nN110 G54", 12, "read about Z only");
     siemens("N110 G54", "N105 ATRANS X1\nN110 G54", 12, "not understood");
     siemens("N50 S8000", "N50 BRISK S8000", 6, "jerk");
     // Signs that look like others, and one that is not seen at all.
@@ -409,7 +410,7 @@ fn edits_with_which_the_control_does_something_else() {
     linuxcnc("Q0", "Q-1", 6, "Q of G64");
     linuxcnc("G64 P0.001 Q0", "G61 G64 P0.001", 6, "set the path mode");
     linuxcnc("G92.1", "G92 X5", 4, "shifts the work frame");
-    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "rotates the work offset");
+    linuxcnc("G10 L2 P1 R0", "G10 L2 P1 R10", 5, "turned with the transformation off");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P2 R0", 5, "only G10 L2 P1 R0");
     linuxcnc("G10 L2 P1 R0", "G10 L2 P1 X5 R0", 5, "changes the work offset");
     linuxcnc("T2 M6", "T M6", 9, "`T`: a number is missing");

@@ -10,6 +10,7 @@ use impellerc::driver::{self, Emit, Options, Outcome, RunOptions, Stages};
 use impellerc::ir::Program;
 use impellerc::kin::Machine;
 use impellerc::post::{self, Direction, NcMove, NcTool};
+use impellerc::post_file::Sectors;
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
@@ -223,7 +224,7 @@ fn meant(linuxcnc: &LinuxCnc, machine: &Machine) -> Result<Vec<Meant>, String> {
         assert!(!call.contains("ARC_FEED") && !call.contains("NURBS"), "{call}");
     }
     assert!(!on && calls.contains("PROGRAM_END"), "the program ends with the kinematics on");
-    let (mut tool, mut length) = (0, 0.0);
+    let (mut tool, mut length, mut turn) = (0, 0.0, 0.0_f64);
     let mut moves = Vec::new();
     for event in linuxcnc.events()? {
         let number = |i: usize| event[i].as_f64().unwrap();
@@ -233,7 +234,7 @@ fn meant(linuxcnc: &LinuxCnc, machine: &Machine) -> Result<Vec<Meant>, String> {
                 moves.push(Meant {
                     line: usize::try_from(event[0].as_u64().unwrap()).unwrap(),
                     rapid: kind == "G0",
-                    to: [2, 3, 4, 5 + tilt, 7].map(number),
+                    to: unturned([2, 3, 4, 5 + tilt, 7].map(number), turn),
                     feed: number(8),
                     transformed: *transformed.get(moves.len()).expect("as many moves as calls"),
                     tool,
@@ -243,12 +244,20 @@ fn meant(linuxcnc: &LinuxCnc, machine: &Machine) -> Result<Vec<Meant>, String> {
             "tool" => tool = event[2].as_i64().unwrap(),
             "length" => length = number(2),
             "offset" => assert!(event.as_array().unwrap()[3..].iter().all(|x| *x == 0.0), "{event}"),
-            "shift" | "rotation" => assert!(event.as_array().unwrap()[2..].iter().all(|x| *x == 0.0), "{event}"),
+            // The interpreter hands on what the words say; the controller turns it.
+            "rotation" => turn = number(2),
+            "shift" => assert!(event.as_array().unwrap()[2..].iter().all(|x| *x == 0.0), "{event}"),
             other => panic!("{other}: {event}"),
         }
     }
     assert_eq!(moves.len(), transformed.len());
     Ok(moves)
+}
+
+/// A place in the part frame from its place in a work frame that is turned about Z, degrees.
+fn unturned([x, y, z, tilt, c]: [f64; 5], turn: f64) -> [f64; 5] {
+    let (sine, cosine) = turn.to_radians().sin_cos();
+    [cosine * x - sine * y, sine * x + cosine * y, z, tilt, c]
 }
 
 /// Compares every move under the kinematics with our reader's, and its joints and its tool axis with those of our machine.
@@ -362,6 +371,35 @@ fn a_machine_file_with_another_sense_or_offset_is_noticed() {
     }
 }
 
+/// Subprograms: the interpreter turns X and Y and counts with the values of calls as our reader does.
+#[test]
+fn sectors_as_subprograms_are_what_the_interpreter_means() {
+    let Some(linuxcnc) = LinuxCnc::find() else { return };
+    let mut program = support::program_for("linuxcnc", &support::flank_only(&[0, 1, 3, 5]));
+    program.post.sectors = Sectors::Subprogram;
+    let planned = support::jobs::Compiled::new(program);
+    let [short, long] = [Sectors::Subprogram, Sectors::Inline].map(|sectors| {
+        let mut program = planned.program.clone();
+        program.post.sectors = sectors;
+        post::emit(post::find("linuxcnc").unwrap(), &program, &planned.motion, &[]).text()
+    });
+    assert!(short.contains("R45\n") && short.contains("o101 call") && !long.contains("call"));
+    let poses = [&short, &long].map(|text| {
+        let moves = accepted(&linuxcnc, &planned.program, text);
+        assert!(moves > 500, "{moves}");
+        meant(&linuxcnc, &planned.program.machine).unwrap()
+    });
+    let [short, long] = &poses;
+    assert_eq!(short.len(), long.len());
+    for (a, b) in short.iter().zip(long) {
+        let off = (0..3).map(|k| (a.to[k] - b.to[k]).abs()).fold(0.0, f64::max);
+        let turned = (3..5).map(|k| (a.to[k] - b.to[k]).abs()).fold(0.0, f64::max);
+        // Rounded words of two sectors, one of them turned.
+        assert!(off <= 0.5e-4 * (1.0 + 2f64.sqrt()) + 1e-6 && turned <= 1.001e-5, "{:?} and {:?}", a.to, b.to);
+        assert!((a.feed - b.feed).abs() <= 1e-3 * b.feed, "{} and {}", a.feed, b.feed);
+    }
+}
+
 #[test]
 fn reduced_is_what_the_interpreter_means() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
@@ -402,6 +440,7 @@ fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
         smoothing: Some(0.0),
         turn: None,
         curve: None,
+        frame_turned: false,
         interpolation: impellerc::kin::Interpolation::RotaryLinear,
     }
 }

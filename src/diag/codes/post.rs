@@ -52,6 +52,13 @@ the file of the same dialect in jobs/_lib/posts, and write what the message says
 without M126 a setting of the machine decides. A block that turns such an axis by half a turn or more would turn it in \
 the other direction.\n\nRemedy: state the travel of the axis in the machine file, if it is limited at the control to one \
 turn. Otherwise use the post of another control.";
+    SECTORS_INLINE = "IMP0812", "sectors that the text has move by move",
+        "The job asks for subprograms: what several sectors repeat is written once and called for each sector with the work \
+frame turned to it. The text has no subprogram where the control of the post has no words for it, where rotary axis 2 does \
+not turn the part about its axis, where the words have few digits, or where sectors repeat nothing. Rest machining can \
+remove other passes in each sector.\n\nThe text is complete without subprograms, only longer. The motion is the same, but \
+for feeds: with subprograms the same moves have the same feed in all sectors.\n\nRemedy: write `sectors inline` in the post \
+of the job, or leave the property out.";
     NC_FILE = "IMP0820", "NC file that cannot be read",
         "`impellerc verify` reads NC text: plain UTF-8 of at most 256 MB. It refuses all other files before reading \
 them, so that memory stays bounded.\n\nRemedy: give the text that the control would run. Divide a larger text by \

@@ -63,6 +63,10 @@ impl Post for AptCl {
         reader::read(text, machine)
     }
 
+    fn no_subprograms(&self) -> Option<&'static str> {
+        Some("CL data have no calls that every later post-processor expands alike")
+    }
+
     fn recognises(&self, code: &str) -> bool {
         reader::recognises(code)
     }

@@ -521,6 +521,7 @@ impl<'a> State<'a> {
                 smoothing,
                 turn: None,
                 curve: None,
+                frame_turned: false,
             });
             self.moves += 1;
         }

@@ -5,11 +5,12 @@
 //! says what to write. After a fault the state changes as the block intended, so that one run reports all faults of a
 //! text. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
 
+pub(super) mod flow;
 pub(super) mod modal;
 pub(super) mod spline;
 mod state;
 
-pub(super) use state::{control_character, read};
+pub(super) use state::{Line, control_character, read, read_in_order};
 
 use crate::kin::Machine;
 use crate::post::nc::NcTool;
@@ -93,6 +94,8 @@ pub(super) struct Control {
     pub(super) smoothing: &'static str,
     /// The word that ends a program.
     pub(super) end: &'static str,
+    /// What takes a turn of the work frame back; empty where the reader knows no such turns.
+    pub(super) unturned: &'static str,
     /// Words of [`ModalGroup::Turning`] with which the tool axis turns on a great circle. With every other word the rotary
     /// axes run linearly.
     pub(super) great_circle: &'static [&'static str],
@@ -134,6 +137,8 @@ impl Control {
 pub(super) enum Act {
     /// A modal group is set.
     Set(ModalGroup),
+    /// The work frame is turned.
+    TurnFrame,
     /// F.
     Feed,
     /// S.
@@ -239,6 +244,10 @@ pub(super) struct NcBlock {
     pub(super) wait: Option<&'static str>,
     /// The program ends, with this word.
     pub(super) end: Option<&'static str>,
+    /// The work frame is turned about Z to this angle from its place at zero, radians.
+    pub(super) frame_turn: Option<f64>,
+    /// The position of a rotary axis is not the written one: it counts with the values of a call.
+    pub(super) shifted: bool,
 }
 
 /// Stores a value of which a block may hold only one.

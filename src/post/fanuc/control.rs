@@ -203,6 +203,7 @@ pub(super) const CONTROL: Control = Control {
     length: "G43.4 H",
     smoothing: "G05.1 Q1",
     end: "M30",
+    unturned: "",
     great_circle: &[IN_PLANE],
     machine_frame_drops_length: false,
     switching_drops_frames: false,

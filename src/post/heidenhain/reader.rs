@@ -124,6 +124,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         smoothing: "CYCL DEF 32.1 T with a tolerance",
         end: "M30",
         // M128 has no word for the interpolation: the rotary axes run linearly, as with PATHCTRL AXIS.
+        unturned: "",
         great_circle: &["PATHCTRL VECTOR"],
         machine_frame_drops_length: true,
         switching_drops_frames: false,

@@ -13,13 +13,16 @@
 //! kinematics off, axes move in the machine frame (G53), in which neither offsets nor tool length act: Z alone to the
 //! retract height, there the rotary axes, then X and Y.
 
+mod comments;
 mod reader;
+mod subprograms;
 mod writer;
 
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
+use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 
@@ -49,6 +52,14 @@ impl Post for LinuxCnc {
 
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, smoothing, write);
+    }
+
+    fn no_subprograms(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::subprograms(program, divided, smoothing, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

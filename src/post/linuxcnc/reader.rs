@@ -4,10 +4,12 @@
 //! The reader accepts the words that the interpreter accepts, and they act in the same order (manual, "Order of
 //! Execution").
 
+use super::comments::without_comments;
+use super::subprograms;
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{
-    self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
@@ -19,6 +21,9 @@ const LONGEST_LINE: usize = 252;
 
 /// Widest tolerance of G64, mm.
 const WIDEST: f64 = 10.0;
+
+/// Largest turn of the work offset, degrees.
+const MOST_TURN: f64 = 360.0;
 
 /// The word for a work offset without rotation, as a message names it.
 const NO_ROTATION: &str = "G10 L2 P1 R0";
@@ -132,6 +137,7 @@ const LINUXCNC: Control = Control {
         Act::Set(ModalGroup::Distance),
         Act::Set(ModalGroup::Shift),
         Act::Set(ModalGroup::Rotation),
+        Act::TurnFrame,
         Act::Move,
         Act::End,
     ],
@@ -145,6 +151,7 @@ const LINUXCNC: Control = Control {
     length: "G43",
     smoothing: "G64 P with a tolerance",
     end: "M2",
+    unturned: "write `G10 L2 P1 R0` before this block",
     great_circle: &[],
     machine_frame_drops_length: true,
     switching_drops_frames: false,
@@ -156,22 +163,6 @@ const LINUXCNC: Control = Control {
     wait_switches_off: false,
     end_switches_off: true,
 };
-
-/// Beginnings of comments that the control or its screen executes.
-const EXECUTED: [&str; 12] = [
-    "debug,",
-    "print,",
-    "log,",
-    "logopen",
-    "logappend",
-    "logclose",
-    "probeopen",
-    "probeclose",
-    "abort",
-    "axis,",
-    "py",
-    "preview,",
-];
 
 /// State of the `%` lines.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -187,86 +178,57 @@ enum Tape {
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let mut tape = Tape::Start;
-    control::read(text, &LINUXCNC, machine, |line, _, faults| {
-        if line.len() > LONGEST_LINE {
-            faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
-            return None;
-        }
-        let code = match without_comments(line) {
-            Ok(code) => code,
-            Err(reason) => {
-                faults.push(reason);
+    control::read_in_order(
+        text,
+        &LINUXCNC,
+        machine,
+        &subprograms::flow(text),
+        |Line { text: line, arguments, .. }, faults| {
+            if line.len() > LONGEST_LINE {
+                faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
                 return None;
             }
-        };
-        if code.is_empty() {
-            return None;
-        }
-        if code == "%" {
-            let end = NcBlock { end: Some("%"), ..NcBlock::default() };
-            return match std::mem::replace(&mut tape, Tape::Open) {
-                Tape::Start => None,
-                Tape::Open => Some(end),
-                Tape::None => {
-                    faults.push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
-                    Some(end)
+            let code = match without_comments(line) {
+                Ok(code) => code,
+                Err(reason) => {
+                    faults.push(reason);
+                    return None;
                 }
             };
-        }
-        if tape == Tape::Start {
-            tape = Tape::None;
-        }
-        block(&code, machine, faults)
-    })
-}
-
-/// A line without comments and blanks, in upper case.
-fn without_comments(line: &str) -> Result<String, String> {
-    let mut code = String::with_capacity(line.len());
-    let mut inside: Option<usize> = None;
-    let line = line.strip_suffix('\r').unwrap_or(line);
-    for (i, c) in line.char_indices() {
-        match (inside, c) {
-            (None, ';') => {
-                harmless(&line[i + 1..])?;
-                break;
+            if code.is_empty() {
+                return None;
             }
-            (None, '(') => inside = Some(i + 1),
-            (Some(from), ')') => {
-                harmless(&line[from..i])?;
-                inside = None;
+            if code == "%" {
+                let end = NcBlock { end: Some("%"), ..NcBlock::default() };
+                return match std::mem::replace(&mut tape, Tape::Open) {
+                    Tape::Start => None,
+                    Tape::Open => Some(end),
+                    Tape::None => {
+                        faults
+                            .push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
+                        Some(end)
+                    }
+                };
             }
-            (Some(_), '(') => return Err("a comment inside a comment".to_owned()),
-            (None, ')') => return Err("a comment has an end, but no beginning".to_owned()),
-            (None, ' ' | '\t') => {}
-            (None, c) => code.push(c.to_ascii_uppercase()),
-            (Some(_), _) => {}
-        }
-    }
-    if inside.is_some() { Err("a comment does not end".to_owned()) } else { Ok(code) }
+            if tape == Tape::Start {
+                tape = Tape::None;
+            }
+            block(&code, arguments, machine, faults)
+        },
+    )
 }
 
-/// Refuses comments that are commands.
-fn harmless(comment: &str) -> Result<(), String> {
-    let start: String =
-        comment.chars().filter(|c| !c.is_whitespace()).take(12).collect::<String>().to_ascii_lowercase();
-    let order = EXECUTED.iter().find(|order| match **order {
-        // The name of the language, then its code.
-        "py" => ["py,", "pyrun,", "pyreload"].iter().any(|p| start.starts_with(p)),
-        order => start.starts_with(order),
-    });
-    match order {
-        Some(order) => Err(format!(
-            "`({})` is not a comment: the control executes the text behind `{}`",
-            shown(comment.trim(), 30),
-            order.trim_end_matches(',')
-        )),
-        None => Ok(()),
-    }
+/// Number of a word.
+#[derive(Clone, Copy)]
+enum Number<'a> {
+    /// As written.
+    Plain(&'a str),
+    /// Inside of square brackets.
+    Computed(&'a str),
 }
 
-/// First word of a text without blanks: its letter, its number as written, and the rest.
-fn first_word(code: &str) -> Result<(char, &str, &str), String> {
+/// First word of a text without blanks: its letter, its number, and the rest.
+fn first_word(code: &str) -> Result<(char, Number<'_>, &str), String> {
     let letter = code.chars().next().unwrap_or(' ');
     if !letter.is_ascii_alphabetic() {
         let why = match letter {
@@ -277,9 +239,12 @@ fn first_word(code: &str) -> Result<(char, &str, &str), String> {
         return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(code, 1)));
     }
     let tail = &code[1..];
+    if let Some((inside, rest)) = tail.strip_prefix('[').and_then(|t| t.split_once(']')) {
+        return Ok((letter, Number::Computed(inside), rest));
+    }
     let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
     let (number, rest) = tail.split_at(end);
-    Ok((letter, number, rest))
+    Ok((letter, Number::Plain(number), rest))
 }
 
 /// Words that belong to a code of the same line.
@@ -296,14 +261,14 @@ struct Parameters {
     motions: usize,
 }
 
-fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<NcBlock> {
+fn block(code: &str, arguments: &[f64], machine: &Machine, faults: &mut Vec<String>) -> Option<NcBlock> {
     let mut block = NcBlock::default();
     let mut parameters = Parameters::default();
     let mut rest = code;
     let mut first = true;
     let mut empty = true;
     while !rest.is_empty() {
-        let (letter, text, next) = match first_word(rest) {
+        let (letter, found, next) = match first_word(rest) {
             Ok(word) => word,
             Err(reason) => {
                 faults.push(reason);
@@ -311,11 +276,14 @@ fn block(code: &str, machine: &Machine, faults: &mut Vec<String>) -> Option<NcBl
             }
         };
         rest = next;
-        if !(first && letter == 'N' && number(text).is_ok_and(|n| n >= 0.0)) {
+        let done = match found {
+            Number::Plain(text) if first && letter == 'N' && number(text).is_ok_and(|n| n >= 0.0) => None,
+            Number::Plain(text) => Some(word(letter, text, machine, &mut block, &mut parameters)),
+            Number::Computed(text) => Some(turned_word(letter, text, arguments, machine, &mut block)),
+        };
+        if let Some(done) = done {
             empty = false;
-            if let Err(reason) = word(letter, text, machine, &mut block, &mut parameters) {
-                faults.push(reason);
-            }
+            faults.extend(done.err());
         }
         first = false;
     }
@@ -354,12 +322,13 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
     }
     if parameters.data {
         used[0] = true;
-        if parameters.l != Some(2) || p != Some(1.0) || parameters.r.is_none() {
+        let (Some(2), true, Some(turn)) = (parameters.l, p == Some(1.0), parameters.r) else {
             return Err(format!("of G10 only {NO_ROTATION} is understood; set offsets at the machine"));
+        };
+        if turn.abs() > MOST_TURN {
+            return Err(format!("G10 turns the work offset by {turn} deg; at most {MOST_TURN} deg are read"));
         }
-        if parameters.r != Some(0.0) {
-            return Err("G10 rotates the work offset: write R0".to_owned());
-        }
+        block.frame_turn = Some(turn.to_radians());
         if block.tip != [None; 3] || block.rotary != [None; 2] {
             return Err("G10 with axis words changes the work offset: set offsets at the machine".to_owned());
         }
@@ -391,6 +360,23 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
         return Err("two words of motion in one block".to_owned());
     }
     Ok(())
+}
+
+/// A word of a rotary axis whose position depends on the call.
+fn turned_word(
+    letter: char,
+    text: &str,
+    arguments: &[f64],
+    machine: &Machine,
+    block: &mut NcBlock,
+) -> Result<(), String> {
+    let name = letter.to_string();
+    if machine.rotary_axis(&name).is_none() {
+        return Err(format!("`{letter}[{}]`: expressions are read for rotary axes only", shown(text, 20)));
+    }
+    let [written, value] = subprograms::computed(text, arguments)?;
+    block.shifted |= value != written;
+    block.angle(&name, value, machine)
 }
 
 /// A whole number as the interpreter accepts it: leading zeros and a decimal point are allowed.
@@ -431,7 +417,7 @@ fn word(
         'G' => preparatory(&code_name('G', value()?), block, parameters),
         'M' => miscellaneous(&code_name('M', value()?), block),
         'N' => Err(format!("`N{}`: a block number must be at the start of its block", shown(text, 20))),
-        'O' => Err("O words (subroutines, loops) are not read".to_owned()),
+        'O' => Err("an O word must be at the start of its line".to_owned()),
         _ => Err(format!("`{letter}{}` is not understood", shown(text, 20))),
     }
 }

@@ -2,14 +2,17 @@
 
 use super::LinuxCnc;
 use crate::diag::{Diag, Sink, codes::post};
+use crate::ir::repeats::Stretch;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::kin::{Carries, Machine};
 use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
+use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed, inverse_time};
 use crate::post::write;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// A kinematics module of LinuxCNC.
 struct Kinematics {
@@ -120,22 +123,34 @@ fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOp
 pub(super) const FORM: TextForm = TextForm {
     comment: ["(", ")"],
     rotary: "",
-    numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%"] },
+    numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%", "o"] },
     continued: "",
     longest: 252,
 };
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
+    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), RotaryWords::Fixed), smoothing, write);
+}
+
+/// Writes the blocks of some moves. Before and behind them the feed mode is G94, and the control smooths.
+fn stretch(
+    program: &Program,
+    operation: &MotionOperation,
+    (range, words): (Range<usize>, RotaryWords),
+    smoothing: &str,
+    write: &mut WriteBlock<'_>,
+) {
     let mut modes = Modes::default();
     let count = operation.moves.len();
-    for (i, m) in write::between(operation) {
+    for i in range {
+        let m = &operation.moves[i];
         // After the last block M429 waits until the axes rest.
         let stop = m.stop && i + 2 < count;
         if modes.stop && !stop {
             write(smoothing.to_owned(), None);
         }
-        write(block(program, m, stop, &mut modes), Some(i));
+        write(block(program, m, (stop, words), &mut modes), Some(i));
     }
     if modes.stop {
         write(smoothing.to_owned(), None);
@@ -143,6 +158,55 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &
     if modes.inverse {
         write("G94".to_owned(), None);
     }
+}
+
+/// Writes the blocks of an operation, and each subprogram as a subprogram before its first call.
+///
+/// R of the work offset turns X and Y about the axis of the part. No offset turns rotary axes as well: their words count
+/// with the values of the call. So nothing but R remains after an abort, and each operation resets it at its start.
+pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
+    let operation = divided.operation;
+    let mut frame = 0;
+    let mut turn_frame = |pitches: u32, write: &mut WriteBlock<'_>| {
+        if pitches != frame {
+            write(format!("G10 L2 P1 R{}", frame_degrees(program, pitches)), None);
+            frame = pitches;
+        }
+    };
+    let mut written = 0;
+    for Stretch { moves, repeats } in &divided.division.stretches {
+        let Some((subprogram, turned)) = repeats else {
+            turn_frame(0, write);
+            stretch(program, operation, (moves.clone(), RotaryWords::Fixed), smoothing, write);
+            continue;
+        };
+        let (name, branches) = (divided.number(*subprogram), divided.changes_branch(*subprogram));
+        if *subprogram == written {
+            let places = divided.division.places(*subprogram).count();
+            let words = if branches { RotaryWords::BranchOfCall } else { RotaryWords::ShiftOfCall };
+            write(format!("(o{name}: the same in {places} places)"), None);
+            write(format!("o{name} sub"), None);
+            stretch(program, operation, (moves.clone(), words), smoothing, write);
+            write(format!("o{name} endsub"), None);
+            written += 1;
+        }
+        turn_frame(turned.pitches, write);
+        let shift = degrees(turned.second.to_degrees() * program.machine.rotary[1].word_sign);
+        let branch = if branches { format!(" [{}]", degrees(turned.first)) } else { String::new() };
+        write(format!("o{name} call [{shift}]{branch}"), None);
+    }
+    turn_frame(0, write);
+}
+
+/// How blocks state the rotary axes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum RotaryWords {
+    /// Positions.
+    Fixed,
+    /// Axis 2 counts from the first value of the call.
+    ShiftOfCall,
+    /// The second value of the call is the sign of axis 1 as well.
+    BranchOfCall,
 }
 
 /// Modal state from block to block.
@@ -156,7 +220,7 @@ struct Modes {
     feed: String,
 }
 
-fn block(program: &Program, m: &JointMove, stop: bool, modes: &mut Modes) -> String {
+fn block(program: &Program, m: &JointMove, (stop, words): (bool, RotaryWords), modes: &mut Modes) -> String {
     let post = &LinuxCnc;
     let decimals = program.post.decimals.feed;
     let mut text = String::new();
@@ -171,7 +235,14 @@ fn block(program: &Program, m: &JointMove, stop: bool, modes: &mut Modes) -> Str
         modes.feed.clear();
     }
     modes.inverse = inverse;
-    let [tip, rotary] = [write::tip(post, program, &m.joints), write::rotary(post, program, m.joints.rotary)];
+    let tip = write::tip(post, program, &m.joints);
+    let [.., a, b] = program.machine.names();
+    let [first, second] = write::rotary_numbers(post, program, m.joints.rotary);
+    let rotary = match words {
+        RotaryWords::Fixed => format!("{a}{first} {b}{second}"),
+        RotaryWords::ShiftOfCall => format!("{a}{first} {b}[{second}+#1]"),
+        RotaryWords::BranchOfCall => format!("{a}[{first}*#2] {b}[{second}+#1]"),
+    };
     text.push_str(&format!("G1 {tip} {rotary}"));
     let f = if inverse { inverse_time(m.time) } else { fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals) };
     if inverse || f != modes.feed {

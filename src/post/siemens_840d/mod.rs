@@ -18,14 +18,17 @@
 //! and Y. TRAORI and TRAFOOF cancel frames, so the work offset is written again after them.
 
 mod reader;
+mod repetition;
 mod writer;
 
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
+use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+
 use crate::post::words;
 
 /// The dialect.
@@ -57,6 +60,14 @@ impl Post for Siemens840d {
 
     fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, write);
+    }
+
+    fn no_subprograms(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn subprograms(&self, program: &Program, divided: &Divided<'_>, _smoothing: &str, write: &mut WriteBlock<'_>) {
+        writer::subprograms(program, divided, write);
     }
 
     fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {

@@ -4,14 +4,19 @@
 //! the control takes a missing component as 0, which is never intended. Case matters only in names of tools; words may
 //! follow each other without a blank.
 
+use super::repetition;
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::spline::SplineWords;
 use crate::post::control::{
-    self, Act, Control, LengthWord, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Largest turn of the work frame, degrees.
+const MOST_TURN: f64 = 360.0;
 
 /// Longest block of the control.
 const LONGEST_BLOCK: usize = 512;
@@ -119,6 +124,7 @@ const SINUMERIK: Control = Control {
         Act::Transform,
         Act::Set(ModalGroup::WorkOffset),
         Act::Set(ModalGroup::Shift),
+        Act::TurnFrame,
         Act::Set(ModalGroup::VectorFrame),
         Act::Set(ModalGroup::Turning),
         Act::Smooth,
@@ -136,6 +142,7 @@ const SINUMERIK: Control = Control {
     length: "D1",
     smoothing: "CYCLE832 with a tolerance",
     end: "M30",
+    unturned: "write ROT alone in a block before",
     great_circle: &["ORIVECT", "ORIPLANE"],
     machine_frame_drops_length: false,
     switching_drops_frames: true,
@@ -171,33 +178,44 @@ const HARMLESS: [&str; 17] = [
 
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-    control::read(text, &SINUMERIK, machine, |line, number, faults| {
-        let line = line.strip_suffix('\r').unwrap_or(line);
-        if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
-            faults.push(format!("longer than {LONGEST_BLOCK} characters"));
-            return None;
-        }
-        // First line of a transferred file.
-        if number == 1 && line.starts_with("%_N_") {
-            return None;
-        }
-        let mut reader = BlockReader {
-            machine,
-            block: NcBlock::default(),
-            words: 0,
-            alone: None,
-            frame: None,
-            edge: None,
-            polynomials: Default::default(),
-        };
-        if let Err(reason) = reader.words(line) {
-            faults.push(reason);
-        }
-        if let Err(reason) = reader.together() {
-            faults.push(reason);
-        }
-        (reader.words > 0).then_some(reader.block)
-    })
+    // Values of the R parameters; at the start they are unknown.
+    let mut parameters = BTreeMap::new();
+    control::read_in_order(
+        text,
+        &SINUMERIK,
+        machine,
+        &repetition::flow(text),
+        |Line { text: line, number, .. }, faults| {
+            let line = line.strip_suffix('\r').unwrap_or(line);
+            if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
+                faults.push(format!("longer than {LONGEST_BLOCK} characters"));
+                return None;
+            }
+            // First line of a transferred file.
+            if number == 1 && line.starts_with("%_N_") {
+                return None;
+            }
+            let mut reader = BlockReader {
+                machine,
+                parameters: &mut parameters,
+                block: NcBlock::default(),
+                words: 0,
+                alone: None,
+                frame: None,
+                frame_turn: None,
+                assigned: 0,
+                edge: None,
+                polynomials: Default::default(),
+            };
+            if let Err(reason) = reader.words(line) {
+                faults.push(reason);
+            }
+            if let Err(reason) = reader.together() {
+                faults.push(reason);
+            }
+            (reader.words > 0).then_some(reader.block)
+        },
+    )
 }
 
 /// Value of a word.
@@ -206,6 +224,15 @@ enum WordValue<'a> {
     None,
     /// A number, or other text in the place of a number.
     Number(&'a str),
+    /// A number that an R parameter is added to, or that is multiplied with it.
+    Computed {
+        /// Number.
+        number: &'a str,
+        /// Sum, or product.
+        sum: bool,
+        /// Number of the parameter.
+        parameter: &'a str,
+    },
     /// A name in quotes.
     Quoted(&'a str),
     /// Text between brackets.
@@ -216,12 +243,17 @@ enum WordValue<'a> {
 
 struct BlockReader<'a> {
     machine: &'a Machine,
+    parameters: &'a mut BTreeMap<u32, f64>,
     block: NcBlock,
     words: usize,
     /// A word that must be the only one in its block.
     alone: Option<&'static str>,
     /// A word that shifts or rotates the work frame.
     frame: Option<&'static str>,
+    /// Turn about Z behind ROT, degrees.
+    frame_turn: Option<f64>,
+    /// Number of R parameters that get a value.
+    assigned: usize,
     edge: Option<u32>,
     /// Polynomials of X Y Z and XH YH ZH.
     polynomials: [Option<Vec<f64>>; 6],
@@ -251,6 +283,7 @@ impl BlockReader<'_> {
     fn word(&mut self, name: &str, value: &WordValue<'_>) -> Result<(), String> {
         match value {
             WordValue::Number(text) => self.valued(name, text),
+            WordValue::Computed { number, sum, parameter } => self.computed(name, number, *sum, parameter),
             WordValue::Quoted(text) if name == "T" && !text.is_empty() => {
                 once(&mut self.block.tool, "T", control::name(text))
             }
@@ -326,9 +359,41 @@ impl BlockReader<'_> {
         }
     }
 
+    /// A word of a rotary axis whose position depends on an R parameter.
+    fn computed(&mut self, name: &str, text: &str, sum: bool, parameter: &str) -> Result<(), String> {
+        if self.machine.rotary_axis(name).is_none() {
+            return Err(format!("`{}` with an expression: expressions are read for rotary axes only", shown(name, 20)));
+        }
+        let given = count(parameter).ok().and_then(|n| self.parameters.get(&n));
+        let given = given.ok_or_else(|| {
+            format!("R{} has no value: no block before gives it one in this program", shown(parameter, 9))
+        })?;
+        let value = number(text)?;
+        let position = if sum { value + given } else { value * given };
+        self.block.shifted |= position != value;
+        self.block.angle(name, position, self.machine)
+    }
+
     fn valued(&mut self, name: &str, text: &str) -> Result<(), String> {
         let named = |reason: String| format!("`{name}{}`: {reason}", shown(text, 40));
         let value = || number(text).map_err(named);
+        if let Some(n) = name.strip_prefix('R').and_then(|n| count(n).ok()) {
+            self.assigned += 1;
+            self.parameters.insert(n, value()?);
+            return Ok(());
+        }
+        if self.frame == Some("ROT") {
+            return match name {
+                "Z" if number(text).is_ok_and(|turn| turn.abs() <= MOST_TURN) => {
+                    once(&mut self.frame_turn, "Z", value()?)
+                }
+                _ => Err(format!(
+                    "`ROT {}{}`: turns of the work frame are read about Z only, up to {MOST_TURN} deg",
+                    shown(name, 20),
+                    shown(text, 20)
+                )),
+            };
+        }
         let block = &mut self.block;
         match name {
             "X" => block.coordinate(0, value()?),
@@ -430,8 +495,12 @@ impl BlockReader<'_> {
                 return Err(format!("D{edge} selects another cutting edge: the tool of the job is D1"));
             }
         }
+        if self.assigned > 0 && self.assigned < self.words {
+            return Err("R parameters get their values in a block of their own".to_owned());
+        }
         if let Some(frame) = self.frame {
-            if self.words > 1 {
+            block.frame_turn = Some(self.frame_turn.map_or(0.0, f64::to_radians));
+            if self.words > 1 + usize::from(self.frame_turn.is_some()) {
                 return Err(format!(
                     "{frame} with other words shifts or turns the work frame; write {frame} alone to reset it"
                 ));
@@ -529,6 +598,9 @@ fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
         let end = inside.find('"').ok_or("a quoted text is not closed")?;
         return Ok((WordValue::Quoted(&inside[..end]), &inside[end + 1..]));
     }
+    if let Some(found) = computed(text) {
+        return Ok(found);
+    }
     let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     let wrong = if end == 0 { text.split([' ', '\t', ';']).next().unwrap_or_default() } else { "" };
@@ -536,6 +608,18 @@ fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
         return Ok((WordValue::Number(number), rest));
     }
     Err(format!("`{}` is not a number: parameters and expressions are not read", shown(wrong, 20)))
+}
+
+/// A number with an R parameter at the start of a text, such as `12.5+R90` or `12.5*R91`, and the rest.
+fn computed(text: &str) -> Option<(WordValue<'_>, &str)> {
+    let signed = text.strip_prefix('-').unwrap_or(text);
+    let digits = signed.find(|c: char| !(c.is_ascii_digit() || c == '.')).filter(|n| *n > 0)?;
+    let (number, behind) = text.split_at(text.len() - signed.len() + digits);
+    let sum = behind.starts_with('+');
+    let behind = behind.strip_prefix(['+', '*'])?.strip_prefix(['R', 'r'])?;
+    let end = behind.find(|c: char| !c.is_ascii_digit()).unwrap_or(behind.len());
+    let (parameter, rest) = behind.split_at(end);
+    Some((WordValue::Computed { number, sum, parameter }, rest))
 }
 
 /// Text between brackets, and the rest.

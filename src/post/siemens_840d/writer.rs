@@ -3,14 +3,17 @@
 use super::Siemens840d;
 use crate::diag::Sink;
 use crate::geom::bezier;
-use crate::ir::{Motion, MotionOperation, MoveKind, Program, SplineBlock};
+use crate::ir::repeats::Stretch;
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use crate::kin::TurnCurve;
 use crate::post::dialect::WriteBlock;
+use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::Orientation;
 use nalgebra::{SVector, Vector3};
+use std::ops::Range;
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
@@ -32,12 +35,43 @@ const COEFFICIENT_DECIMALS: usize = 8;
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
+    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), RotaryWords::Fixed), write);
+}
+
+/// R parameters that the rotary words of a repeated part count with: shift of axis 2, degrees, and sign of axis 1.
+const PARAMETERS: [&str; 2] = ["R90", "R91"];
+
+/// How blocks state the rotary axes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum RotaryWords {
+    /// Positions.
+    Fixed,
+    /// Positions that count with [`PARAMETERS`].
+    OfParameters,
+}
+
+/// Writes the blocks of some moves.
+fn stretch(
+    program: &Program,
+    operation: &MotionOperation,
+    (range, words): (Range<usize>, RotaryWords),
+    write: &mut WriteBlock<'_>,
+) {
     let post = &Siemens840d;
     let decimals = program.post.decimals.feed;
+    let rotary = |m: &JointMove| match words {
+        RotaryWords::Fixed => write::rotary(post, program, m.joints.rotary),
+        RotaryWords::OfParameters => {
+            let [first, second] = write::rotary_numbers(post, program, m.joints.rotary);
+            let [.., a, b] = program.machine.names();
+            format!("{a}={first}*{} {b}={second}+{}", PARAMETERS[1], PARAMETERS[0])
+        }
+    };
     let mut last_feed = String::new();
     let mut last_kind = None;
     let mut spline_before = false;
-    for (i, m) in write::between(operation) {
+    for i in range {
+        let m = &operation.moves[i];
         if let Some((at, spline)) = operation.spline(i) {
             if i > spline.first {
                 continue;
@@ -60,7 +94,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
         }
         let tip = write::tip(post, program, &m.joints);
         let text = match m.kind {
-            MoveKind::Rapid => format!("G0 {tip} {}", write::rotary(post, program, m.joints.rotary)),
+            MoveKind::Rapid => format!("G0 {tip} {}", rotary(m)),
             MoveKind::Link | MoveKind::Cut => {
                 let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
                 // After a rapid F is written again, so that every pass can be read by itself.
@@ -69,7 +103,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
                 last_feed = f;
                 let direction = match program.post.orientation {
                     Orientation::Vectors => write::vector(post, program, &m.joints, ["A3=", "B3=", "C3="]),
-                    Orientation::Angles => write::rotary(post, program, m.joints.rotary),
+                    Orientation::Angles => rotary(m),
                 };
                 format!("G1 {tip} {direction}{word}")
             }
@@ -112,4 +146,53 @@ fn polynomials(program: &Program, spline: &SplineBlock) -> String {
         format!("PO[{name}]=({})", numbers.join(","))
     });
     words.collect::<Vec<_>>().join(" ")
+}
+
+/// Writes the blocks of an operation, and each subprogram once, between two labels. The other places repeat it.
+///
+/// With the transformation on, a turn of the work frame turns X, Y and, with ORIWKS, vectors of the tool. It turns no rotary
+/// words: these count with R parameters, which the text sets before each place. So nothing of it acts after an abort: each
+/// operation takes the frame back at its start.
+pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut WriteBlock<'_>) {
+    let operation = divided.operation;
+    let mut frame = 0;
+    let mut turn_frame = |pitches: u32, write: &mut WriteBlock<'_>| {
+        if pitches != frame {
+            let turn = if pitches == 0 { String::new() } else { format!(" Z{}", frame_degrees(program, pitches)) };
+            write(format!("ROT{turn}"), None);
+            frame = pitches;
+        }
+    };
+    let mut parameters = String::new();
+    let mut written = 0;
+    for Stretch { moves, repeats } in &divided.division.stretches {
+        let Some((subprogram, turned)) = repeats else {
+            turn_frame(0, write);
+            stretch(program, operation, (moves.clone(), RotaryWords::Fixed), write);
+            continue;
+        };
+        turn_frame(turned.pitches, write);
+        let turns = program.post.orientation == Orientation::Angles
+            || operation.moves[moves.clone()].iter().any(|m| m.kind == MoveKind::Rapid);
+        if turns {
+            let shift = degrees(turned.second.to_degrees() * program.machine.rotary[1].word_sign);
+            let set = format!("{}={shift} {}={}", PARAMETERS[0], PARAMETERS[1], degrees(turned.first));
+            if set != parameters {
+                write(set.clone(), None);
+                parameters = set;
+            }
+        }
+        let name = divided.number(*subprogram);
+        if *subprogram == written {
+            let places = divided.division.places(*subprogram).count();
+            write(format!("; subprogram {name}: the same in {places} places"), None);
+            write(format!("SUB_{name}_BEGIN:"), None);
+            stretch(program, operation, (moves.clone(), RotaryWords::OfParameters), write);
+            write(format!("SUB_{name}_END:"), None);
+            written += 1;
+        } else {
+            write(format!("REPEAT SUB_{name}_BEGIN SUB_{name}_END P=1"), None);
+        }
+    }
+    turn_frame(0, write);
 }

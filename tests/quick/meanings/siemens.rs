@@ -77,7 +77,7 @@ fn head() -> Vec<Kind> {
         (C, First("TRAFOOF\n", "TRAFOOF\nMSG()\n"), Harmless, "a text on the screen"),
         (C, First("TRAFOOF\n", "TRAFOOF\nDIAMON\n"), Refused, "X is a diameter"),
         (C, First("TRAFOOF\n", "TRAFOOF\nG291\n"), Refused, "another language"),
-        (C, First("TRAFOOF\n", "TRAFOOF\nR1=5\n"), Refused, "a parameter"),
+        (C, First("TRAFOOF\n", "TRAFOOF\nR1=5\n"), Harmless, "a parameter that no word counts with"),
         (C, First("TRAFOOF\n", "TRAFOOF\n$P_UIFR[1]=CTRANS(X,5)\n"), Refused, "changes the offset"),
     ]
 }

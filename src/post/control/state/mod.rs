@@ -5,6 +5,7 @@ mod splines;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Carries, Machine, RotaryAxis};
+use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
 use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, ReadError};
 use crate::post::tool_shape::NcToolShape;
@@ -71,8 +72,12 @@ struct ControlState<'a> {
     /// Position of the tip while tables turn at the start, machine frame, mm.
     turned: Option<Vector3<f64>>,
     ended: bool,
+    /// Turn of the work frame about Z, radians.
+    frame_turn: f64,
     sections: Vec<NcSection>,
     moves: usize,
+    /// Line of the call that is executed.
+    call: Option<usize>,
     faults: Vec<ReadError>,
     /// The block has a fault already: faults that follow from it are not reported.
     quiet: bool,
@@ -106,8 +111,10 @@ impl<'a> ControlState<'a> {
             at_start: false,
             turned: None,
             ended: false,
+            frame_turn: 0.0,
             sections: Vec::new(),
             moves: 0,
+            call: None,
             faults: Vec::new(),
             quiet: false,
             understood: true,
@@ -117,8 +124,14 @@ impl<'a> ControlState<'a> {
 
     /// Reports a fault of this block unless the block has one already.
     fn fault(&mut self, reason: impl Into<String>) {
-        if !self.quiet && self.faults.len() < MOST_FAULTS {
-            self.faults.push(ReadError { line: self.line, reason: reason.into() });
+        // A line that is called again has the same faults.
+        let known = self.call.is_some() && self.faults.iter().any(|f| f.line == self.line);
+        if !self.quiet && !known && self.faults.len() < MOST_FAULTS {
+            let mut reason = reason.into();
+            if let Some(call) = self.call {
+                reason.push_str(&format!(" (called in line {call})"));
+            }
+            self.faults.push(ReadError { line: self.line, reason });
         }
         self.quiet = true;
     }
@@ -159,6 +172,11 @@ impl<'a> ControlState<'a> {
         for act in self.control.order {
             match act {
                 Act::Set(group) => self.set(*group, block),
+                Act::TurnFrame => {
+                    if let Some(turn) = block.frame_turn {
+                        self.turn_frame(turn);
+                    }
+                }
                 Act::Feed => self.feed = block.feed.or(self.feed),
                 Act::Speed => self.speed = block.speed.or(self.speed),
                 Act::Select => {
@@ -207,6 +225,22 @@ impl<'a> ControlState<'a> {
                  before"
             )),
         }
+    }
+
+    /// Turns the work frame.
+    fn turn_frame(&mut self, turn: f64) {
+        if turn != 0.0 && self.transformation != Transformation::On {
+            let [on, _] = self.control.transformation;
+            self.fault(format!(
+                "the work frame is turned with the transformation off: turn it behind {on}, and back before the transformation ends"
+            ));
+            return;
+        }
+        if turn != self.frame_turn {
+            // The control counts the place of the tool in the new frame.
+            self.tip = [None; 3];
+        }
+        self.frame_turn = turn;
     }
 
     fn wait(&mut self, word: &str) {
@@ -297,6 +331,7 @@ impl<'a> ControlState<'a> {
         if block.has_axis_words() {
             self.fault("the transformation is switched in a move: write the word alone in its block");
         }
+        self.check_turn();
         if self.control.switching_drops_frames {
             // The control cancels the programmable frame and the work offset.
             self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
@@ -365,6 +400,15 @@ impl<'a> ControlState<'a> {
             self.fault(reason);
         }
         self.begin();
+    }
+
+    /// Reports a work frame that is still turned where the transformation is switched.
+    fn check_turn(&mut self) {
+        if self.frame_turn != 0.0 {
+            let turn = figure(self.frame_turn.to_degrees());
+            self.fault(format!("the work frame is still turned by {turn} deg here: {}", self.control.unturned));
+            self.turn_frame(0.0);
+        }
     }
 
     /// Reports a table that does not stand at zero where the control fixes the work frame to it.
@@ -439,6 +483,9 @@ impl<'a> ControlState<'a> {
     /// Checks the state at the end of the program.
     fn end(&mut self, word: &str) {
         let [_, off] = self.control.transformation;
+        if self.frame_turn != 0.0 {
+            self.fault(format!("the program ends with the work frame turned: {}", self.control.unturned));
+        }
         match self.transformation {
             Transformation::On => self.fault(format!(
                 "the program ends with the transformation on: write {off}, then {}",
@@ -470,6 +517,17 @@ impl<'a> ControlState<'a> {
     }
 }
 
+/// A line that is executed.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::post) struct Line<'a> {
+    /// Text.
+    pub(in crate::post) text: &'a str,
+    /// Number, from 1.
+    pub(in crate::post) number: usize,
+    /// Values of the parameters 1, 2 ... of the subprogram.
+    pub(in crate::post) arguments: &'a [f64],
+}
+
 /// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
 /// adds whatever it does not understand to the list that it receives.
 ///
@@ -481,34 +539,96 @@ pub(in crate::post) fn read(
     machine: &Machine,
     mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
 ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    read_in_order(text, control, machine, &Flow::default(), |line, reasons| block(line.text, line.number, reasons))
+}
+
+/// As [`read`], in the order of the calls of the text.
+///
+/// # Errors
+/// As [`read`].
+pub(in crate::post) fn read_in_order(
+    text: &str,
+    control: &Control,
+    machine: &Machine,
+    flow: &Flow,
+    mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
     let mut state = ControlState::new(control, machine);
-    let mut reasons = Vec::new();
-    for (i, line) in text.strip_suffix('\n').unwrap_or(text).split('\n').enumerate() {
-        state.line = i + 1;
-        state.quiet = false;
-        let found = match control_character(line.strip_suffix('\r').unwrap_or(line)) {
-            Some(reason) => {
-                reasons.push(reason);
-                None
+    let mut executed = 0_usize;
+    let mut at = 0;
+    while at < lines.len() {
+        let step = flow.0.get(&at);
+        state.line_of(lines[at], at, &[], step, &mut block);
+        executed += 1;
+        at += 1;
+        match step {
+            Some(Step::SkipTo(next)) => at = at.max(*next),
+            Some(Step::Call { lines: called, times, arguments }) if state.faults.len() < MOST_FAULTS => {
+                state.call = Some(at);
+                executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
+                if executed > MOST_EXECUTED {
+                    state.fault(format!(
+                        "more than {MOST_EXECUTED} lines are executed; divide the program by operations"
+                    ));
+                    return Err(state.faults);
+                }
+                for line in (0..*times).flat_map(|_| called.clone()) {
+                    state.line_of(lines[line], line, arguments, flow.0.get(&line), &mut block);
+                    if state.faults.len() >= MOST_FAULTS {
+                        break;
+                    }
+                }
+                state.call = None;
             }
-            None => block(line, i + 1, &mut reasons),
-        };
-        state.understood = reasons.is_empty();
-        if let Some(first) = reasons.drain(..).next() {
-            state.fault(first);
-        }
-        if let Some(block) = found {
-            state.run(&block);
+            _ => {}
         }
         if state.faults.len() >= MOST_FAULTS {
             return Err(state.faults);
         }
     }
     if !state.ended {
-        (state.quiet, state.understood) = (false, true);
+        (state.quiet, state.understood, state.line) = (false, true, lines.len());
         state.fault(format!("the text ends here, without {}", control.end));
     }
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+}
+
+impl ControlState<'_> {
+    /// Executes a line; `at` counts from 0.
+    fn line_of(
+        &mut self,
+        line: &str,
+        at: usize,
+        arguments: &[f64],
+        step: Option<&Step>,
+        block: &mut impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+    ) {
+        (self.line, self.quiet) = (at + 1, false);
+        let mut reasons = Vec::new();
+        let found = match (control_character(line.strip_suffix('\r').unwrap_or(line)), step) {
+            (Some(reason), _) => {
+                reasons.push(reason);
+                None
+            }
+            (None, Some(step)) => {
+                if let Step::Fault(reason) = step {
+                    reasons.push(reason.clone());
+                } else if self.ended {
+                    reasons.push("text after the end of the program".to_owned());
+                }
+                None
+            }
+            (None, None) => block(Line { text: line, number: at + 1, arguments }, &mut reasons),
+        };
+        self.understood = reasons.is_empty();
+        if let Some(first) = reasons.into_iter().next() {
+            self.fault(first);
+        }
+        if let Some(block) = found {
+            self.run(&block);
+        }
+    }
 }
 
 pub(in crate::post) fn control_character(line: &str) -> Option<String> {

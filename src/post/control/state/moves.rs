@@ -215,6 +215,7 @@ impl ControlState<'_> {
                 smoothing,
                 turn,
                 curve: None,
+                frame_turned: self.frame_turn != 0.0 || block.shifted,
             });
             self.moves += 1;
         }
@@ -239,7 +240,16 @@ impl ControlState<'_> {
         }
         let [x, y, z] = self.tip.map(|x| x.unwrap_or(0.0));
         self.tip = [Some(x), Some(y), Some(z)];
-        Point3::new(x, y, z)
+        Point3::from(self.in_part(Vector3::new(x, y, z)))
+    }
+
+    /// A vector of the work frame in the part frame.
+    fn in_part(&self, v: Vector3<f64>) -> Vector3<f64> {
+        if self.frame_turn == 0.0 {
+            return v;
+        }
+        let (sine, cosine) = libm::sincos(self.frame_turn);
+        Vector3::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y, v.z)
     }
 
     /// Reports a turn for which the shorter way is not the one that the words mean.
@@ -343,7 +353,7 @@ impl ControlState<'_> {
         }
         let time = Some(60.0 / word);
         let [Some(x), Some(y), Some(z)] = before else { return (None, time) };
-        let feed = (tip - Point3::new(x, y, z)).norm() * word;
+        let feed = (tip.coords - self.in_part(Vector3::new(x, y, z))).norm() * word;
         // Where the tip stands still, the control takes F as degrees.
         let turn = match (self.direction, *direction) {
             (Direction::Rotary(from), Direction::Rotary(to)) if feed == 0.0 => {
@@ -365,7 +375,7 @@ impl ControlState<'_> {
         match (block.vector, block.rotary) {
             ([None, None, None], [None, None]) => before,
             ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(NO_DIRECTION) {
-                Some(axis) => Direction::Axis(axis),
+                Some(axis) => Direction::Axis(self.in_part(axis)),
                 None => {
                     self.fault("a direction vector of length 0");
                     before

@@ -24,6 +24,9 @@ impl ControlState<'_> {
     pub(super) fn state_second_point(&mut self, block: &NcBlock) {
         self.motion = block.motion.or(self.motion);
         self.judge_modes(true, true, true);
+        if self.frame_turn != 0.0 {
+            self.fault("XH YH ZH in a turned work frame are not read: turn it back before");
+        }
         if !self.turns_by_second_point() {
             self.fault("XH YH ZH without ORICURVE: the control would not turn the tool by them");
         }
@@ -68,6 +71,9 @@ impl ControlState<'_> {
             self.fault("polynomials in a block that is not POLY: the control moves straight to their ends; write POLY");
         }
         self.judge_modes(true, true, true);
+        if self.frame_turn != 0.0 {
+            self.fault("polynomials in a turned work frame are not read: turn it back before");
+        }
         let forward = matches!(words, SplineWords::Forward { .. });
         if forward && !self.turns_by_second_point() {
             self.fault("polynomials of XH YH ZH without ORICURVE: the control would not turn the tool by them");
@@ -121,6 +127,7 @@ impl ControlState<'_> {
             smoothing,
             turn: self.turn_tolerance(),
             curve: Some(curve),
+            frame_turned: false,
         };
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
             section.moves.push(made);
