@@ -178,7 +178,7 @@ pub fn certify_with(
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
-    splines::nearer_surroundings(&mut certificate, &splines);
+    nearer_surroundings(&mut certificate, &splines);
     // The time that the machine takes, not the programmed time.
     for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
         operation.time = run.time;
@@ -201,6 +201,15 @@ pub fn certify_with(
     (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
     finite::report(program, motion, &certificate, sink);
     Ok(certificate)
+}
+
+/// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
+fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines::SplineReport>]) {
+    let by = reports.iter().flatten().map(|r| r.tool).fold(0.0, f64::max);
+    for carried in &mut certificate.carried {
+        splines::nearer(&mut carried.clearance, by);
+    }
+    certificate.clamping.distance = certificate.clamping.distance.map(|distance| distance - by);
 }
 
 /// The contracts on gouge and excess, each with its surfaces.

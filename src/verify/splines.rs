@@ -6,7 +6,6 @@
 //! between D and a is at most 2 |D - l a| / |D|. Along a chord, a leaves the straight line between its ends by at most an eighth
 //! of its second derivative, which [`crate::kin::chain::Turning`] bounds.
 
-use super::Certificate;
 use super::clearance::Clearance;
 use super::kept::KeptSurfaces;
 use super::surface::{FAR, Limits, SurfaceReport};
@@ -165,15 +164,6 @@ pub fn widened_kept(mut kept: KeptSurfaces, by: f64) -> KeptSurfaces {
         surface.gouge_bound += by;
     }
     kept
-}
-
-/// Takes the distance of the whole tools from the clearances to table, fixtures and clamping.
-pub fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<SplineReport>]) {
-    let by = reports.iter().flatten().map(|r| r.tool).fold(0.0, f64::max);
-    for carried in &mut certificate.carried {
-        nearer(&mut carried.clearance, by);
-    }
-    certificate.clamping.distance = certificate.clamping.distance.map(|distance| distance - by);
 }
 
 /// Takes a distance from a clearance, mm.

@@ -26,6 +26,15 @@ use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 
+/// What must be set at the control.
+const ASSUMED: &[&str] = &[
+    "the kinematics are xyzac-trt or xyzbc-trt with the points of the machine file; M428 and M429 switch them and wait",
+    "a positive rotary word turns its table right-handed",
+    "G54 is the part origin in the machine frame, without rotary offsets; all axes are homed",
+    "the tool table has the lengths of the head, and they drive the kinematics",
+    "rapids are G1 in inverse time: G0 with M428 would keep no limit of a joint",
+];
+
 /// The dialect.
 pub(super) struct LinuxCnc;
 
@@ -44,6 +53,10 @@ impl Post for LinuxCnc {
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(program, motion, sink);
+    }
+
+    fn assumptions(&self) -> &'static [&'static str] {
+        ASSUMED
     }
 
     fn form(&self) -> &'static TextForm {

@@ -31,6 +31,15 @@ use crate::post::nc::{NcSection, ReadError};
 
 use crate::post::words;
 
+/// What must be set at the control.
+const ASSUMED: &[&str] = &[
+    "TRAORI is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
+    "TRAORI takes the tool length of D1, which is that of the head",
+    "G54 is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
+    "with SUPA and D0, X Y Z count from the machine datum of the machine file, Z at the gauge line",
+    "G0 moves all axes together (RTLION), with ORIAXES as at feed; CYCLE832 keeps its tolerances",
+];
+
 /// The dialect.
 pub(super) struct Siemens840d;
 
@@ -52,6 +61,10 @@ impl Post for Siemens840d {
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         self.check_machine(&program.machine, sink);
         writer::check(program, motion, sink);
+    }
+
+    fn assumptions(&self) -> &'static [&'static str] {
+        ASSUMED
     }
 
     fn form(&self) -> &'static TextForm {
