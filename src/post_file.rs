@@ -377,11 +377,19 @@ pub enum Field {
     EndAxis,
     /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
     Cutter,
+    /// Word that unclamps rotary axis 1; no text for an axis without a clamp.
+    Unclamp1,
+    /// The same for rotary axis 2.
+    Unclamp2,
+    /// Word that clamps rotary axis 1.
+    Clamp1,
+    /// The same for rotary axis 2.
+    Clamp2,
 }
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 29] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
@@ -407,6 +415,10 @@ impl Field {
         Self::EndTip,
         Self::EndAxis,
         Self::Cutter,
+        Self::Unclamp1,
+        Self::Unclamp2,
+        Self::Clamp1,
+        Self::Clamp2,
     ];
 
     /// Its name in templates.
@@ -437,6 +449,10 @@ impl Field {
             Self::EndTip => "end-tip",
             Self::EndAxis => "end-axis",
             Self::Cutter => "cutter",
+            Self::Unclamp1 => "unclamp.1",
+            Self::Unclamp2 => "unclamp.2",
+            Self::Clamp1 => "clamp.1",
+            Self::Clamp2 => "clamp.2",
         }
     }
 
@@ -449,6 +465,10 @@ impl Field {
             | Self::ProgramNumber
             | Self::Retract
             | Self::RotaryZero
+            | Self::Unclamp1
+            | Self::Unclamp2
+            | Self::Clamp1
+            | Self::Clamp2
             | Self::SmoothingOff => &[Start, Head, OperationStart, OperationEnd, End],
             // In a head: the finest of all operations.
             Self::Smoothing => &[Head, OperationStart],

@@ -212,6 +212,10 @@ impl Values<'_> {
             Field::ProgramFile => program.name.to_ascii_uppercase().replace('-', "_"),
             Field::ProgramNumber => format!("{:04}", file.program_number),
             Field::Retract => self.length(program.machine.retract),
+            Field::Clamp1 => self.clamp(0, 0),
+            Field::Clamp2 => self.clamp(1, 0),
+            Field::Unclamp1 => self.clamp(0, 1),
+            Field::Unclamp2 => self.clamp(1, 1),
             Field::RotaryZero => rotary(self.post, program, [0.0; 2]),
             Field::SmoothingOff => self.filled(&file.smoothing[2]),
             Field::Smoothing => {
@@ -263,6 +267,12 @@ impl Values<'_> {
         let lengths = [diameter, corner, across, up].map(|value| self.length(value)).join(",");
         let angle = |value: f64| self.post.number(value.to_degrees(), self.program.post.decimals.angle);
         format!("CUTTER/{lengths},{},{},{}", angle(0.0), angle(side), self.length(tool.solid.flute_length))
+    }
+
+    /// Word that clamps (0) or unclamps (1) a rotary axis; no text where the axis has no clamp.
+    fn clamp(&self, axis: usize, word: usize) -> String {
+        let words = self.program.machine.rotary[axis].clamp.as_ref();
+        words.map_or_else(String::new, |words| words[word].clone())
     }
 
     fn length(&self, value: f64) -> String {

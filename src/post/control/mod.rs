@@ -82,6 +82,8 @@ pub(super) struct Control {
     pub(super) behind: &'static str,
     /// The word of a rapid.
     pub(super) rapid: &'static str,
+    /// The control has words that clamp rotary axes.
+    pub(super) clamps: bool,
     /// Motion word with which blocks of polynomials are polynomials.
     pub(super) spline_motion: MotionWord,
     /// The words that bring a tool into the spindle.
@@ -238,6 +240,8 @@ pub(super) struct NcBlock {
     pub(super) length: Option<LengthWord>,
     /// Tolerance of path smoothing.
     pub(super) smoothing: Option<Smoothing>,
+    /// Rotary axes that the block clamps (true) or unclamps.
+    pub(super) clamps: [Option<bool>; 2],
     /// A word that the control takes only with the transformation off.
     pub(super) outside: Option<&'static str>,
     /// A word that makes the program wait.
@@ -306,6 +310,17 @@ impl NcBlock {
             return Err(format!("a spindle speed of {value}"));
         }
         store(&mut self.speed, "S", value, FASTEST)
+    }
+
+    /// Stores a word that clamps or unclamps rotary axes of the machine; false when the word is none.
+    pub(super) fn clamp_word(&mut self, code: &str, machine: &Machine) -> bool {
+        let mut found = false;
+        for (slot, axis) in self.clamps.iter_mut().zip(&machine.rotary) {
+            if let Some(at) = axis.clamp.as_ref().and_then(|words| words.iter().position(|word| word == code)) {
+                (*slot, found) = (Some(at == 0), true);
+            }
+        }
+        found
     }
 
     /// Stores a word of a modal group; `None` when the text is no such word.

@@ -197,6 +197,7 @@ pub(super) const CONTROL: Control = Control {
     machine_frame: "G53 G0",
     behind: "",
     rapid: "G0",
+    clamps: true,
     spline_motion: MotionWord::Feed,
     change: "T and M6",
     vector: ["I", "J", "K"],

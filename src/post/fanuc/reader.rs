@@ -425,7 +425,7 @@ fn miscellaneous(code: &str, machine: &Machine, block: &mut NcBlock) -> Result<(
         "M0" => once(&mut block.wait, "M0 or M1", "M0"),
         "M1" => once(&mut block.wait, "M0 or M1", "M1"),
         "M98" | "M99" | "M198" => Err(format!("`{code}` is not understood: subprograms are not read")),
-        _ if machine.own_words.iter().any(|word| word == code) => Ok(()),
+        _ if block.clamp_word(code, machine) || machine.own_words.iter().any(|word| word == code) => Ok(()),
         _ => Err(format!(
             "`{code}` is not understood: a word of the machine builder; if it changes neither path, tool, spindle nor \
              coolant, add it to `own-words` of the machine file"

@@ -117,6 +117,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         machine_frame: "L",
         behind: " R0 FMAX M91",
         rapid: "FMAX",
+        clamps: true,
         spline_motion: MotionWord::Feed,
         change: "TOOL CALL",
         vector: ["TX", "TY", "TZ"],

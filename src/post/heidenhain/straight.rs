@@ -212,6 +212,7 @@ impl Words {
                 block.machine_frame = true;
                 Ok(())
             }
+            _ if block.clamp_word(&format!("M{code}"), machine) => Ok(()),
             _ => unread(code, machine),
         }
     }

@@ -145,6 +145,7 @@ const LINUXCNC: Control = Control {
     machine_frame: "G53 G0",
     behind: "",
     rapid: "G0",
+    clamps: false,
     spline_motion: MotionWord::Feed,
     change: "T and M6",
     vector: [""; 3],

@@ -136,6 +136,7 @@ const SINUMERIK: Control = Control {
     machine_frame: "SUPA G0",
     behind: " D0",
     rapid: "G0",
+    clamps: true,
     spline_motion: MotionWord::Polynomial,
     change: "T and M6",
     vector: ["A3", "B3", "C3"],
@@ -453,7 +454,7 @@ impl BlockReader<'_> {
             "G74" | "G75" => {
                 Err(format!("`{code}` is not understood: its target is set at the control; write SUPA G0 Z"))
             }
-            _ if HARMLESS.contains(&code) => Ok(()),
+            _ if HARMLESS.contains(&code) || block.clamp_word(code, self.machine) => Ok(()),
             _ => Err(format!("`{code}` is not understood")),
         }
     }

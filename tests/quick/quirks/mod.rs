@@ -8,11 +8,12 @@ mod splines;
 
 use crate::support::{self, golden};
 use impellerc::diag::Sink;
+use impellerc::driver::check_frames;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use impellerc::job::shipped_post;
 use impellerc::kin::{Machine, PoseCurve, TurnCurve};
 use impellerc::post;
-use impellerc::post_file::Orientation;
+use impellerc::post_file::{Field, Orientation};
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// A quirk of a dialect.
@@ -141,4 +142,29 @@ fn half_a_turn_in_one_block_is_refused() {
     assert!(said(50.0, 170.0).is_empty());
     // An axis of at most one turn has no other way.
     assert!(said(3.1, 200.0).is_empty());
+}
+
+/// An axis with a clamp is unclamped before it turns: the frames that ship do it, and a frame that does not is refused before
+/// planning.
+#[test]
+fn a_clamped_axis_does_not_turn() {
+    for name in ["siemens-840d", "heidenhain", "heidenhain-itnc530", "fanuc", "makino", "mitsubishi"] {
+        let mut program = program("siemens-840d");
+        program.post = shipped_post(name).unwrap();
+        let said = |program: &Program| {
+            let mut sink = Sink::default();
+            check_frames(program, &mut sink).unwrap();
+            sink.diags().iter().map(|d| format!("{} {}", d.code.id(), d.message)).collect::<Vec<_>>()
+        };
+        assert!(said(&program).is_empty(), "{name}: {:?}", said(&program));
+        let clamp = |words: [&str; 2]| Some(words.map(str::to_owned));
+        program.machine.rotary[0].clamp = clamp(["M10", "M11"]);
+        program.machine.rotary[1].clamp = clamp(["M78", "M79"]);
+        assert!(said(&program).is_empty(), "{name}: {:?}", said(&program));
+        let [_, _, start, ..] = &mut program.post.frames;
+        start.retain(|template| !template.fields().any(|field| field == Field::Unclamp2));
+        let refused = said(&program);
+        assert!(refused.len() == 1 && refused[0].starts_with("IMP0810"), "{name}: {refused:?}");
+        assert!(refused[0].contains("clamped") && refused[0].contains("M79"), "{name}: {refused:?}");
+    }
 }

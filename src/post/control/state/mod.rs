@@ -65,6 +65,8 @@ struct ControlState<'a> {
     length: Length,
     speed: Option<f64>,
     smoothing: Option<Smoothing>,
+    /// Whether rotary axes are clamped; `None` where no block says so.
+    clamped: [Option<bool>; 2],
     /// A section has begun, and its retract is still missing.
     open: bool,
     /// The transformation is on, and no block but turns of tables has moved an axis since.
@@ -107,6 +109,7 @@ impl<'a> ControlState<'a> {
             length: Length::Unknown,
             speed: None,
             smoothing: None,
+            clamped: [None; 2],
             open: false,
             at_start: false,
             turned: None,
@@ -169,6 +172,7 @@ impl<'a> ControlState<'a> {
         if let Some(word) = block.outside {
             self.judge_outside(word);
         }
+        self.clamp(block);
         for act in self.control.order {
             match act {
                 Act::Set(group) => self.set(*group, block),
@@ -448,6 +452,37 @@ impl<'a> ControlState<'a> {
             self.sections.push(NcSection { start, moves: Vec::new(), retract: None, shape: NcToolShape::default() });
         }
         self.open = true;
+    }
+
+    /// Clamps and unclamps rotary axes.
+    fn clamp(&mut self, block: &NcBlock) {
+        for (k, word) in block.clamps.into_iter().enumerate() {
+            if word.is_some() {
+                if block.has_axis_words() {
+                    self.fault(
+                        "a word that clamps or unclamps an axis in a block with a move: write it alone in its block",
+                    );
+                }
+                self.clamped[k] = word;
+            }
+        }
+    }
+
+    /// Reports a rotary axis that moves, or may move, while it is clamped.
+    fn judge_clamps(&mut self, moves: [bool; 2]) {
+        let machine = self.machine;
+        for (k, axis) in machine.rotary.iter().enumerate() {
+            let Some([clamp, unclamp]) = axis.clamp.as_ref().filter(|_| self.control.clamps && moves[k]) else {
+                continue;
+            };
+            let why = match self.clamped[k] {
+                Some(false) => continue,
+                Some(true) => format!("{clamp} has clamped it"),
+                None => "it may be clamped from another program".to_owned(),
+            };
+            self.fault_apart(format!("axis {} moves, and {why}: write {unclamp} in a block before", axis.name));
+            self.clamped[k] = Some(false);
+        }
     }
 
     /// Checks the modal groups that a move needs. All groups that no block has set are reported as one fault.

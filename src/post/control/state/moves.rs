@@ -80,6 +80,7 @@ impl ControlState<'_> {
             self.length = Length::Off;
         }
         self.judge_modes(false, !block.machine_frame, false);
+        self.judge_clamps(block.rotary.map(|word| word.is_some()));
         let words = [block.tip[0], block.tip[1], block.tip[2], block.rotary[0], block.rotary[1]];
         let sideways = (0..5).find(|k| *k != 2 && words[*k].is_some());
         if let (Some(k), true) = (sideways, words[2].is_some()) {
@@ -181,6 +182,7 @@ impl ControlState<'_> {
             }
         };
         self.judge_modes(true, true, !rapid);
+        self.judge_clamps([true; 2]);
         if self.turns_by_second_point() {
             self.fault_once("oricurve", "a straight block with ORICURVE, without XH YH ZH: write ORIAXES before it");
         }

@@ -71,6 +71,7 @@ impl ControlState<'_> {
             self.fault("polynomials in a block that is not POLY: the control moves straight to their ends; write POLY");
         }
         self.judge_modes(true, true, true);
+        self.judge_clamps([true; 2]);
         if self.frame_turn != 0.0 {
             self.fault("polynomials in a turned work frame are not read: turn it back before");
         }
