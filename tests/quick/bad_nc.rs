@@ -38,7 +38,7 @@ N180 M5
 N190 M30
 ";
 
-const LINUXCNC: &str = "\
+pub const LINUXCNC: &str = "\
 (test)
 M429
 G21 G17 G90 G40 G49 G80 G94 G97 G8 G54

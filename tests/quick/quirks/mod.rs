@@ -4,6 +4,8 @@
 mod apt_cl;
 mod fanuc;
 mod heidenhain;
+mod linuxcnc;
+mod siemens_840d;
 mod splines;
 
 use crate::support::{self, golden};
@@ -122,8 +124,14 @@ fn heidenhain() {
 }
 
 #[test]
-fn siemens_840d() {
+fn siemens() {
+    check("siemens-840d", &siemens_840d::quirks());
     check("siemens-840d", &splines::siemens());
+}
+
+#[test]
+fn linuxcnc_trt() {
+    check("linuxcnc", &linuxcnc::quirks());
 }
 
 /// With M126 an axis without end takes the shorter way: the post refuses what would go the other way.
