@@ -8,7 +8,7 @@ use super::bezier::MOST_DEGREE;
 use nalgebra::{DMatrix, SVector};
 
 /// Points between the knots of a span, at least: each determines a part of the spline.
-const LEAST_POINTS: usize = 3;
+const LEAST_POINTS: usize = 4;
 
 /// Spans of a spline, at most: beyond, straight lines are no worse.
 const MOST_SPANS: usize = 64;

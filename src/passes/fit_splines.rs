@@ -20,6 +20,10 @@ use std::ops::Range;
 /// Largest change of direction between two moves of a smooth path, radians; more is a corner.
 const CORNER: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
+/// Largest distance of two places through which a spline goes, mm, by the length of tip and second point together: a lead is
+/// one long move.
+const SPACING: f64 = 0.25;
+
 /// Fewest moves that a spline replaces.
 const FEWEST: usize = 6;
 
@@ -142,21 +146,32 @@ impl Fitting<'_> {
 
     /// Spans of the spline through the ends of moves.
     fn spans(&self, nodes: &[JointMove]) -> Result<Vec<Vec<Place>>, usize> {
-        let places: Vec<Place> = nodes.iter().map(|m| self.place(m)).collect();
+        let ends: Vec<Place> = nodes.iter().map(|m| self.place(m)).collect();
+        // With places on the moves, which are on the path as well up to the share of the stations.
+        let mut places = ends[..1].to_vec();
         let mut parameters = vec![0.0];
-        for (i, pair) in places.windows(2).enumerate() {
+        // Move of each place.
+        let mut of = vec![0];
+        for (i, pair) in ends.windows(2).enumerate() {
             let way = (pair[1] - pair[0]).norm();
             if way <= 0.0 {
                 return Err(i);
             }
-            parameters.push(parameters[parameters.len() - 1] + way);
+            let from = parameters[parameters.len() - 1];
+            let count = (way / SPACING).ceil().max(2.0);
+            for k in 1..=count as usize {
+                let share = k as f64 / count;
+                places.push(pair[0].lerp(&pair[1], share));
+                parameters.push(from + way * share);
+                of.push(i);
+            }
         }
         let axes: Vec<Vector3<f64>> = places.iter().map(|p| self.axis(p)).collect();
         let off = |i: usize, at: &Place| {
             let (tip, turned) = (at.fixed_rows::<3>(0) - places[i].fixed_rows::<3>(0), self.axis(at) - axes[i]);
             self.heights.iter().map(|(h, t)| (tip + turned * *h).norm() / t).fold(0.0, f64::max)
         };
-        spline_fit::fit(&places, &parameters, self.form.degree(), off)
+        spline_fit::fit(&places, &parameters, self.form.degree(), off).map_err(|at| of[at])
     }
 
     /// The place that the words of the post say.

@@ -33,8 +33,9 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
     }
 }
 
-/// Share of the tolerance that the stations of a pass may take which becomes a spline; the spline takes the rest.
-pub(super) const FIT_SHARE: f64 = 0.25;
+/// Share of the tolerance that the stations of a pass may take which becomes a spline; the spline takes the rest. Stations are
+/// five times as dense as for straight moves, so that a spline has no room between them.
+pub(super) const FIT_SHARE: f64 = 0.04;
 
 /// Heights over the tip at which tool positions are compared while stations are removed, with the tolerance there.
 fn stations_for(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {

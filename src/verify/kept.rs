@@ -66,17 +66,18 @@ pub(super) struct Deepest {
     pub(super) low: f64,
 }
 
-/// Measures the cutters of the whole program against all kept surfaces.
-pub fn check(program: &Program, sweeps: &[Sweep<'_>], progress: &Progress) -> KeptSurfaces {
+/// Measures the cutters of the whole program against all kept surfaces. The bounds include `off`, the largest distance of a
+/// cutter from its sweep, mm.
+pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progress) -> KeptSurfaces {
     let allowed = super::kept_gouge(program);
     let shapes = kept(&program.part, &program.stock, program.finishes_edges());
     let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
-    let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed), progress, "kept surfaces");
+    let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed - off), progress, "kept surfaces");
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
     for (c, d) in covered.iter().zip(&deepest) {
         let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
         // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
-        let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
+        let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0)) + off;
         let SurfaceId { kind, sector } = c.surface.id;
         let report =
             KeptReport { surface: String::new(), worst_on: c.surface.id.to_string(), gouge, gouge_bound, kind };

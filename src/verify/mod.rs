@@ -139,7 +139,7 @@ pub fn certify_with(
     let bounds = limits(program).narrowed(chords);
     let mut surfaces = surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &bounds, progress);
     splines::widen(&mut surfaces, chords);
-    let kept = splines::widened_kept(kept::check(program, &sweeps, progress), chords);
+    let kept = kept::check(program, &sweeps, chords, progress);
     let allowance = allowance::check(program, motion, progress);
     let (design_cloud, blank) = rayon::join(
         || Cloud::new(sample::cloud_points(&samples)),

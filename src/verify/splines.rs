@@ -7,7 +7,6 @@
 //! of its second derivative, which [`crate::kin::chain::Turning`] bounds.
 
 use super::clearance::Clearance;
-use super::kept::KeptSurfaces;
 use super::surface::{FAR, Limits, SurfaceReport};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::geom::bezier;
@@ -156,14 +155,6 @@ pub fn widen(surfaces: &mut [SurfaceReport], by: f64) {
             surface.excess_bound += by;
         }
     }
-}
-
-/// Kept surfaces with a distance added to their proved bounds, mm.
-pub fn widened_kept(mut kept: KeptSurfaces, by: f64) -> KeptSurfaces {
-    for surface in &mut kept.surfaces {
-        surface.gouge_bound += by;
-    }
-    kept
 }
 
 /// Takes a distance from a clearance, mm.

@@ -59,7 +59,7 @@ fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(P
 
 fn measured(program: &Program, motion: &Motion) -> KeptSurfaces {
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    impellerc::verify::kept::check(program, &sweeps, &Progress::default())
+    impellerc::verify::kept::check(program, &sweeps, 0.0, &Progress::default())
 }
 
 fn of(found: &KeptSurfaces, kind: SurfaceKind) -> &KeptReport {
