@@ -6,10 +6,10 @@
 //! the text meet exactly. Feeds are those of the process.
 
 use super::context::PassContext;
-use super::sample_to_tolerance::{FIT_SHARE, compared_heights};
+use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
 use crate::geom::spline_fit;
 use crate::ir::motion::MotionOperation;
-use crate::ir::{JointMove, Motion, MoveKind, Program, SplineBlock};
+use crate::ir::{ClPoint, JointMove, Motion, MoveKind, Program, SplineBlock};
 use crate::kin::pose_curve::{self, Chord};
 use crate::kin::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use crate::post_file::{Decimals, SplineForm};
@@ -51,7 +51,7 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
         let fitted: Vec<Vec<Fitted>> =
             runs.par_iter().map(|run| work.step(fitting.fitted(&operation.moves, run))).collect();
-        replace(program, operation, declared.feed.get(), fitted.into_iter().flatten());
+        replace(program, operation, (declared.feed.get(), &fitting.heights), fitted.into_iter().flatten());
     }
 }
 
@@ -246,13 +246,18 @@ fn on_words(mut spans: Vec<Vec<Place>>, rounded: impl Fn(&Place) -> Place) -> Ve
 }
 
 /// Puts the chords of the blocks in the place of the moves of the runs.
-fn replace(program: &Program, operation: &mut MotionOperation, feed: f64, fitted: impl Iterator<Item = Fitted>) {
+fn replace(
+    program: &Program,
+    operation: &mut MotionOperation,
+    (feed, heights): (f64, &[(f64, f64)]),
+    fitted: impl Iterator<Item = Fitted>,
+) {
     let machine = &program.machine;
     let old = std::mem::take(&mut operation.moves);
     let mut moves: Vec<JointMove> = Vec::with_capacity(old.len());
     let mut taken = 0;
     for Fitted { run, start, blocks } in fitted {
-        moves.extend_from_slice(&old[taken..run.start]);
+        moves.extend(straight(machine, &old, taken..run.start, heights));
         taken = run.end;
         let pass = old[run.start].pass;
         if let Some(before) = moves.last_mut() {
@@ -272,6 +277,30 @@ fn replace(program: &Program, operation: &mut MotionOperation, feed: f64, fitted
             operation.splines.push(SplineBlock { first, last: moves.len() - 1, curve, shares });
         }
     }
-    moves.extend_from_slice(&old[taken..]);
+    moves.extend(straight(machine, &old, taken..old.len(), heights));
     operation.moves = moves;
+}
+
+/// The moves of a range that stay straight. Stations were dense for splines: of cuts in a row those stay that the tolerance
+/// needs.
+fn straight(machine: &Machine, moves: &[JointMove], range: Range<usize>, heights: &[(f64, f64)]) -> Vec<JointMove> {
+    let mut out = Vec::with_capacity(range.len());
+    let mut at = range.start;
+    while at < range.end {
+        let joins = |i: &usize| moves[*i].kind == MoveKind::Cut && moves[*i].pass == moves[at].pass;
+        let end = (at..range.end).take_while(joins).last().map_or(at, |last| last + 1);
+        if end - at < 2 || at == 0 {
+            out.push(moves[at]);
+            at += 1;
+            continue;
+        }
+        let point = |m: &JointMove| {
+            let pose = machine.forward(&m.joints);
+            ClPoint { tip: pose.tip, axis: pose.axis, contact: None }
+        };
+        let points: Vec<ClPoint> = moves[at - 1..end].iter().map(point).collect();
+        out.extend(kept(&machine.chain, &points, heights).into_iter().skip(1).map(|k| moves[at - 1 + k]));
+        at = end;
+    }
+    out
 }

@@ -69,19 +69,24 @@ pub(super) fn compared_heights(program: &Program, operation: &Operation) -> Vec<
 }
 
 fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
+    kept(chain, points, heights).into_iter().map(|i| points[i]).collect()
+}
+
+/// Indices of the stations that stay.
+pub(super) fn kept(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<usize> {
     let mut stations: Vec<AngledPoint> = Vec::with_capacity(points.len());
     for point in points {
         let before = stations.last().map_or(0.0, |s| s.rotary[1]);
         stations.push(AngledPoint { point: *point, rotary: chain.unwound(&point.axis, 0, before) });
     }
-    let mut kept: Vec<ClPoint> = points.first().copied().into_iter().collect();
+    let mut kept: Vec<usize> = (0..points.len().min(1)).collect();
     let mut from = 0;
     while from + 1 < stations.len() {
         let mut to = from + 1;
         while to + 1 < stations.len() && to - from < LONGEST_RUN && replaces(chain, &stations[from..=to + 1], heights) {
             to += 1;
         }
-        kept.push(stations[to].point);
+        kept.push(to);
         from = to;
     }
     kept
