@@ -224,6 +224,15 @@ impl Chain {
         self.solve(tool_axis, free).1
     }
 
+    /// The rotary positions for a direction that are nearest to other positions, of both solutions with all their windings:
+    /// those that a control takes. `None` where no positions give the direction.
+    pub fn near(&self, tool_axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
+        let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
+        let found = self.inverse(tool_axis, before[1])?;
+        let unwound = found.map(|[first, second]| [first, nearest_turn(second, before[1])]);
+        unwound.into_iter().min_by(|a, b| way(a).total_cmp(&way(b)))
+    }
+
     /// The angles nearest to a tool axis on a branch, with axis 2 on the winding nearest to `before`.
     pub fn unwound(&self, tool_axis: &Vector3<f64>, branch: usize, before: f64) -> Angles {
         let [first, second] = self.nearest(tool_axis, before)[branch];
@@ -486,6 +495,17 @@ mod tests {
             });
             let pole = axis.cross(&chain.axes()[1].direction).norm() < 1e-4;
             prop_assert!(pole || found.iter().any(same), "{found:?} for {angles:?}");
+        }
+
+        /// Within a quarter turn of axis 2, and away from the pole, a vector leads to the intended position.
+        #[test]
+        fn a_vector_comes_back_as_the_near_position(
+            a in 0.1..1.6_f64, c in -9.0..9.0_f64, da in -0.05..0.05_f64, dc in -1.4..1.4_f64, branch in any::<bool>()
+        ) {
+            let a = if branch { -a } else { a };
+            let chain = Chain::tilting_table();
+            let found = chain.near(&chain.tool_axis([a + da, c + dc]), [a, c]).unwrap();
+            prop_assert!((found[0] - a - da).abs() < 1e-9 && (found[1] - c - dc).abs() < 1e-8);
         }
 
         /// The derivatives of the angles by the tool axis, compared with differences.

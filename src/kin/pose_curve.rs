@@ -9,7 +9,6 @@
 //! itself and adds it to its figures.
 
 use super::{Angles, Chain, Pose, RotaryPose};
-use crate::geom::angle::nearest_turn;
 use crate::geom::bezier;
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -161,7 +160,7 @@ impl PoseCurve {
             let (tip, direction) = self.at(ends[1]);
             let rotary = match direction {
                 CurveDirection::Rotary(angles) => angles,
-                CurveDirection::Axis(axis) => near(chain, &axis, at)?,
+                CurveDirection::Axis(axis) => chain.near(&axis, at)?,
             };
             let [bend, turning] = part.bends();
             // On a chord the rotary axes turn evenly, which bends the axis as well.
@@ -204,13 +203,6 @@ impl PoseCurve {
     }
 }
 
-/// The rotary positions for a direction that are nearest to others.
-pub fn near(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
-    let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
-    let found = chain.inverse(axis, before[1])?.map(|[first, second]| [first, nearest_turn(second, before[1])]);
-    found.into_iter().min_by(|a, b| way(a).total_cmp(&way(b)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,7 +235,7 @@ mod tests {
             let start = curve.pose(&chain, 0.0);
             let before = match curve.at(0.0).1 {
                 CurveDirection::Rotary(angles) => angles,
-                CurveDirection::Axis(axis) => near(&chain, &axis, [0.5, 0.0]).unwrap(),
+                CurveDirection::Axis(axis) => chain.near(&axis, [0.5, 0.0]).unwrap(),
             };
             let mut from = RotaryPose { tip: start.tip, rotary: before };
             let mut done = 0.0;

@@ -10,7 +10,7 @@ use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
 use crate::geom::spline_fit;
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClPoint, JointMove, Motion, MoveKind, Program, SplineBlock};
-use crate::kin::pose_curve::{self, Chord};
+use crate::kin::pose_curve::Chord;
 use crate::kin::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use crate::post_file::{Decimals, SplineForm};
 use nalgebra::{SVector, Vector2, Vector3};
@@ -212,7 +212,7 @@ impl Fitting<'_> {
     /// Rotary positions at the start.
     fn rotary(&self, axis: &Vector3<f64>, place: &Place, first: &JointMove) -> Option<[f64; 2]> {
         match self.form {
-            SplineForm::Poly => pose_curve::near(self.chain(), axis, first.joints.rotary),
+            SplineForm::Poly => self.chain().near(axis, first.joints.rotary),
             SplineForm::Spl => Some([place[3] / self.height, place[4] / self.height]),
         }
     }

@@ -226,7 +226,7 @@ impl Interpreter<'_> {
         match section.retract {
             Some((line, NcRetract::Height(z))) => course.retract(line, z),
             Some((line, NcRetract::Pose(pose))) => {
-                let rotary = positions::nearest(&machine.chain, &pose.axis, course.rotary).unwrap_or(course.rotary);
+                let rotary = machine.chain.near(&pose.axis, course.rotary).unwrap_or(course.rotary);
                 course.leave(line, at_retract(machine, length, machine.joints(&pose.tip, rotary)));
             }
             None => {}
@@ -266,7 +266,7 @@ impl Interpreter<'_> {
         let found = match m.direction {
             Direction::Rotary(angles) => Some(angles),
             Direction::Axis(axis) if free && m.rapid => positions::within_travel(machine, &axis, before),
-            Direction::Axis(axis) => positions::nearest(&machine.chain, &axis, before),
+            Direction::Axis(axis) => machine.chain.near(&axis, before),
         };
         found.unwrap_or_else(|| {
             self.tell_unreached(m.line);
@@ -594,25 +594,5 @@ impl ReadMove<'_> {
         let wanted = length / feed * 60.0;
         let digits = QUANTUM.0 / feed * 60.0 + QUANTUM.1 / machine.rotary[0].speed.min(machine.rotary[1].speed);
         if length < STILL.1 || wanted + digits >= least { wanted.max(least) } else { wanted }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::kin::Chain;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// Within a quarter turn of axis 2, and away from the pole, a vector leads to the intended position.
-        #[test]
-        fn a_vector_comes_back_as_the_near_position(
-            a in 0.1..1.6_f64, c in -9.0..9.0_f64, da in -0.05..0.05_f64, dc in -1.4..1.4_f64, branch in any::<bool>()
-        ) {
-            let a = if branch { -a } else { a };
-            let chain = Chain::tilting_table();
-            let found = positions::nearest(&chain, &chain.tool_axis([a + da, c + dc]), [a, c]).unwrap();
-            prop_assert!((found[0] - a - da).abs() < 1e-9 && (found[1] - c - dc).abs() < 1e-8);
-        }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::nc::{Direction, NcSection};
 use crate::geom::angle::nearest_turn;
-use crate::kin::{Angles, Chain, Machine};
+use crate::kin::{Angles, Machine};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -13,16 +13,9 @@ const ROUNDING: f64 = 1e-7;
 /// Most turns to either side of zero that are tried.
 const MOST_TURNS: i32 = 3;
 
-/// The rotary position that the control takes for a direction: the nearest of both solutions with all their windings.
-pub(super) fn nearest(chain: &Chain, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
-    let way = |p: &Angles| libm::hypot(p[0] - before[0], p[1] - before[1]);
-    let [one, other] = chain.inverse(axis, before[1])?.map(|[first, second]| [first, nearest_turn(second, before[1])]);
-    Some(if way(&other) < way(&one) { other } else { one })
-}
-
 /// Of the rotary positions for a direction within the travel the nearest; where there is none, the nearest of all.
 pub(super) fn within_travel(machine: &Machine, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
-    let near = nearest(&machine.chain, axis, before)?;
+    let near = machine.chain.near(axis, before)?;
     if reaches(machine, near) {
         return Some(near);
     }
@@ -54,7 +47,7 @@ fn moves_within(machine: &Machine, section: &NcSection, start: Angles) -> usize 
         let next = match m.direction {
             Direction::Rotary(angles) => Some(angles),
             Direction::Axis(axis) if m.rapid => within_travel(machine, &axis, at),
-            Direction::Axis(axis) => nearest(&machine.chain, &axis, at),
+            Direction::Axis(axis) => machine.chain.near(&axis, at),
         };
         match next.filter(|p| reaches(machine, *p)) {
             Some(angles) => at = angles,
@@ -79,7 +72,7 @@ fn reaches(machine: &Machine, rotary: Angles) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kin::RotaryAxis;
+    use crate::kin::{Chain, RotaryAxis};
     use crate::post::nc::{NcMove, NcPlace, NcPose, NcStation, NcTool};
     use crate::post::tool_shape::NcToolShape;
     use nalgebra::Point3;
@@ -142,7 +135,7 @@ mod tests {
     fn a_rapid_goes_back_where_the_travel_ends() {
         let narrow = machine([0.0, 1.7], [-3.2, 3.2]);
         let axis = narrow.chain.tool_axis([0.8, 3.4]);
-        assert!(nearest(&narrow.chain, &axis, [0.8, 3.0]).unwrap()[1] > 3.3);
+        assert!(narrow.chain.near(&axis, [0.8, 3.0]).unwrap()[1] > 3.3);
         let back = within_travel(&narrow, &axis, [0.8, 3.0]).unwrap();
         assert!((back[1] - 3.4 + TAU).abs() < 1e-9, "{back:?}");
     }

@@ -6,7 +6,7 @@
 use super::straight::{self, PLACES, decimal};
 use crate::kin::Machine;
 use crate::post::control::spline::SplineWords;
-use crate::post::control::{MotionWord, NcBlock, once, shown};
+use crate::post::control::{MotionWord, NcBlock, shown};
 
 /// Digits of a coefficient before and behind the point.
 const COEFFICIENT: (usize, usize) = (1, 8);
@@ -55,8 +55,6 @@ pub(super) fn block(words: &[&str], m128: bool, machine: &Machine) -> Result<NcB
     for word in rest {
         let text = word.strip_prefix('F').ok_or_else(|| format!("`{}` in SPL is not understood", shown(word, 40)))?;
         let value = straight::feed(text)?;
-        let mut feed = None;
-        once(&mut feed, "F", value)?;
         if block.feed.is_some() {
             return Err("`F` occurs twice in one block".to_owned());
         }
