@@ -176,6 +176,12 @@ impl Sectors {
     }
 }
 
+/// A value on the step of a word with some digits behind the point.
+pub fn on_step(value: f64, decimals: usize) -> f64 {
+    let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
+    (value * scale).round() / scale
+}
+
 /// Digits behind the point, by kind of word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decimals {

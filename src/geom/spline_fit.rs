@@ -14,7 +14,7 @@ const LEAST_POINTS: usize = 4;
 const MOST_SPANS: usize = 64;
 
 /// A B-spline of a degree of at least three. Each inner knot stands as often as leaves the second derivative continuous.
-struct Spline<const N: usize> {
+struct FittedSpline<const N: usize> {
     degree: usize,
     /// Ends of its spans.
     breaks: Vec<f64>,
@@ -38,7 +38,7 @@ pub fn fit<const N: usize>(
     }
     let mut inner: Vec<f64> = Vec::new();
     let spline = loop {
-        let found = Spline::least_squares(points, parameters, degree, &inner).ok_or(points.len() / 2)?;
+        let found = FittedSpline::least_squares(points, parameters, degree, &inner).ok_or(points.len() / 2)?;
         let failing = found.failing(parameters, &inner, &off);
         if failing.is_empty() {
             break found;
@@ -67,13 +67,13 @@ fn halving(parameters: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
 fn fewer<const N: usize>(
     points: &[SVector<f64, N>],
     parameters: &[f64],
-    spline: Spline<N>,
+    spline: FittedSpline<N>,
     off: &impl Fn(usize, &SVector<f64, N>) -> f64,
-) -> Spline<N> {
+) -> FittedSpline<N> {
     let densities = spline.densities();
     let candidate = |spans: usize| {
         let inner = evened(&densities, spans);
-        let found = Spline::least_squares(points, parameters, spline.degree, &inner)?;
+        let found = FittedSpline::least_squares(points, parameters, spline.degree, &inner)?;
         found.failing(parameters, &inner, off).is_empty().then_some(found)
     };
     // The error falls with the number of spans.
@@ -112,7 +112,7 @@ fn evened(densities: &[([f64; 2], f64)], spans: usize) -> Vec<f64> {
 /// Share of the mean density below which no span goes: knots stay apart where a curve is straight.
 const LEAST_DENSITY: f64 = 0.1;
 
-impl<const N: usize> Spline<N> {
+impl<const N: usize> FittedSpline<N> {
     /// The spline with inner knots that is nearest to the points, with the first and the last point as its ends.
     fn least_squares(points: &[SVector<f64, N>], parameters: &[f64], degree: usize, inner: &[f64]) -> Option<Self> {
         let (first, last) = (*parameters.first()?, *parameters.last()?);

@@ -84,7 +84,7 @@
 //!
 //! **Spline blocks.** A [`SplineBlock`] is what the control interpolates as polynomials: the tip, and the direction by both
 //! rotary axes or by a second point of the tool axis. Its moves are chords, so that all that counts with moves counts with
-//! them; no point of the tool up to the upper end of its flutes leaves its chord by more than 0.05 um. The verifier measures
+//! them; no point of the tool up to the upper end of its flutes leaves its chord by more than 0.1 um. The verifier measures
 //! this by itself and adds it to what it finds. Posts write the polynomials.
 //!
 //! **Kinds.** [`MoveKind::Cut`] touches material or may touch it. [`MoveKind::Link`] is at the link feed: along the

@@ -53,7 +53,7 @@ impl Turned {
 
 /// Moves of an operation that follow each other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct MoveStretch {
     /// Indices of the moves.
     pub moves: Range<usize>,
     /// Subprogram, counted from 0 in the order of the first places, and its turn from there; `None` for moves that nothing
@@ -65,7 +65,7 @@ pub struct Stretch {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Division {
     /// All moves between the first and the last one.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<MoveStretch>,
     /// Number of subprograms.
     pub subprograms: usize,
 }
@@ -270,11 +270,11 @@ impl Units {
             if (count - 1) * lines > (count + 1) * CALL_LINES {
                 let number = subprograms.len();
                 let subprogram = *subprograms.entry(class).or_insert(number);
-                division.stretches.push(Stretch { moves, repeats: Some((subprogram, turned)) });
+                division.stretches.push(MoveStretch { moves, repeats: Some((subprogram, turned)) });
             } else {
                 match division.stretches.last_mut().filter(|last| last.repeats.is_none()) {
                     Some(last) => last.moves.end = moves.end,
-                    None => division.stretches.push(Stretch { moves, repeats: None }),
+                    None => division.stretches.push(MoveStretch { moves, repeats: None }),
                 }
             }
         }
@@ -388,7 +388,7 @@ mod tests {
         ends(&mut moves);
         let division = symmetry.divide(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(division.subprograms, 0);
-        assert_eq!(division.stretches, [Stretch { moves: 1..33, repeats: None }]);
+        assert_eq!(division.stretches, [MoveStretch { moves: 1..33, repeats: None }]);
         let groups = symmetry.groups(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(groups.len(), 4);
         assert_eq!(groups[1], (0..8).map(|k| 2 + 4 * k).collect::<Vec<_>>());

@@ -11,8 +11,8 @@ use crate::geom::spline_fit;
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClPoint, JointMove, Motion, MoveKind, Program, SplineBlock};
 use crate::kin::pose_curve::Chord;
-use crate::kin::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve, most_turn};
-use crate::post_file::{Decimals, SplineForm};
+use crate::kin::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
+use crate::post_file::{Decimals, SplineForm, on_step};
 use nalgebra::{SVector, Vector2, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -57,12 +57,7 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
 
 /// Cuts in a row without a corner between them: the indices of their moves.
 fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>> {
-    let place = |m: &JointMove| {
-        let pose = machine.forward(&m.joints);
-        let second = pose.tip + pose.axis * height;
-        Place::from_column_slice(&[pose.tip.x, pose.tip.y, pose.tip.z, second.x, second.y, second.z])
-    };
-    let places: Vec<Place> = moves.iter().map(place).collect();
+    let places: Vec<Place> = moves.iter().map(|m| by_second_point(&machine.forward(&m.joints), height)).collect();
     let mut runs: Vec<Range<usize>> = Vec::new();
     for (i, m) in moves.iter().enumerate().skip(1) {
         if m.kind != MoveKind::Cut {
@@ -81,6 +76,12 @@ fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>
     }
     runs.retain(|run| run.len() >= FEWEST);
     runs
+}
+
+/// Tip and second point of a pose.
+fn by_second_point(pose: &Pose, height: f64) -> Place {
+    let (tip, second) = (pose.tip, pose.tip + pose.axis * height);
+    Place::from_column_slice(&[tip.x, tip.y, tip.z, second.x, second.y, second.z])
 }
 
 /// Spline blocks of moves in a row: the pose at which the first begins, and each curve with the ends of its chords.
@@ -107,13 +108,12 @@ impl Fitting<'_> {
     }
 
     fn place(&self, m: &JointMove) -> Place {
-        let pose = self.machine.forward(&m.joints);
-        let p = pose.tip;
-        let [a, b, c] = match self.form {
-            SplineForm::Poly => (p + pose.axis * self.height).coords.into(),
-            SplineForm::Spl => [m.joints.rotary[0] * self.height, m.joints.rotary[1] * self.height, 0.0],
-        };
-        Place::from_column_slice(&[p.x, p.y, p.z, a, b, c])
+        let mut place = by_second_point(&self.machine.forward(&m.joints), self.height);
+        if self.form == SplineForm::Spl {
+            let [first, second] = m.joints.rotary.map(|angle| angle * self.height);
+            place.fixed_rows_mut::<3>(3).copy_from(&Vector3::new(first, second, 0.0));
+        }
+        place
     }
 
     fn axis(&self, place: &Place) -> Vector3<f64> {
@@ -176,14 +176,13 @@ impl Fitting<'_> {
 
     /// The place that the words of the post say.
     fn rounded(&self, place: &Place) -> Place {
-        let steps = |decimals: usize| 10f64.powi(i32::try_from(decimals).unwrap_or(0));
-        let (length, angle) = (steps(self.decimals.length), steps(self.decimals.angle));
         Place::from_fn(|k, _| {
             let turn = k >= 3 && self.form == SplineForm::Spl;
             if turn {
-                ((place[k] / self.height).to_degrees() * angle).round().to_radians() / angle * self.height
+                let degrees = (place[k] / self.height).to_degrees();
+                on_step(degrees, self.decimals.angle).to_radians() * self.height
             } else {
-                (place[k] * length).round() / length
+                on_step(place[k], self.decimals.length)
             }
         })
     }

@@ -7,7 +7,7 @@
 
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Joints, Machine};
-use crate::post_file::{Decimals, Orientation};
+use crate::post_file::{Decimals, Orientation, on_step};
 use nalgebra::{Point3, Vector3};
 
 /// Rounds the motion.
@@ -27,12 +27,6 @@ struct Words<'a> {
     machine: &'a Machine,
     decimals: Decimals,
     orientation: Orientation,
-}
-
-/// A value on the step of a word.
-fn on_step(value: f64, decimals: usize) -> f64 {
-    let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
-    (value * scale).round() / scale
 }
 
 impl<'a> Words<'a> {

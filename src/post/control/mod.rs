@@ -187,7 +187,8 @@ pub(super) enum LengthWord {
     Of(u32),
 }
 
-/// SmoothingTolerance that a control may add: from the path, mm, and from the tool direction, radians; `None` where no word states it.
+/// Tolerance that a control may add: from the path, mm, and from the tool direction, radians; `None` where no word states
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SmoothingTolerance {
     /// Of the tip.

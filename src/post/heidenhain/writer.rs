@@ -8,7 +8,7 @@ use crate::post::dialect::WriteBlock;
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
-use crate::post_file::Orientation;
+use crate::post_file::{Orientation, on_step};
 use std::f64::consts::{PI, TAU};
 
 /// Largest tool number of the tool table.
@@ -110,10 +110,6 @@ const LARGEST_COEFFICIENT: f64 = 9.99999999;
 fn spline_block(program: &Program, spline: &SplineBlock, feed: &str, write: &mut dyn FnMut(String)) {
     let TurnCurve::Rotary(turns) = spline.curve.turn() else { return };
     let (digits, machine) = (&program.post.decimals, &program.machine);
-    let step = |value: f64, decimals: usize| {
-        let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
-        (value * scale).round() / scale
-    };
     let word = |k: usize| -> (String, [f64; 4], usize) {
         if k < 3 {
             let points: [f64; 4] = std::array::from_fn(|j| spline.curve.tip()[j][k]);
@@ -128,8 +124,8 @@ fn spline_block(program: &Program, spline: &SplineBlock, feed: &str, write: &mut
     let mut lines = Vec::new();
     for k in 0..5 {
         let (name, [p0, p1, p2, p3], decimals) = word(k);
-        let (start, end) = (step(p0, decimals), step(p3, decimals));
-        let coefficient = |value: f64| step(value, COEFFICIENT_DECIMALS);
+        let (start, end) = (on_step(p0, decimals), on_step(p3, decimals));
+        let coefficient = |value: f64| on_step(value, COEFFICIENT_DECIMALS);
         let (third, second) = (coefficient(p0 - 3.0 * p1 + 3.0 * p2 - p3), coefficient(3.0 * (p1 - 2.0 * p2 + p3)));
         let first = start - end - third - second;
         ends.push_str(&format!(" {name}{}", number(end, decimals)));

@@ -20,7 +20,7 @@ enum OWord {
 }
 
 /// A subprogram that has begun.
-struct Open {
+struct OpenSubprogram {
     name: String,
     line: usize,
 }
@@ -29,7 +29,7 @@ struct Open {
 pub(super) fn flow(text: &str) -> Flow {
     let mut flow = Flow::default();
     let mut known: BTreeMap<String, Range<usize>> = BTreeMap::new();
-    let mut open: Option<Open> = None;
+    let mut open: Option<OpenSubprogram> = None;
     for (at, line) in text.split('\n').enumerate() {
         let start = line.trim_start_matches([' ', '\t']).as_bytes().first().copied().unwrap_or(b' ');
         if !matches!(start, b'o' | b'O' | b'n' | b'N') {
@@ -42,7 +42,7 @@ pub(super) fn flow(text: &str) -> Flow {
         let step = match o_word(word) {
             Err(reason) => Step::Fault(reason),
             Ok((name, OWord::Sub)) => match &open {
-                Some(Open { name: outer, line }) => Step::Fault(format!(
+                Some(OpenSubprogram { name: outer, line }) => Step::Fault(format!(
                     "`o{name} sub` inside of the subprogram o{outer}, which begins in line {}: write `o{outer} endsub` before",
                     line + 1
                 )),
@@ -50,7 +50,7 @@ pub(super) fn flow(text: &str) -> Flow {
                     Step::Fault(format!("`o{name} sub` twice in one text: give each subprogram a name of its own"))
                 }
                 None => {
-                    open = Some(Open { name, line: at });
+                    open = Some(OpenSubprogram { name, line: at });
                     continue;
                 }
             },
@@ -77,7 +77,7 @@ pub(super) fn flow(text: &str) -> Flow {
         };
         flow.0.insert(at, step);
     }
-    if let Some(Open { name, line }) = open {
+    if let Some(OpenSubprogram { name, line }) = open {
         flow.0.insert(line, Step::Fault(format!("`o{name} sub` without `o{name} endsub` behind")));
     }
     flow

@@ -2,7 +2,7 @@
 
 use super::LinuxCnc;
 use crate::diag::{Diag, Sink, codes::post};
-use crate::ir::repeats::Stretch;
+use crate::ir::repeats::MoveStretch;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
 use crate::kin::{Carries, Machine};
 use crate::method::Planning;
@@ -130,14 +130,14 @@ pub(super) const FORM: TextForm = TextForm {
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
-    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), RotaryWords::Fixed), smoothing, write);
+    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), CallWords::Fixed), smoothing, write);
 }
 
 /// Writes the blocks of some moves. Before and behind them the feed mode is G94, and the control smooths.
 fn stretch(
     program: &Program,
     operation: &MotionOperation,
-    (range, words): (Range<usize>, RotaryWords),
+    (range, words): (Range<usize>, CallWords),
     smoothing: &str,
     write: &mut WriteBlock<'_>,
 ) {
@@ -174,16 +174,16 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
         }
     };
     let mut written = 0;
-    for Stretch { moves, repeats } in &divided.division.stretches {
+    for MoveStretch { moves, repeats } in &divided.division.stretches {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
-            stretch(program, operation, (moves.clone(), RotaryWords::Fixed), smoothing, write);
+            stretch(program, operation, (moves.clone(), CallWords::Fixed), smoothing, write);
             continue;
         };
         let (name, branches) = (divided.number(*subprogram), divided.changes_branch(*subprogram));
         if *subprogram == written {
             let places = divided.division.places(*subprogram).count();
-            let words = if branches { RotaryWords::BranchOfCall } else { RotaryWords::ShiftOfCall };
+            let words = if branches { CallWords::BranchOfCall } else { CallWords::ShiftOfCall };
             write(format!("(o{name}: the same in {places} places)"), None);
             write(format!("o{name} sub"), None);
             stretch(program, operation, (moves.clone(), words), smoothing, write);
@@ -200,7 +200,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
 
 /// How blocks state the rotary axes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum RotaryWords {
+enum CallWords {
     /// Positions.
     Fixed,
     /// Axis 2 counts from the first value of the call.
@@ -220,7 +220,7 @@ struct Modes {
     feed: String,
 }
 
-fn block(program: &Program, m: &JointMove, (stop, words): (bool, RotaryWords), modes: &mut Modes) -> String {
+fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), modes: &mut Modes) -> String {
     let post = &LinuxCnc;
     let decimals = program.post.decimals.feed;
     let mut text = String::new();
@@ -239,9 +239,9 @@ fn block(program: &Program, m: &JointMove, (stop, words): (bool, RotaryWords), m
     let [.., a, b] = program.machine.names();
     let [first, second] = write::rotary_numbers(post, program, m.joints.rotary);
     let rotary = match words {
-        RotaryWords::Fixed => format!("{a}{first} {b}{second}"),
-        RotaryWords::ShiftOfCall => format!("{a}{first} {b}[{second}+#1]"),
-        RotaryWords::BranchOfCall => format!("{a}[{first}*#2] {b}[{second}+#1]"),
+        CallWords::Fixed => format!("{a}{first} {b}{second}"),
+        CallWords::ShiftOfCall => format!("{a}{first} {b}[{second}+#1]"),
+        CallWords::BranchOfCall => format!("{a}[{first}*#2] {b}[{second}+#1]"),
     };
     text.push_str(&format!("G1 {tip} {rotary}"));
     let f = if inverse { inverse_time(m.time) } else { fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals) };

@@ -3,7 +3,7 @@
 use super::Siemens840d;
 use crate::diag::Sink;
 use crate::geom::bezier;
-use crate::ir::repeats::Stretch;
+use crate::ir::repeats::MoveStretch;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use crate::kin::TurnCurve;
 use crate::post::dialect::WriteBlock;
@@ -35,7 +35,7 @@ const COEFFICIENT_DECIMALS: usize = 8;
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
-    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), RotaryWords::Fixed), write);
+    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), ParameterWords::Fixed), write);
 }
 
 /// R parameters that the rotary words of a repeated part count with: shift of axis 2, degrees, and sign of axis 1.
@@ -43,7 +43,7 @@ const PARAMETERS: [&str; 2] = ["R90", "R91"];
 
 /// How blocks state the rotary axes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum RotaryWords {
+enum ParameterWords {
     /// Positions.
     Fixed,
     /// Positions that count with [`PARAMETERS`].
@@ -54,14 +54,14 @@ enum RotaryWords {
 fn stretch(
     program: &Program,
     operation: &MotionOperation,
-    (range, words): (Range<usize>, RotaryWords),
+    (range, words): (Range<usize>, ParameterWords),
     write: &mut WriteBlock<'_>,
 ) {
     let post = &Siemens840d;
     let decimals = program.post.decimals.feed;
     let rotary = |m: &JointMove| match words {
-        RotaryWords::Fixed => write::rotary(post, program, m.joints.rotary),
-        RotaryWords::OfParameters => {
+        ParameterWords::Fixed => write::rotary(post, program, m.joints.rotary),
+        ParameterWords::OfParameters => {
             let [first, second] = write::rotary_numbers(post, program, m.joints.rotary);
             let [.., a, b] = program.machine.names();
             format!("{a}={first}*{} {b}={second}+{}", PARAMETERS[1], PARAMETERS[0])
@@ -165,10 +165,10 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
     };
     let mut parameters = String::new();
     let mut written = 0;
-    for Stretch { moves, repeats } in &divided.division.stretches {
+    for MoveStretch { moves, repeats } in &divided.division.stretches {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
-            stretch(program, operation, (moves.clone(), RotaryWords::Fixed), write);
+            stretch(program, operation, (moves.clone(), ParameterWords::Fixed), write);
             continue;
         };
         turn_frame(turned.pitches, write);
@@ -187,7 +187,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
             let places = divided.division.places(*subprogram).count();
             write(format!("; subprogram {name}: the same in {places} places"), None);
             write(format!("SUB_{name}_BEGIN:"), None);
-            stretch(program, operation, (moves.clone(), RotaryWords::OfParameters), write);
+            stretch(program, operation, (moves.clone(), ParameterWords::OfParameters), write);
             write(format!("SUB_{name}_END:"), None);
             written += 1;
         } else {

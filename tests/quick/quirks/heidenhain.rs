@@ -1,6 +1,6 @@
 //! Quirks of Klartext.
 
-use super::{Quirk, Step, blocks};
+use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::HEIDENHAIN;
 use impellerc::post;
 use impellerc::post_file::Orientation::{Angles, Vectors};
@@ -20,11 +20,8 @@ fn m128() -> String {
 }
 
 pub fn quirks() -> Vec<Quirk> {
-    let tcpm = |changes: &[(&'static str, &'static str)]| {
-        changes.iter().map(|(from, to)| (HEIDENHAIN.to_owned(), *from, *to)).collect()
-    };
-    let by_m128 =
-        |changes: &[(&'static str, &'static str)]| changes.iter().map(|(from, to)| (m128(), *from, *to)).collect();
+    let tcpm = |changes: &[(&'static str, &'static str)]| changed(HEIDENHAIN, changes);
+    let by_m128 = |changes: &[(&'static str, &'static str)]| changed(&m128(), changes);
     let number = |value: f64| post::find("heidenhain").unwrap().number(value, 4);
     vec![
         Quirk {

@@ -1,6 +1,6 @@
 //! Quirks of LinuxCNC.
 
-use super::{Quirk, Step, blocks};
+use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::LINUXCNC;
 use impellerc::post_file::Orientation::Angles;
 
@@ -12,9 +12,7 @@ const MOVES: [Step; 3] = [
 ];
 
 pub fn quirks() -> Vec<Quirk> {
-    let texts = |changes: &[(&'static str, &'static str)]| {
-        changes.iter().map(|(from, to)| (LINUXCNC.to_owned(), *from, *to)).collect()
-    };
+    let texts = |changes: &[(&'static str, &'static str)]| changed(LINUXCNC, changes);
     vec![
         Quirk {
             name: "inverse-time",

@@ -28,6 +28,11 @@ pub struct Quirk {
     texts: Vec<(String, &'static str, &'static str)>,
 }
 
+/// A text with each of some changes.
+fn changed(text: &str, changes: &[(&'static str, &'static str)]) -> Vec<(String, &'static str, &'static str)> {
+    changes.iter().map(|(from, to)| (text.to_owned(), *from, *to)).collect()
+}
+
 /// A move: tip (mm), rotary axes (degrees), and feed (mm/min) or a rapid.
 pub type Step = ([f64; 3], [f64; 2], Option<f64>);
 

@@ -1,6 +1,6 @@
 //! Quirks of the 840D.
 
-use super::{Quirk, Step, blocks};
+use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::SIEMENS;
 use impellerc::post_file::Orientation::{Angles, Vectors};
 
@@ -19,9 +19,7 @@ const TO_180: [Step; 3] = [
 ];
 
 pub fn quirks() -> Vec<Quirk> {
-    let texts = |changes: &[(&'static str, &'static str)]| {
-        changes.iter().map(|(from, to)| (SIEMENS.to_owned(), *from, *to)).collect()
-    };
+    let texts = |changes: &[(&'static str, &'static str)]| changed(SIEMENS, changes);
     let long: &'static str = Box::leak(format!("N140 G1 X29{}", " ".repeat(500)).into_boxed_str());
     vec![
         Quirk {

@@ -1,6 +1,6 @@
 //! Quirks of spline blocks.
 
-use super::{Quirk, spline_blocks};
+use super::{Quirk, changed, spline_blocks};
 use crate::bad_nc::{HEIDENHAIN, SIEMENS};
 
 /// A cubic behind the last block but one, from the words of the reference (posts.md, 2.7).
@@ -23,8 +23,7 @@ fn poly() -> String {
 }
 
 pub fn heidenhain() -> Vec<Quirk> {
-    let texts =
-        |changes: &[(&'static str, &'static str)]| changes.iter().map(|(from, to)| (spl(), *from, *to)).collect();
+    let texts = |changes: &[(&'static str, &'static str)]| changed(&spl(), changes);
     vec![Quirk {
         name: "spl-chained-by-rounded-words",
         written: spline_blocks("heidenhain"),
@@ -45,8 +44,7 @@ pub fn heidenhain() -> Vec<Quirk> {
 }
 
 pub fn siemens() -> Vec<Quirk> {
-    let texts =
-        |changes: &[(&'static str, &'static str)]| changes.iter().map(|(from, to)| (poly(), *from, *to)).collect();
+    let texts = |changes: &[(&'static str, &'static str)]| changed(&poly(), changes);
     vec![Quirk {
         name: "polynomials",
         written: spline_blocks("siemens-840d"),

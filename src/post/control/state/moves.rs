@@ -187,13 +187,11 @@ impl ControlState<'_> {
             self.fault_once("oricurve", "a straight block with ORICURVE, without XH YH ZH: write ORIAXES before it");
         }
         let (feed, time) = if rapid { (None, None) } else { self.feed_of(block, before, &tip, &direction) };
-        if !rapid && !self.speed.is_some_and(|s| s > 0.0) {
-            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
+        if !rapid {
+            self.judge_spindle();
         }
         let smoothing = self.smoothing_of(rapid);
-        if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
-        }
+        self.judge_count();
         if self.turns_at_start(&tip, &direction, rapid) {
             return;
         }
@@ -203,23 +201,42 @@ impl ControlState<'_> {
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
         let turn = self.turn_tolerance();
+        self.keep(NcMove {
+            line,
+            rapid,
+            tip,
+            direction,
+            interpolation,
+            feed,
+            time,
+            tool,
+            speed,
+            smoothing,
+            turn,
+            curve: None,
+            frame_turned: self.frame_turn != 0.0 || block.shifted,
+        });
+    }
+
+    /// Keeps a move for the result, as long as the text has no fault.
+    pub(super) fn keep(&mut self, made: NcMove) {
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.moves.push(NcMove {
-                line,
-                rapid,
-                tip,
-                direction,
-                interpolation,
-                feed,
-                time,
-                tool,
-                speed,
-                smoothing,
-                turn,
-                curve: None,
-                frame_turned: self.frame_turn != 0.0 || block.shifted,
-            });
+            section.moves.push(made);
             self.moves += 1;
+        }
+    }
+
+    /// Reports a text with more moves than can be checked.
+    pub(super) fn judge_count(&mut self) {
+        if self.moves >= MOST_MOVES {
+            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
+        }
+    }
+
+    /// Reports a move at feed without a speed of the spindle.
+    pub(super) fn judge_spindle(&mut self) {
+        if !self.speed.is_some_and(|s| s > 0.0) {
+            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
         }
     }
 

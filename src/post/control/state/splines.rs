@@ -4,7 +4,7 @@ use super::{AxisPosition, ControlState};
 use crate::kin::{CurveDirection, PoseCurve};
 use crate::post::control::modal::{ModalGroup, Setting};
 use crate::post::control::spline::{SplineStart, SplineWords};
-use crate::post::control::{MOST_MOVES, MotionWord, NcBlock};
+use crate::post::control::{MotionWord, NcBlock};
 use crate::post::nc::{Direction, NcMove, NcTool};
 use nalgebra::{Point3, Vector3};
 
@@ -89,9 +89,7 @@ impl ControlState<'_> {
         if matches!(self.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _)) {
             self.fault("a polynomial in inverse time (G93) is not read: write G94");
         }
-        if !self.speed.is_some_and(|s| s > 0.0) {
-            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
-        }
+        self.judge_spindle();
         let rotary = if let Direction::Rotary(angles) = self.direction { Some(angles) } else { None };
         let start = SplineStart { tip: Point3::from(tip), rotary, second: self.second };
         match words.curve(&start) {
@@ -102,9 +100,7 @@ impl ControlState<'_> {
 
     /// The tool runs along a curve.
     fn follow(&mut self, curve: PoseCurve, feed: f64) {
-        if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
-        }
+        self.judge_count();
         let smoothing = self.smoothing_of(false);
         let (tip, direction) = curve.at(1.0);
         self.tip = [Some(tip.x), Some(tip.y), Some(tip.z)];
@@ -130,9 +126,6 @@ impl ControlState<'_> {
             curve: Some(curve),
             frame_turned: false,
         };
-        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.moves.push(made);
-            self.moves += 1;
-        }
+        self.keep(made);
     }
 }
