@@ -61,6 +61,7 @@ pub mod passes;
 pub mod post;
 pub mod post_file;
 pub mod progress;
+pub mod sections;
 pub mod source;
 pub mod stock;
 pub mod syntax;

@@ -21,13 +21,15 @@ const MAY: &[(&str, &[&str])] = &[
     ("kin", &["geom"]),
     ("collide", &[]),
     ("stock", &["collide"]),
-    ("part", &["geom", "collide", "stock"]),
+    ("sections", &["geom"]),
+    ("import", &["sections", "geom"]),
+    ("part", &["geom", "sections", "collide", "stock"]),
     ("envelope", &["geom", "collide"]),
     ("orient", &["geom"]),
     ("syntax", &[]),
-    ("job", &["syntax", "part", "stock"]),
+    ("job", &["syntax", "import", "sections", "part", "stock"]),
     ("ir", &["part", "geom", "kin", "collide"]),
-    ("lower", &["job", "ir", "part", "geom", "kin", "collide"]),
+    ("lower", &["job", "ir", "part", "sections", "geom", "kin", "collide"]),
     ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),
     ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
@@ -54,7 +56,7 @@ const FOUNDATION: &[&str] = &[
 ];
 
 /// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "kin", "collide", "stock", "part", "envelope", "orient"];
+const ENGINES: &[&str] = &["geom", "sections", "kin", "collide", "stock", "part", "envelope", "orient"];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 
@@ -134,7 +136,7 @@ fn modules_name_only_what_lies_below_them() {
 const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/diag/codes/"];
 
 /// Where the names of a blade's faces may stand: the part, the language, and pages for people.
-const FACES: &[&str] = &["src/part/", "src/job/", "src/lower/", "src/diag/codes/"];
+const FACES: &[&str] = &["src/part/", "src/sections/", "src/import/", "src/job/", "src/lower/", "src/diag/codes/"];
 
 /// Lines of the code, tests of a file left out, that name something outside of the places where it may stand.
 fn named_outside(places: &[&str], names: impl Fn(&str) -> bool) -> Vec<String> {
