@@ -103,7 +103,7 @@ impl NurbsCurve {
     }
 
     /// Polar form of the polynomial piece that contains `inside`, for as many arguments as the degree.
-    fn blossom(&self, args: &[f64], inside: f64) -> Vector4<f64> {
+    pub(super) fn blossom(&self, args: &[f64], inside: f64) -> Vector4<f64> {
         let p = self.degree();
         let knots = self.knots();
         let i = basis::span(knots, p, inside);

@@ -2,9 +2,10 @@
 
 use super::basis::{self, MAX_DEGREE};
 use super::interpolate::averaged_knots;
+use super::knots::merge_knots;
 use super::proximity::{Patch, Projection};
-use super::{GeomError, NurbsCurve, SurfaceDerivatives};
-use nalgebra::{DMatrix, Point3, Vector3};
+use super::{GeomError, NurbsCurve, NurbsSurface, SurfaceDerivatives};
+use nalgebra::{DMatrix, Point3, Rotation3, Vector3};
 
 /// S(u, v) = sum over k of `L_k(v)` `C_k(u)`. The `C_k` are the sections at the places `v_k`. The `L_k` are splines of
 /// degree 3 (lower for fewer than four sections) that are 1 at `v_k` and 0 at all other places.
@@ -15,10 +16,10 @@ pub struct LoftedSurface {
     sections: Vec<NurbsCurve>,
     /// Parameters of the sections, from 0 to 1.
     places: Vec<f64>,
-    degree: usize,
-    knots: Vec<f64>,
-    /// Control values of the splines: entry (j, k) is the weight of section k in control point j.
-    weights: DMatrix<f64>,
+    degree: [usize; 2],
+    knots: [Vec<f64>; 2],
+    /// Control points, row after row of equal u.
+    control: Vec<Vector3<f64>>,
 }
 
 /// Mean distance below which two sections count as coincident, mm.
@@ -27,6 +28,34 @@ const SAME_SECTION: f64 = 1e-5;
 /// Stations along a section at which its distance to the next section is measured.
 const STATIONS: u32 = 16;
 
+/// Places of sections from 0 to 1, by the mean distances of neighbours. A section may consist of several curves.
+///
+/// # Errors
+/// Fewer than two sections, or coincident neighbours.
+pub fn places(sections: &[Vec<&NurbsCurve>]) -> Result<Vec<f64>, GeomError> {
+    if sections.len() < 2 {
+        return Err(GeomError::TooFewPoints { given: sections.len(), needed: 2 });
+    }
+    let mut places = vec![0.0];
+    let mut sum = 0.0;
+    for (k, pair) in sections.windows(2).enumerate() {
+        let apart = |(a, b): (&&NurbsCurve, &&NurbsCurve)| -> f64 {
+            let at = (0..=STATIONS).map(|i| f64::from(i) / f64::from(STATIONS));
+            at.map(|u| (b.point(u) - a.point(u)).norm()).sum::<f64>() / f64::from(STATIONS + 1)
+        };
+        let mean = pair[0].iter().zip(&pair[1]).map(apart).sum::<f64>() / pair[0].len().max(1) as f64;
+        if !(mean > SAME_SECTION && mean.is_finite()) {
+            return Err(GeomError::CoincidentPoints(k));
+        }
+        sum += mean;
+        places.push(sum);
+    }
+    places.iter_mut().for_each(|p| *p /= sum);
+    let last = places.len() - 1;
+    places[last] = 1.0;
+    Ok(places)
+}
+
 impl LoftedSurface {
     /// The surface through sections, the first at v = 0 and the last at v = 1. The places between them follow the mean
     /// distances of neighbouring sections.
@@ -34,24 +63,26 @@ impl LoftedSurface {
     /// # Errors
     /// Fewer than two sections, or coincident neighbours.
     pub fn through(sections: Vec<NurbsCurve>) -> Result<Self, GeomError> {
+        let alone: Vec<Vec<&NurbsCurve>> = sections.iter().map(|c| vec![c]).collect();
+        let places = places(&alone)?;
+        Self::at(sections, places)
+    }
+
+    /// The surface through sections at places, which ascend from 0 to 1.
+    ///
+    /// # Errors
+    /// Fewer than two sections, a rational one, or places that do not ascend.
+    pub fn at(sections: Vec<NurbsCurve>, places: Vec<f64>) -> Result<Self, GeomError> {
         let count = sections.len();
-        if count < 2 {
-            return Err(GeomError::TooFewPoints { given: count, needed: 2 });
+        if count < 2 || places.len() != count {
+            return Err(GeomError::TooFewPoints { given: count.min(places.len()), needed: 2 });
         }
-        let mut places = vec![0.0];
-        let mut sum = 0.0;
-        for (k, pair) in sections.windows(2).enumerate() {
-            let apart = (0..=STATIONS).map(|i| f64::from(i) / f64::from(STATIONS));
-            let mean =
-                apart.map(|u| (pair[1].point(u) - pair[0].point(u)).norm()).sum::<f64>() / f64::from(STATIONS + 1);
-            if !(mean > SAME_SECTION && mean.is_finite()) {
-                return Err(GeomError::CoincidentPoints(k));
-            }
-            sum += mean;
-            places.push(sum);
+        if let Some(k) = sections.iter().position(NurbsCurve::is_rational) {
+            return Err(GeomError::Weight(k));
         }
-        places.iter_mut().for_each(|p| *p /= sum);
-        places[count - 1] = 1.0;
+        if let Some(k) = places.windows(2).position(|p| p[0] >= p[1]) {
+            return Err(GeomError::CoincidentPoints(k));
+        }
         let degree = MAX_DEGREE.min(count - 1);
         let knots = averaged_knots(&places, degree);
         let mut matrix = DMatrix::zeros(count, count);
@@ -62,7 +93,23 @@ impl LoftedSurface {
             }
         }
         let weights = matrix.try_inverse().ok_or(GeomError::Singular)?;
-        Ok(Self { sections, places, degree, knots, weights })
+        // All sections on one degree and one knot vector.
+        let along = sections.iter().map(NurbsCurve::degree).max().unwrap_or(1);
+        let mut same: Vec<NurbsCurve> = sections.clone();
+        for curve in &mut same {
+            while curve.degree() < along {
+                *curve = curve.elevated();
+            }
+        }
+        let merged = same.iter().fold(Vec::new(), |knots, curve| merge_knots(&knots, curve.knots()));
+        let same: Vec<NurbsCurve> = same.iter().map(|curve| curve.refined(&merged)).collect();
+        let mut control = Vec::with_capacity(count * same[0].control().len());
+        for i in 0..same[0].control().len() {
+            for j in 0..count {
+                control.push((0..count).map(|k| same[k].control()[i].xyz() * weights[(j, k)]).sum());
+            }
+        }
+        Ok(Self { sections, places, degree: [along, degree], knots: [merged, knots], control })
     }
 
     /// The sections, from v = 0 to v = 1.
@@ -75,44 +122,77 @@ impl LoftedSurface {
         &self.places
     }
 
-    /// Values of the spline of section k with first and second derivatives; linear outside of [0, 1].
-    fn spline(&self, v: f64) -> impl Fn(usize) -> [f64; 3] + '_ {
-        let inside = v.clamp(0.0, 1.0);
-        let basis = basis::evaluate(&self.knots, self.degree, inside, 2.min(self.degree));
-        move |k| {
-            let at = |order: usize| -> f64 {
-                let values = if order > self.degree { return 0.0 } else { &basis.values[order] };
-                (0..=self.degree).map(|j| values[j] * self.weights[(basis.first + j, k)]).sum()
-            };
-            let (value, first) = (at(0), at(1));
-            if inside == v { [value, first, at(2)] } else { [value + first * (v - inside), first, 0.0] }
+    /// The same surface as control points on knots.
+    pub fn to_surface(&self) -> NurbsSurface {
+        let control = self.control.iter().map(|c| c.push(1.0)).collect();
+        NurbsSurface::from_homogeneous(self.degree, self.knots.clone(), control)
+    }
+
+    /// Sums of the control points with derivatives of the basis: entry (i, j) has order i in u and j in v.
+    fn sums(&self, u: f64, v: f64) -> [[Vector3<f64>; 3]; 3] {
+        let [bu, bv] = [(0, u), (1, v)].map(|(d, t)| basis::evaluate(&self.knots[d], self.degree[d], t, 2));
+        let columns = self.sections.len();
+        let mut sums = [[Vector3::zeros(); 3]; 3];
+        for a in 0..=self.degree[0] {
+            let start = (bu.first + a) * columns + bv.first;
+            let mut row = [Vector3::zeros(); 3];
+            for (b, c) in self.control[start..=start + self.degree[1]].iter().enumerate() {
+                for (sum, values) in row.iter_mut().zip(&bv.values) {
+                    *sum += c * values[b];
+                }
+            }
+            for (by_u, values) in sums.iter_mut().zip(&bu.values) {
+                for (sum, r) in by_u.iter_mut().zip(&row) {
+                    *sum += r * values[a];
+                }
+            }
         }
+        sums
     }
 
     /// Point with first and second derivatives. Outside of u in [0, 1] the sections continue along their tangents;
     /// outside of v in [0, 1] the surface continues straight.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        let spline = self.spline(v);
-        let zero = Vector3::zeros();
-        let mut at =
-            SurfaceDerivatives { point: Point3::origin(), su: zero, sv: zero, suu: zero, suv: zero, svv: zero };
-        for (k, section) in self.sections.iter().enumerate() {
-            let [value, first, second] = spline(k);
-            let c = section.derivatives_extended(u);
-            at.point += c.point.coords * value;
-            at.su += c.first * value;
-            at.sv += c.point.coords * first;
-            at.suu += c.second * value;
-            at.suv += c.first * first;
-            at.svv += c.point.coords * second;
+        let inside = [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)];
+        let mut s = self.sums(inside[0], inside[1]);
+        let [du, dv] = [u - inside[0], v - inside[1]];
+        if du != 0.0 {
+            let [value, first, second] = &mut s;
+            for (j, f) in first.iter().enumerate() {
+                value[j] += f * du;
+                second[j] = Vector3::zeros();
+            }
         }
-        at
+        if dv != 0.0 {
+            for [value, first, second] in &mut s {
+                *value += *first * dv;
+                *second = Vector3::zeros();
+            }
+        }
+        let [[point, sv, svv], [su, suv, _], [suu, _, _]] = s;
+        SurfaceDerivatives { point: Point3::from(point), su, sv, suu, suv, svv }
+    }
+
+    /// Control points of the line of equal u along v.
+    fn line(&self, u: f64) -> Vec<Vector3<f64>> {
+        let inside = u.clamp(0.0, 1.0);
+        let basis = basis::evaluate(&self.knots[0], self.degree[0], inside, 1);
+        let columns = self.sections.len();
+        let weight = |a: usize| basis.values[0][a] + basis.values[1][a] * (u - inside);
+        let at =
+            |j: usize| (0..=self.degree[0]).map(|a| self.control[(basis.first + a) * columns + j] * weight(a)).sum();
+        (0..columns).map(at).collect()
     }
 
     /// The surface turned about Z (Wei 18).
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
-        Self { sections: self.sections.iter().map(|c| c.rotated(angle)).collect(), ..self.clone() }
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+        Self {
+            sections: self.sections.iter().map(|c| c.rotated(angle)).collect(),
+            control: self.control.iter().map(|c| turn * c).collect(),
+            ..self.clone()
+        }
     }
 
     /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
@@ -124,18 +204,20 @@ impl LoftedSurface {
         const BETWEEN: usize = 4;
         let across = BETWEEN * (self.sections.len() - 1);
         let at = |range: [f64; 2], i: usize, n: usize| range[0] + (range[1] - range[0]) * i as f64 / n as f64;
-        // Sections at each u, and their weights at each v, are computed once.
-        let rows: Vec<Vec<f64>> = (0..=across)
+        // The line at each u, and the weights at each v, are computed once.
+        let rows: Vec<(usize, [f64; MAX_DEGREE + 1])> = (0..=across)
             .map(|j| {
-                let spline = self.spline(at(patch.v, j, across));
-                (0..self.sections.len()).map(|k| spline(k)[0]).collect()
+                let v = at(patch.v, j, across);
+                let inside = v.clamp(0.0, 1.0);
+                let basis = basis::evaluate(&self.knots[1], self.degree[1], inside, 1);
+                let weight = |k: usize| basis.values[0][k] + basis.values[1][k] * (v - inside);
+                (basis.first, std::array::from_fn(weight))
             })
             .collect();
         let column = |i: usize| -> Vec<f64> {
-            let u = at(patch.u, i, ALONG);
-            let points: Vec<_> = self.sections.iter().map(|c| c.derivatives_extended(u).point.coords).collect();
-            let distance = |row: &Vec<f64>| {
-                let point: Vector3<f64> = points.iter().zip(row).map(|(c, weight)| c * *weight).sum();
+            let line = self.line(at(patch.u, i, ALONG));
+            let distance = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| {
+                let point: Vector3<f64> = line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum();
                 (point - p.coords).norm()
             };
             rows.iter().map(distance).collect()

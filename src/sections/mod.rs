@@ -5,6 +5,8 @@
 //! faces, or as a mean line with thicknesses. Each form becomes an [`Outline`], from which the faces and edges of the
 //! blade are made.
 
+pub mod loft;
+
 use nalgebra::Point3;
 
 /// A section of a blade.

@@ -1,0 +1,367 @@
+//! Cubic splines through several rows of points, one a row, on common knots: the curves of a lofted surface.
+//!
+//! Each spline has the least sum of squared distances to its points (Piegl and Tiller, The NURBS Book, 9.4.1). A span of the
+//! knots in which a row is out of tolerance is halved. Rows are open, from their first to their last point, or closed.
+
+use super::NurbsCurve;
+use super::basis::{self, MAX_DEGREE};
+use nalgebra::{DMatrix, Point3, Vector3, Vector4};
+
+/// Degree of the splines.
+const DEGREE: usize = MAX_DEGREE;
+
+/// Points of a row in a span at the start, on average: a spline with fewer control points smooths noise.
+const POINTS_A_SPAN: usize = 8;
+
+/// Points of each row in a span, at least: with one a span the splines would follow every point.
+const LEAST_POINTS: usize = 1;
+
+/// Spans, at most.
+const MOST_SPANS: usize = 400;
+
+/// Rounds in which each parameter is moved to the foot of its point.
+const CORRECTIONS: usize = 4;
+
+/// Points of a row with their parameters on [0, 1], ascending. A closed row does not repeat its first point, and its last
+/// parameter is below 1.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Points, mm.
+    pub points: Vec<Point3<f64>>,
+    /// Their parameters.
+    pub parameters: Vec<f64>,
+}
+
+/// The splines of all rows.
+#[derive(Clone, Debug)]
+pub struct RowFit {
+    closed: bool,
+    /// Knots, clamped for open rows, periodic for closed ones; the domain is [0, 1].
+    knots: Vec<f64>,
+    /// Control points by row.
+    control: Vec<Vec<Vector3<f64>>>,
+    /// Largest distance of a point of each row to its spline, with the index of the point.
+    pub residuals: Vec<(f64, usize)>,
+}
+
+/// Splines on common knots through rows, each within `tolerance` of all its points where the points allow it: else with the
+/// residuals that remain.
+///
+/// `None` for rows with fewer than four points, or parameters that do not ascend.
+pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
+    let ascends = |row: &Row| {
+        row.points.len() == row.parameters.len()
+            && row.points.len() > DEGREE
+            && row.parameters.windows(2).all(|pair| pair[0] < pair[1])
+            && row.points.iter().all(|p| p.coords.iter().all(|x| x.is_finite()))
+            && row.parameters[0] >= 0.0
+            && row.parameters.last().is_some_and(|last| if closed { *last < 1.0 } else { *last <= 1.0 })
+    };
+    if rows.is_empty() || !rows.iter().all(ascends) {
+        return None;
+    }
+    let mut inner = start(rows, closed);
+    let mut best: Option<RowFit> = None;
+    loop {
+        let Some(found) = RowFit::on(rows, closed, &inner) else { return best };
+        let better = best.as_ref().is_none_or(|b| found.fit.worst() < b.worst());
+        let halves: Vec<f64> =
+            found.failing(&inner, tolerance).iter().filter_map(|span| halving(rows, *span)).collect();
+        if better {
+            best = Some(found.fit);
+        }
+        if halves.is_empty() || inner.len() + halves.len() > MOST_SPANS {
+            return best;
+        }
+        inner.extend(halves);
+        inner.sort_by(f64::total_cmp);
+    }
+}
+
+/// Inner knots at the start: with equal numbers of points between them, over all rows.
+fn start(rows: &[Row], closed: bool) -> Vec<f64> {
+    let mut all: Vec<f64> = rows.iter().flat_map(|row| row.parameters.iter().copied()).collect();
+    all.sort_by(f64::total_cmp);
+    let least = rows.iter().map(|row| row.points.len()).min().unwrap_or(0);
+    let spans = (least / POINTS_A_SPAN).max(if closed { DEGREE + 1 } else { 1 });
+    let at = |k: usize| {
+        let i = k * all.len() / spans;
+        0.5 * (all[i.saturating_sub(1)] + all[i.min(all.len() - 1)])
+    };
+    let mut inner: Vec<f64> = (1..spans).map(at).filter(|u| *u > 0.0 && *u < 1.0).collect();
+    inner.dedup();
+    // Spans without points of a row would leave control points undetermined.
+    let mut ends = vec![0.0];
+    for u in inner {
+        let from = ends[ends.len() - 1];
+        if holds_points(rows, [from, u]) && holds_points(rows, [u, 1.0]) {
+            ends.push(u);
+        }
+    }
+    ends.split_off(1)
+}
+
+fn holds_points(rows: &[Row], [from, to]: [f64; 2]) -> bool {
+    rows.iter().all(|row| {
+        let first = row.parameters.partition_point(|u| *u <= from);
+        row.parameters.partition_point(|u| *u < to).saturating_sub(first) >= LEAST_POINTS
+    })
+}
+
+/// Parameter that halves a span; `None` where a half would have no point of some row.
+fn halving(rows: &[Row], [from, to]: [f64; 2]) -> Option<f64> {
+    let middle = 0.5 * (from + to);
+    (holds_points(rows, [from, middle]) && holds_points(rows, [middle, to])).then_some(middle)
+}
+
+/// A fit with the errors of its points.
+struct Judged {
+    fit: RowFit,
+    /// Parameter of the foot of each point, and the distance, by row.
+    feet: Vec<Vec<(f64, f64)>>,
+}
+
+impl Judged {
+    /// Spans with a point out of tolerance.
+    fn failing(&self, inner: &[f64], tolerance: f64) -> Vec<[f64; 2]> {
+        let mut ends = vec![0.0];
+        ends.extend_from_slice(inner);
+        ends.push(1.0);
+        let mut fails = vec![false; ends.len() - 1];
+        for (u, distance) in self.feet.iter().flatten() {
+            if *distance > tolerance {
+                fails[ends.partition_point(|e| e <= u).clamp(1, ends.len() - 1) - 1] = true;
+            }
+        }
+        ends.windows(2).zip(fails).filter(|(_, fails)| *fails).map(|(span, _)| [span[0], span[1]]).collect()
+    }
+}
+
+impl RowFit {
+    fn on(rows: &[Row], closed: bool, inner: &[f64]) -> Option<Judged> {
+        let knots = if closed { periodic(inner) } else { clamped(inner) };
+        let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new() };
+        let mut feet = Vec::new();
+        for row in rows {
+            let (control, found) = fit.through(row)?;
+            let worst = found.iter().enumerate().fold((0.0, 0), |w, (i, (_, d))| if *d > w.0 { (*d, i) } else { w });
+            fit.control.push(control);
+            fit.residuals.push(worst);
+            feet.push(found);
+        }
+        Some(Judged { fit, feet })
+    }
+
+    /// Largest distance of a point to its spline, mm.
+    pub fn worst(&self) -> f64 {
+        self.residuals.iter().map(|r| r.0).fold(0.0, f64::max)
+    }
+
+    /// Control points of a row, with the parameter and the distance of the foot of each point.
+    fn through(&self, row: &Row) -> Option<(Vec<Vector3<f64>>, Vec<(f64, f64)>)> {
+        let mut at = row.parameters.clone();
+        let mut best: Option<(Vec<Vector3<f64>>, Vec<(f64, f64)>)> = None;
+        for _ in 0..=CORRECTIONS {
+            let Some(control) = self.least_squares(row, &at) else { break };
+            let curve = self.curve(&control);
+            let feet: Vec<(f64, f64)> = row.points.iter().zip(&at).map(|(p, u)| self.foot(&curve, p, *u)).collect();
+            let largest = |feet: &[(f64, f64)]| feet.iter().map(|f| f.1).fold(0.0, f64::max);
+            if best.as_ref().is_none_or(|b| largest(&feet) < largest(&b.1)) {
+                best = Some((control, feet.clone()));
+            }
+            at = feet.iter().map(|f| f.0).collect();
+            // The ends of an open row stay where they are.
+            if !self.closed {
+                (at[0], at[row.points.len() - 1]) = (row.parameters[0], row.parameters[row.points.len() - 1]);
+            }
+            if at.windows(2).any(|pair| pair[0] >= pair[1]) {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Number of unknown control points of a row: those of a closed row repeat.
+    fn count(&self) -> usize {
+        let all = self.knots.len() - DEGREE - 1;
+        if self.closed { all - DEGREE } else { all }
+    }
+
+    fn least_squares(&self, row: &Row, at: &[f64]) -> Option<Vec<Vector3<f64>>> {
+        let count = self.count();
+        // An open spline begins and ends at the ends of its row.
+        let ends =
+            if self.closed { None } else { Some([row.points[0].coords, row.points[row.points.len() - 1].coords]) };
+        let fixed = |j: usize| ends.and_then(|[a, b]| if j == 0 { Some(a) } else { (j + 1 == count).then_some(b) });
+        let mut normal = DMatrix::<f64>::zeros(count, count);
+        let mut right = DMatrix::<f64>::zeros(count, 3);
+        for (point, u) in row.points.iter().zip(at) {
+            let basis = basis::evaluate(&self.knots, DEGREE, *u, 0);
+            let entry = |k: usize| ((basis.first + k) % count, basis.values[0][k]);
+            let mut rest = point.coords;
+            for (j, w) in (0..=DEGREE).map(entry) {
+                rest -= fixed(j).unwrap_or_else(Vector3::zeros) * w;
+            }
+            for (i, w) in (0..=DEGREE).map(entry).filter(|(i, _)| fixed(*i).is_none()) {
+                for k in 0..3 {
+                    right[(i, k)] += w * rest[k];
+                }
+                for (j, v) in (0..=DEGREE).map(entry).filter(|(j, _)| fixed(*j).is_none()) {
+                    normal[(i, j)] += w * v;
+                }
+            }
+        }
+        for j in 0..count {
+            if let Some(end) = fixed(j) {
+                normal[(j, j)] = 1.0;
+                (0..3).for_each(|k| right[(j, k)] = end[k]);
+            }
+        }
+        let solved = normal.cholesky()?.solve(&right);
+        let control: Vec<_> = (0..count).map(|j| Vector3::from_fn(|k, _| solved[(j, k)])).collect();
+        control.iter().all(|c| c.iter().all(|x| x.is_finite())).then_some(control)
+    }
+
+    /// Parameter of the foot of a point near `u`, by Newton's method, and its distance.
+    fn foot(&self, curve: &NurbsCurve, p: &Point3<f64>, u: f64) -> (f64, f64) {
+        let inside = |u: f64| if self.closed { u.rem_euclid(1.0) } else { u.clamp(0.0, 1.0) };
+        let mut best = (u, f64::INFINITY);
+        let mut here = u;
+        for _ in 0..6 {
+            let d = curve.derivatives(here);
+            let gap = d.point - p;
+            if gap.norm() < best.1 {
+                best = (here, gap.norm());
+            }
+            let slope = d.first.norm_squared() + gap.dot(&d.second);
+            if slope <= 0.0 {
+                break;
+            }
+            here = inside(here - gap.dot(&d.first) / slope);
+        }
+        best
+    }
+
+    /// The spline of a row; the knots of a closed one are not clamped.
+    fn curve(&self, control: &[Vector3<f64>]) -> NurbsCurve {
+        let repeated = if self.closed { DEGREE } else { 0 };
+        let round = control.iter().cycle().take(control.len() + repeated);
+        NurbsCurve::from_homogeneous(DEGREE, self.knots.clone(), round.map(|c| c.push(1.0)).collect())
+    }
+
+    /// The part of a row between two parameters as a curve on [0, 1]; from the second parameter to the first when `back`.
+    /// On a closed row the second parameter may be greater than 1 by less than the first.
+    pub fn piece(&self, row: usize, [from, to]: [f64; 2], back: bool) -> NurbsCurve {
+        let spline = self.curve(&self.control[row]);
+        let turns = |u: f64| if self.closed { u.floor() } else { 0.0 };
+        let domain = &self.knots[DEGREE..self.knots.len() - DEGREE];
+        let whole = turns(from) as i32..=turns(to) as i32;
+        let mut inner: Vec<f64> = whole.flat_map(|n| domain.iter().map(move |k| k + f64::from(n))).collect();
+        inner.retain(|k| *k > from && *k < to);
+        inner.dedup();
+        let mut knots = vec![from; DEGREE + 1];
+        knots.extend_from_slice(&inner);
+        knots.extend([to; DEGREE + 1]);
+        let point = |i: usize| {
+            // A span under the basis function of the control point that is not empty.
+            let k = (i..=i + DEGREE).find(|k| knots[*k] < knots[k + 1]).unwrap_or(i);
+            let middle = 0.5 * (knots[k] + knots[k + 1]);
+            let shift = turns(middle);
+            let arguments: [f64; DEGREE] = std::array::from_fn(|j| knots[i + 1 + j] - shift);
+            spline.blossom(&arguments, middle - shift)
+        };
+        let mut control: Vec<Vector4<f64>> = (0..knots.len() - DEGREE - 1).map(point).collect();
+        let mut knots: Vec<f64> = knots.iter().map(|u| (u - from) / (to - from)).collect();
+        if back {
+            knots = knots.iter().rev().map(|u| 1.0 - u).collect();
+            control.reverse();
+        }
+        let last = knots.len() - DEGREE - 1;
+        knots[..=DEGREE].fill(0.0);
+        knots[last..].fill(1.0);
+        NurbsCurve::from_homogeneous(DEGREE, knots, control)
+    }
+}
+
+fn clamped(inner: &[f64]) -> Vec<f64> {
+    let mut knots = vec![0.0; DEGREE + 1];
+    knots.extend_from_slice(inner);
+    knots.extend([1.0; DEGREE + 1]);
+    knots
+}
+
+/// Knots that go on before 0 and beyond 1 as they stand at the other end.
+fn periodic(inner: &[f64]) -> Vec<f64> {
+    let mut round = vec![0.0];
+    round.extend_from_slice(inner);
+    let n = round.len();
+    let at = |i: i64| round[i.rem_euclid(n as i64) as usize] + i.div_euclid(n as i64) as f64;
+    (-(DEGREE as i64)..=(n + DEGREE) as i64).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn ellipse(count: usize, closed: bool, height: f64) -> Row {
+        let last = if closed { count } else { count - 1 };
+        let parameters: Vec<f64> = (0..count).map(|i| i as f64 / last as f64).collect();
+        let points =
+            parameters.iter().map(|u| Point3::new(30.0 * (TAU * u).cos(), 4.0 * (TAU * u).sin(), height)).collect();
+        Row { points, parameters }
+    }
+
+    #[test]
+    fn closed_and_open_rows_are_within_tolerance() {
+        for closed in [true, false] {
+            let rows = [ellipse(240, closed, 0.0), ellipse(300, closed, 5.0)];
+            let fit = fit_rows(&rows, closed, 1e-3).expect("rows");
+            assert!(fit.worst() <= 1e-3, "{}", fit.worst());
+        }
+    }
+
+    /// Pieces that divide a closed row give the same points as the row, and meet with the same tangent and curvature.
+    #[test]
+    fn pieces_are_the_row() {
+        let fit = fit_rows(&[ellipse(240, true, 1.0)], true, 1e-3).expect("rows");
+        let whole = fit.curve(&fit.control[0]);
+        let joints = [0.0, 0.11, 0.52, 0.6, 1.0];
+        for pair in joints.windows(2) {
+            let [curve, reversed] = [false, true].map(|back| fit.piece(0, [pair[0], pair[1]], back));
+            for i in 0..=40 {
+                let t = f64::from(i) / 40.0;
+                let expected = whole.point((pair[0] + (pair[1] - pair[0]) * t).min(1.0 - 1e-15));
+                assert!((curve.point(t) - expected).norm() < 1e-11, "{t}");
+                assert!((reversed.point(1.0 - t) - expected).norm() < 1e-11, "{t}");
+            }
+        }
+        let across = fit.piece(0, [0.9, 1.2], false);
+        assert!((across.point(1.0 / 3.0) - whole.point(0.0)).norm() < 1e-11);
+    }
+
+    /// Noise of 10 um is smoothed: with a tolerance above it the spline lies nearer to the true curve than the points.
+    #[test]
+    fn noise_is_smoothed() {
+        let mut row = ellipse(400, true, 0.0);
+        let clean = row.points.clone();
+        for (i, p) in row.points.iter_mut().enumerate() {
+            p.x += 0.01 * libm::sin(i as f64 * 12.9898);
+            p.y += 0.01 * libm::sin(i as f64 * 78.233);
+        }
+        let fit = fit_rows(&[row.clone()], true, 0.03).expect("rows");
+        let whole = fit.curve(&fit.control[0]);
+        let error = |k: usize| (whole.point(row.parameters[k]) - clean[k]).norm();
+        let mean = (0..400).map(error).sum::<f64>() / 400.0;
+        assert!(mean < 0.006, "{mean}");
+    }
+
+    #[test]
+    fn rows_that_cannot_be_fitted() {
+        let mut row = ellipse(20, true, 0.0);
+        row.parameters.swap(3, 4);
+        assert!(fit_rows(&[row], true, 1e-3).is_none());
+        assert!(fit_rows(&[ellipse(3, true, 0.0)], true, 1e-3).is_none());
+        assert!(fit_rows(&[], true, 1e-3).is_none());
+    }
+}
