@@ -1,7 +1,9 @@
 //! Cubic splines through several rows of points, one a row, on common knots: the curves of a lofted surface.
 //!
 //! Each spline has the least sum of squared distances to its points (Piegl and Tiller, The NURBS Book, 9.4.1). A span of the
-//! knots in which a row is out of tolerance is halved. Rows are open, from their first to their last point, or closed.
+//! knots in which a row is out of tolerance is halved. Where a row has no point in a span, its spline goes on smoothly: the
+//! second differences of control points count a little, as in penalised splines (Eilers and Marx 1996). Rows are open, from
+//! their first to their last point, or closed.
 
 use super::NurbsCurve;
 use super::basis::{self, MAX_DEGREE};
@@ -13,8 +15,12 @@ const DEGREE: usize = MAX_DEGREE;
 /// Points of a row in a span at the start, on average: a spline with fewer control points smooths noise.
 const POINTS_A_SPAN: usize = 8;
 
-/// Points of each row in a span, at least: with one a span the splines would follow every point.
-const LEAST_POINTS: usize = 1;
+/// Points of all rows in a half of a span, at least: fewer say nothing of the curve between them.
+const LEAST_POINTS: usize = 2;
+
+/// Weight of the squared second differences of control points, against the squared distances of points. At a nose with a radius
+/// of 1 mm and control points every 0.2 mm it moves the curve by less than a nanometre.
+const SMOOTH: f64 = 1e-7;
 
 /// Spans, at most.
 const MOST_SPANS: usize = 400;
@@ -60,13 +66,18 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
     if rows.is_empty() || !rows.iter().all(ascends) {
         return None;
     }
-    let mut inner = start(rows, closed);
+    let mut all: Vec<f64> = rows.iter().flat_map(|row| row.parameters.iter().copied()).collect();
+    all.sort_by(f64::total_cmp);
+    let least = rows.iter().map(|row| row.points.len()).min().unwrap_or(0);
+    let mut inner = start(&all, least, closed);
     let mut best: Option<RowFit> = None;
     loop {
-        let Some(found) = RowFit::on(rows, closed, &inner) else { return best };
+        let Some(found) = RowFit::on(rows, closed, &inner) else {
+            return best;
+        };
         let better = best.as_ref().is_none_or(|b| found.fit.worst() < b.worst());
         let halves: Vec<f64> =
-            found.failing(&inner, tolerance).iter().filter_map(|span| halving(rows, *span)).collect();
+            found.failing(&inner, tolerance).iter().filter_map(|span| halving(&all, *span)).collect();
         if better {
             best = Some(found.fit);
         }
@@ -79,39 +90,22 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
 }
 
 /// Inner knots at the start: with equal numbers of points between them, over all rows.
-fn start(rows: &[Row], closed: bool) -> Vec<f64> {
-    let mut all: Vec<f64> = rows.iter().flat_map(|row| row.parameters.iter().copied()).collect();
-    all.sort_by(f64::total_cmp);
-    let least = rows.iter().map(|row| row.points.len()).min().unwrap_or(0);
+fn start(all: &[f64], least: usize, closed: bool) -> Vec<f64> {
     let spans = (least / POINTS_A_SPAN).max(if closed { DEGREE + 1 } else { 1 });
     let at = |k: usize| {
-        let i = k * all.len() / spans;
-        0.5 * (all[i.saturating_sub(1)] + all[i.min(all.len() - 1)])
+        let i = (k * all.len() / spans).clamp(1, all.len() - 1);
+        0.5 * (all[i - 1] + all[i])
     };
     let mut inner: Vec<f64> = (1..spans).map(at).filter(|u| *u > 0.0 && *u < 1.0).collect();
     inner.dedup();
-    // Spans without points of a row would leave control points undetermined.
-    let mut ends = vec![0.0];
-    for u in inner {
-        let from = ends[ends.len() - 1];
-        if holds_points(rows, [from, u]) && holds_points(rows, [u, 1.0]) {
-            ends.push(u);
-        }
-    }
-    ends.split_off(1)
+    inner
 }
 
-fn holds_points(rows: &[Row], [from, to]: [f64; 2]) -> bool {
-    rows.iter().all(|row| {
-        let first = row.parameters.partition_point(|u| *u <= from);
-        row.parameters.partition_point(|u| *u < to).saturating_sub(first) >= LEAST_POINTS
-    })
-}
-
-/// Parameter that halves a span; `None` where a half would have no point of some row.
-fn halving(rows: &[Row], [from, to]: [f64; 2]) -> Option<f64> {
+/// Parameter that halves a span; `None` where a half would have too few of all points.
+fn halving(all: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
     let middle = 0.5 * (from + to);
-    (holds_points(rows, [from, middle]) && holds_points(rows, [middle, to])).then_some(middle)
+    let within = |from: f64, to: f64| all.partition_point(|u| *u < to) - all.partition_point(|u| *u <= from);
+    (within(from, middle) >= LEAST_POINTS && within(middle, to) >= LEAST_POINTS).then_some(middle)
 }
 
 /// A fit with the errors of its points.
@@ -211,6 +205,7 @@ impl RowFit {
                 }
             }
         }
+        self.smooth(&mut normal, &mut right, &fixed);
         for j in 0..count {
             if let Some(end) = fixed(j) {
                 normal[(j, j)] = 1.0;
@@ -220,6 +215,32 @@ impl RowFit {
         let solved = normal.cholesky()?.solve(&right);
         let control: Vec<_> = (0..count).map(|j| Vector3::from_fn(|k, _| solved[(j, k)])).collect();
         control.iter().all(|c| c.iter().all(|x| x.is_finite())).then_some(control)
+    }
+
+    /// Adds the second differences of control points over their places (Greville) to the normal equations.
+    fn smooth(
+        &self,
+        normal: &mut DMatrix<f64>,
+        right: &mut DMatrix<f64>,
+        fixed: &impl Fn(usize) -> Option<Vector3<f64>>,
+    ) {
+        let count = self.count();
+        let place = |i: usize| self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / DEGREE as f64;
+        let rows = if self.closed { count } else { count - 2 };
+        for i in 0..rows {
+            let [a, b, c] = [0, 1, 2].map(|k| place(i + k));
+            // Zero for control points on a straight line.
+            let weights = [(c - b) / (c - a), -1.0, (b - a) / (c - a)];
+            let entries = [0, 1, 2].map(|k| ((i + k) % count, weights[k]));
+            for (j, w) in entries.iter().filter(|(j, _)| fixed(*j).is_none()) {
+                for (l, v) in entries {
+                    match fixed(l) {
+                        Some(end) => (0..3).for_each(|k| right[(*j, k)] -= SMOOTH * w * v * end[k]),
+                        None => normal[(*j, l)] += SMOOTH * w * v,
+                    }
+                }
+            }
+        }
     }
 
     /// Parameter of the foot of a point near `u`, by Newton's method, and its distance.

@@ -10,14 +10,55 @@ use std::collections::BTreeSet;
 /// Most points of a curve. Splines of measured blades have hundreds.
 pub(super) const MAX_POINTS: usize = 2000;
 
-/// Points of a curve with the places of their lines; the numbers count from 1 without a gap.
+/// Most sections of a blade that are closed loops. Designers give some 5 to 30, measuring machines up to 100.
+pub(super) const MAX_LOOPS: usize = 200;
+
+/// A curve of a file.
+pub(super) struct FileCurve {
+    /// Its name.
+    pub(super) name: String,
+    /// Its points, without unit.
+    pub(super) points: Vec<[f64; 3]>,
+    /// Places of their lines.
+    pub(super) spans: Vec<Span>,
+}
+
+/// A curve of a file; the numbers of its points count from 1 without a gap.
 pub(super) fn read(
     source: SourceId,
     sources: &SourceMap,
     file: &Text,
     curve: &Name,
     sink: &mut Sink,
-) -> Option<(Vec<[f64; 3]>, Vec<Span>)> {
+) -> Option<FileCurve> {
+    let mut names: BTreeSet<String> = BTreeSet::new();
+    let wanted = |name: &str| {
+        if !names.contains(name) {
+            names.insert(name.to_owned());
+        }
+        name == curve.text
+    };
+    let found = curves(source, sources, file, wanted, sink)?.pop();
+    if found.is_none() {
+        sink.push(unknown(&curve.text, curve.span, "curve", names.iter().map(String::as_str)));
+    }
+    found
+}
+
+/// All curves of a file, in their order.
+pub(super) fn read_all(source: SourceId, sources: &SourceMap, file: &Text, sink: &mut Sink) -> Option<Vec<FileCurve>> {
+    curves(source, sources, file, |_| true, sink)
+}
+
+/// The curves of a file whose names are wanted, in their order. A curve with too many points ends the search: the caller
+/// refuses it.
+fn curves(
+    source: SourceId,
+    sources: &SourceMap,
+    file: &Text,
+    mut wanted: impl FnMut(&str) -> bool,
+    sink: &mut Sink,
+) -> Option<Vec<FileCurve>> {
     let text = &sources.get(source)?.text;
     if let Some(fault) = no_table(text) {
         sink.push(
@@ -28,9 +69,7 @@ pub(super) fn read(
         );
         return None;
     }
-    let mut points = Vec::new();
-    let mut spans = Vec::new();
-    let mut names: BTreeSet<&str> = BTreeSet::new();
+    let mut found: Vec<FileCurve> = Vec::new();
     let mut good = true;
     let mut start = 0;
     for raw in text.split_inclusive('\n') {
@@ -47,13 +86,18 @@ pub(super) fn read(
             sink.push(fault(span, file, format!("the line has {} fields, not 5", fields.len())));
             return None;
         }
-        names.insert(name);
-        if name != curve.text {
+        if !wanted(name) {
             continue;
         }
+        // Points of a curve mostly follow each other.
+        let at = found.iter().rposition(|curve| curve.name == name).unwrap_or_else(|| {
+            found.push(FileCurve { name: name.to_owned(), points: Vec::new(), spans: Vec::new() });
+            found.len() - 1
+        });
+        let curve = &mut found[at];
         let number: Option<usize> = fields.get(1).and_then(|f| f.parse().ok());
-        if number != Some(points.len() + 1) {
-            sink.push(fault(span, file, format!("number {} is expected here", points.len() + 1)));
+        if number != Some(curve.points.len() + 1) {
+            sink.push(fault(span, file, format!("number {} is expected here", curve.points.len() + 1)));
             good = false;
         }
         let coordinate =
@@ -62,18 +106,13 @@ pub(super) fn read(
             sink.push(fault(span, file, "the coordinates are not three finite numbers".to_owned()));
             return None;
         };
-        points.push([x, y, z]);
-        spans.push(span);
-        if points.len() > MAX_POINTS {
-            // The caller refuses the file; further points would only take memory.
+        curve.points.push([x, y, z]);
+        curve.spans.push(span);
+        if curve.points.len() > MAX_POINTS || found.len() > MAX_LOOPS {
             break;
         }
     }
-    if points.is_empty() {
-        sink.push(unknown(&curve.text, curve.span, "curve", names.into_iter()));
-        return None;
-    }
-    good.then_some((points, spans))
+    good.then_some(found)
 }
 
 /// Whether a line has the required form: a plain name, a whole number, three coordinates.

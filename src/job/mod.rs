@@ -4,6 +4,7 @@ mod channel;
 mod context;
 mod contracts;
 pub mod curve_file;
+mod curves;
 mod eval;
 pub mod files;
 mod finishing;

@@ -7,6 +7,7 @@ use crate::method::{LengthTo, ModuloWay, Planning};
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::post_file::PostFile;
+use crate::sections::EdgeForm;
 use crate::source::Span;
 use crate::stock::Mesh;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
@@ -219,10 +220,12 @@ pub struct PartSpec {
     pub vanes: (u32, Span),
     /// The main blade, then the splitters.
     pub blades: Vec<BladeSpec>,
-    /// Curve of the main blade that generates the hub.
-    pub hub: CurveRef,
-    /// Curve of the main blade that generates the shroud.
-    pub shroud: CurveRef,
+    /// Largest distance by which faces are extended to hub and shroud.
+    pub extend: Mm,
+    /// Curve that generates the hub.
+    pub hub: RevolvedSpec,
+    /// Curve that generates the shroud.
+    pub shroud: RevolvedSpec,
     /// Whole item.
     pub span: Span,
 }
@@ -239,14 +242,102 @@ impl PartSpec {
 pub struct BladeSpec {
     /// Name.
     pub name: String,
-    /// Its faces, the pressure face first.
-    pub faces: [FaceSpec; 2],
+    /// What gives its faces.
+    pub form: BladeForm,
     /// Fillet radius; zero is a sharp root.
     pub fillet: Mm,
     /// Turn about Z from its curves to its position.
     pub angle: Rad,
     /// Place of its name in the text.
     pub span: Span,
+}
+
+impl BladeSpec {
+    /// Its two faces, the pressure face first, where the job gives them one by one.
+    pub fn faces(&self) -> Option<&[FaceSpec; 2]> {
+        match &self.form {
+            BladeForm::Faces(faces) => Some(faces),
+            BladeForm::Sections(_) => None,
+        }
+    }
+}
+
+/// What gives the faces of a blade.
+#[derive(Clone, Debug)]
+pub enum BladeForm {
+    /// Curves of each face, the pressure face first.
+    Faces([FaceSpec; 2]),
+    /// Closed curves round the blade.
+    Sections(SectionsSpec),
+}
+
+/// Closed curves round a blade, from hub to shroud.
+#[derive(Clone, Debug)]
+pub struct SectionsSpec {
+    /// At least two.
+    pub loops: Vec<LoopSpec>,
+    /// Largest distance of a point to the fitted curve of its section.
+    pub fit: Mm,
+    /// Forms of the leading and of the trailing edge, where the job states them.
+    pub edges: [Option<EdgeForm>; 2],
+    /// Sense about Z, seen from +Z, in which the pressure face looks, where the job states it.
+    pub pressure: Option<Looks>,
+    /// Place in the text.
+    pub span: Span,
+}
+
+/// A closed curve round a blade; its first point is not repeated.
+#[derive(Clone, Debug)]
+pub struct LoopSpec {
+    /// Name in messages.
+    pub name: String,
+    /// Points, mm.
+    pub points: Vec<[f64; 3]>,
+    /// Place of each point.
+    pub spans: Vec<Span>,
+    /// Whole curve.
+    pub span: Span,
+}
+
+/// Where a face looks, about Z and seen from +Z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Looks {
+    /// Ahead in the sense of positive angles.
+    CounterClockwise,
+    /// The other way.
+    Clockwise,
+}
+
+impl Looks {
+    /// Both senses.
+    pub const ALL: [Self; 2] = [Self::CounterClockwise, Self::Clockwise];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CounterClockwise => "counter-clockwise",
+            Self::Clockwise => "clockwise",
+        }
+    }
+}
+
+/// A curve that is turned about Z.
+#[derive(Clone, Debug)]
+pub enum RevolvedSpec {
+    /// A curve of the main blade.
+    OfBlade(CurveRef),
+    /// A curve of its own, from inlet to outlet. Its azimuth does not matter.
+    Own(CurveSpec),
+}
+
+impl RevolvedSpec {
+    /// Place in the text.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::OfBlade(curve) => curve.span,
+            Self::Own(curve) => curve.span,
+        }
+    }
 }
 
 /// How the curves of a face make its surface.

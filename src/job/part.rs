@@ -1,22 +1,30 @@
 //! The part: vanes, faces, curves.
 
 use super::context::Context;
-use super::curve_file::{self, MAX_POINTS};
-use super::eval::{mismatch, suggest, unknown_unit};
-use super::files::{Fault, MissingFile};
+use super::curve_file::MAX_LOOPS;
+use super::curves::{closed, closed_from, curve};
+use super::eval::{mismatch, suggest};
 use super::limits;
-use super::model::{BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, PartSpec};
-use super::properties::{Properties, Range};
-use super::quantity::{Dimension, Quantity};
+use super::model::{
+    BladeForm, BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, Looks, LoopSpec, PartSpec, RevolvedSpec,
+    SectionsSpec,
+};
+use super::properties::{Properties, Range, name_of};
+use super::quantity::Dimension;
 use crate::diag::Diag;
-use crate::diag::codes::{files as file_codes, geometry, job as codes};
+use crate::diag::codes::{geometry, job as codes};
 use crate::part::{BladeId, FaceId, RulingEnd};
+use crate::sections::EdgeForm;
 use crate::source::Span;
-use crate::syntax::ast::{Block, Name, Path, Spline, SplinePoints, Text, Value};
+use crate::syntax::ast::{Block, Name, Path, Revolved, Spline, Value};
 use crate::units::{Mm, Rad};
 
 /// Largest number of vanes that is read; whether they fit is determined from their thickness.
 const MAX_VANES: u32 = 10_000;
+
+/// Largest distance by which faces are extended to hub and shroud by default, mm: more is a gap that somebody means, such as the
+/// gap between the tips and the casing.
+const EXTEND: f64 = 0.1;
 
 /// Most sections of a lofted face between root and tip. Designers give some 5 to 20.
 const MAX_SECTIONS: usize = 30;
@@ -24,15 +32,16 @@ const MAX_SECTIONS: usize = 30;
 /// Most splitters between one vane and the next. Impellers have one, seldom two or three.
 const MAX_SPLITTERS: usize = 8;
 
-/// Most text of curve files in which the curves of a job are looked up, in total, bytes: some ten seconds. Each curve
-/// takes one pass through its file.
-const MOST_LOOKED_UP: usize = 2_000_000_000;
-
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
-    let known = ["vanes", "vane", "splitter", "hub", "shroud"];
+    let known = ["vanes", "vane", "splitter", "hub", "shroud", "extend"];
     let owner = format!("part {}", name.text);
     let mut p = Properties::repeated(owner, head, body, (&known, &["splitter"]), &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
+    let extend = if p.has("extend") {
+        p.number("extend", Dimension::LENGTH, Range::NotNegative(100.0), "extend 0.4 mm").map(|extend| extend.0)
+    } else {
+        Some(EXTEND)
+    };
     let vane = p.take("vane");
     if vane.is_none() {
         p.missing("vane", "vane main { pressure ruled { ... } suction ruled { ... } }");
@@ -48,8 +57,9 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let example = "splitter half { pressure ruled { ... } ... }";
     let splitters: Vec<_> = given.into_iter().map(|splitter| named_block(splitter, example, &mut p)).collect();
     let (vane_name, vane_block) = vane?;
-    let hub = hub.and_then(|path| curve_ref(path, vane_name, cx));
-    let shroud = shroud.and_then(|path| curve_ref(path, vane_name, cx));
+    let by_faces = !has_entry(vane_block, "sections");
+    let hub = hub.and_then(|hub| generator(hub, vane_name, by_faces, cx));
+    let shroud = shroud.and_then(|shroud| generator(shroud, vane_name, by_faces, cx));
     let mut blades = vec![blade("vane", vane_name, vane_block, cx)];
     let mut names: Vec<&Name> = vec![vane_name];
     for splitter in splitters {
@@ -72,6 +82,7 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
         name: name.text.clone(),
         vanes: vanes?,
         blades: blades.into_iter().collect::<Option<Vec<_>>>()?,
+        extend: Mm(extend?),
         hub: hub?,
         shroud: shroud?,
         span: head,
@@ -92,12 +103,18 @@ fn named_block<'a>(
 }
 
 fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option<BladeSpec> {
-    let known: &[&str] = match word {
-        "splitter" => &["pressure", "suction", "fillet", "angle"],
-        _ => &["pressure", "suction", "fillet"],
+    let by_faces = !has_entry(block, "sections");
+    let mut known = if by_faces {
+        FaceId::NAMES.to_vec()
+    } else {
+        vec!["sections", "fit", "leading-edge", "trailing-edge", "pressure"]
     };
+    known.push("fillet");
+    if word == "splitter" {
+        known.push("angle");
+    }
     let owner = format!("{word} {}", name.text);
-    let mut p = Properties::new(owner, name.span, block, known, &mut cx.scope, cx.sink);
+    let mut p = Properties::new(owner, name.span, block, &known, &mut cx.scope, cx.sink);
     let fillet = if p.has("fillet") {
         let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm");
         fillet.and_then(|(fillet, span)| {
@@ -115,21 +132,79 @@ fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option
     } else {
         Some(0.0)
     };
-    let values = FaceId::NAMES.map(|face| {
-        let value = p.take(face);
-        if value.is_none() {
-            p.missing(face, &format!("{face} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
+    let form = if by_faces {
+        let values = FaceId::NAMES.map(|face| {
+            let value = p.take(face);
+            if value.is_none() {
+                p.missing(face, &format!("{face} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
+            }
+            value
+        });
+        let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
+        BladeForm::Faces([pressure?, suction?])
+    } else {
+        let given = SectionsGiven::take(&mut p);
+        BladeForm::Sections(given?.resolve(cx)?)
+    };
+    Some(BladeSpec { name: name.text.clone(), form, fillet: Mm(fillet?), angle: Rad(angle?), span: name.span })
+}
+
+fn has_entry(block: &Block, name: &str) -> bool {
+    block.entries.iter().any(|entry| entry.name.text == name)
+}
+
+/// What a blade says of its closed sections.
+struct SectionsGiven<'a> {
+    word: &'a Name,
+    values: Vec<&'a Value>,
+    fit: f64,
+    edges: [Option<EdgeForm>; 2],
+    pressure: Option<Looks>,
+}
+
+impl<'a> SectionsGiven<'a> {
+    fn take(p: &mut Properties<'a, '_>) -> Option<Self> {
+        /// Largest distance of a point to the fitted curve by default, mm.
+        const FIT: f64 = 0.005;
+        let (word, values) = p.take("sections")?;
+        let fit = if p.has("fit") {
+            p.number("fit", Dimension::LENGTH, Range::Between(0.0001, 1.0), "fit 5 um").map(|fit| fit.0)
+        } else {
+            Some(FIT)
+        };
+        let edges = ["leading-edge", "trailing-edge"].map(|edge| name_of(p, edge, &EdgeForm::ALL, EdgeForm::name));
+        let pressure = name_of(p, "pressure", &Looks::ALL, Looks::name)?;
+        let [leading, trailing] = edges;
+        Some(Self { word, values, fit: fit?, edges: [leading?, trailing?], pressure })
+    }
+
+    fn resolve(self, cx: &mut Context<'_>) -> Option<SectionsSpec> {
+        let Self { word, values, fit, edges, pressure } = self;
+        let mut loops: Vec<LoopSpec> = Vec::new();
+        for value in values {
+            match value {
+                Value::Loops { file, unit, span } => loops.extend(closed_from(file, unit.as_ref(), *span, cx)?),
+                Value::Loop(spline) => loops.push(closed(spline, format!("section {}", loops.len() + 1), cx)?),
+                other => {
+                    cx.sink.push(
+                        Diag::error(codes::WRONG_FORM, "`sections` takes closed curves")
+                            .label(other.span(), "`loop` or `loops from` is expected")
+                            .help("write `sections loops from \"blade.csv\" mm` or `sections loop [(x, y, z) ...] mm, loop [...] mm`"),
+                    );
+                    return None;
+                }
+            }
         }
-        value
-    });
-    let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
-    Some(BladeSpec {
-        name: name.text.clone(),
-        faces: [pressure?, suction?],
-        fillet: Mm(fillet?),
-        angle: Rad(angle?),
-        span: name.span,
-    })
+        if !(2..=MAX_LOOPS).contains(&loops.len()) {
+            cx.sink.push(
+                Diag::error(codes::OUT_OF_RANGE, format!("a blade has 2 to {MAX_LOOPS} sections, not {}", loops.len()))
+                    .label(word.span, "these sections")
+                    .help("give the sections from hub to shroud, each as a closed curve round the blade"),
+            );
+            return None;
+        }
+        Some(SectionsSpec { loops, fit: Mm(fit), edges, pressure, span: word.span })
+    }
 }
 
 fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
@@ -157,16 +232,32 @@ fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
     }
 }
 
-fn revolved<'a>(name: &str, p: &mut Properties<'a, '_>) -> Option<&'a Path> {
+fn revolved<'a>(name: &str, p: &mut Properties<'a, '_>) -> Option<&'a Revolved> {
     let example = if name == "hub" { "hub revolve main.pressure.root" } else { "shroud revolve main.pressure.tip" };
     let Some((word, values)) = p.take(name) else {
         p.missing(name, example);
         return None;
     };
     match values.as_slice() {
-        [Value::Revolve(path, _)] => Some(path),
+        [Value::Revolve(revolved, _)] => Some(revolved),
         _ => {
             p.wrong_form(word.span, name, "a curve to revolve", example);
+            None
+        }
+    }
+}
+
+/// The curve of a hub or shroud. A blade of closed sections has no curve that could be revolved.
+fn generator(given: &Revolved, vane: &Name, by_faces: bool, cx: &mut Context<'_>) -> Option<RevolvedSpec> {
+    match given {
+        Revolved::Own(spline) => Some(RevolvedSpec::Own(curve(spline, cx)?)),
+        Revolved::OfBlade(path) if by_faces => Some(RevolvedSpec::OfBlade(curve_ref(path, vane, cx)?)),
+        Revolved::OfBlade(path) => {
+            cx.sink.push(
+                Diag::error(codes::WRONG_FORM, format!("the blade `{}` has sections, but no curve `{}`", vane.text, path.text()))
+                    .label(path.span, "a curve of its own is expected")
+                    .help("write the meridian, for example `hub revolve spline from \"flow.csv\" curve hub mm`; its azimuth does not matter"),
+            );
             None
         }
     }
@@ -264,129 +355,4 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
     // A lofted face without sections was reported already.
     (form == FaceForm::Ruled || !sections.is_empty()).then_some(())?;
     Some(FaceSpec { form, tip: tip?, root: root?, sections })
-}
-
-fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
-    let scale = unit_scale(spline, cx);
-    let (points, spans) = match &spline.points {
-        SplinePoints::Inline(points) => inline(points, cx)?,
-        SplinePoints::File { file, curve } => from_file(file, curve, cx)?,
-    };
-    if points.len() > MAX_POINTS {
-        cx.sink.push(
-            Diag::error(geometry::POINTS, format!("the curve has more than {MAX_POINTS} points, the limit"))
-                .label(spline.span, "this curve")
-                .help("use fewer points; a smooth vane needs fewer than 100"),
-        );
-        return None;
-    }
-    let scale = scale?;
-    let points = points.into_iter().map(|p| p.map(|x| x * scale)).collect();
-    Some(CurveSpec { points, spans, span: spline.span })
-}
-
-fn unit_scale(spline: &Spline, cx: &mut Context<'_>) -> Option<f64> {
-    let Some(unit) = &spline.unit else {
-        let at = Span { start: spline.span.end, ..spline.span };
-        cx.sink.push(
-            Diag::error(codes::NO_UNIT, "the points of the spline need a unit")
-                .label(at, "a unit is expected here")
-                .help("write `mm` behind the list; the unit applies to all points")
-                .fix(at, " mm"),
-        );
-        return None;
-    };
-    match Quantity::new(1.0, &unit.text) {
-        Some(q) if q.dimension == Dimension::LENGTH => Some(q.value),
-        Some(q) => {
-            cx.sink.push(
-                Diag::error(codes::WRONG_DIMENSION, format!("coordinates must be lengths, not {}", q.dimension))
-                    .label(unit.span, "a unit of length is expected")
-                    .help("write `mm`"),
-            );
-            None
-        }
-        None => {
-            cx.sink.push(unknown_unit(unit));
-            None
-        }
-    }
-}
-
-type PointsInText = (Vec<[f64; 3]>, Vec<Span>);
-
-fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<PointsInText> {
-    let mut out = (Vec::new(), Vec::new());
-    let mut good = true;
-    for point in points {
-        let [x, y, z] = point.coordinates.as_slice() else {
-            cx.sink.push(
-                Diag::error(codes::WRONG_FORM, format!("a point has 3 coordinates, not {}", point.coordinates.len()))
-                    .label(point.span, "x, y and z are expected")
-                    .help("write it like `(15.0578, -38.5221, 0)`"),
-            );
-            good = false;
-            continue;
-        };
-        let coordinates = [x, y, z].map(|e| {
-            let value = cx.scope.value(e, cx.sink)?;
-            if value.dimension != Dimension::NONE {
-                cx.sink.push(
-                    Diag::error(codes::WRONG_DIMENSION, "the unit behind the list applies to the coordinates")
-                        .label(e.span, "a plain number is expected")
-                        .help("remove the unit here"),
-                );
-                return None;
-            }
-            Some(value.value)
-        });
-        match coordinates {
-            [Some(x), Some(y), Some(z)] => {
-                out.0.push([x, y, z]);
-                out.1.push(point.span);
-            }
-            _ => good = false,
-        }
-    }
-    good.then_some(out)
-}
-
-/// The fault of a file that the job names and that cannot be read.
-pub(super) fn not_read(kind: &str, file: &Text, missing: MissingFile) -> Diag {
-    let (code, help) = match missing.fault {
-        Fault::Outside => {
-            (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")
-        }
-        _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
-    };
-    let mut diag = Diag::error(code, format!("the {kind} file `{}` cannot be read", file.text));
-    if !missing.known.is_empty() {
-        diag = diag.note(format!("the {kind} files are {}", missing.known.join(", ")));
-    }
-    diag.label(file.span, missing.reason).help(help)
-}
-
-fn from_file(file: &Text, curve: &Name, cx: &mut Context<'_>) -> Option<PointsInText> {
-    let found = match cx.files.curves(&file.text) {
-        Ok(found) => found,
-        Err(missing) => {
-            cx.sink.push(not_read("curve", file, missing));
-            return None;
-        }
-    };
-    let known = cx.sources.files().iter().position(|f| f.name == found.name && f.text == found.text);
-    let source = match known {
-        Some(at) => crate::source::SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
-        None => cx.sources.add_file(found),
-    };
-    cx.looked_up += cx.sources.get(source).map_or(0, |file| file.text.len());
-    if cx.looked_up > MOST_LOOKED_UP {
-        cx.sink.push(
-            Diag::error(codes::CURVE_FILE, "the curve files of the job are too large for so many curves")
-                .label(file.span, "this curve exceeds the limit")
-                .help("put the curves of this part into a file without other curves"),
-        );
-        return None;
-    }
-    curve_file::read(source, cx.sources, file, curve, cx.sink)
 }

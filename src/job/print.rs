@@ -1,12 +1,15 @@
 //! Text form of the job, with every default.
 
 use super::library::LINUXCNC;
-use super::model::{CurveSpec, CutterKind, FaceForm, FaceSpec, Job, OperationKind, RotarySpec};
+use super::model::{
+    BladeForm, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, Looks, OperationKind, RevolvedSpec, RotarySpec,
+};
 use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
 use crate::operation::{Allowances, word};
 use crate::part::FaceId;
 use crate::post_file::{PostFile, Sectors};
+use crate::sections::EdgeForm;
 use crate::units::{Rad, trim};
 use std::fmt::Write;
 
@@ -16,14 +19,22 @@ pub fn print(job: &Job) -> String {
     machine(&mut out, job);
     let p = &job.part;
     let main = p.main();
-    let _ = writeln!(out, "part {}\n  vanes {}\n  fillet {}", p.name, p.vanes.0, main.fillet);
-    faces(&mut out, &main.faces);
+    let _ = writeln!(out, "part {}\n  vanes {}\n  extend {}\n  fillet {}", p.name, p.vanes.0, p.extend, main.fillet);
+    blade_form(&mut out, &main.form);
     for blade in &p.blades[1..] {
         let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, blade.fillet);
-        faces(&mut out, &blade.faces);
+        blade_form(&mut out, &blade.form);
     }
-    for (name, curve) in [("hub", p.hub), ("shroud", p.shroud)] {
-        let _ = writeln!(out, "  {name} revolve {}.{}", curve.face.name(), curve.end.name());
+    for (name, generator) in [("hub", &p.hub), ("shroud", &p.shroud)] {
+        match generator {
+            RevolvedSpec::OfBlade(curve) => {
+                let _ = writeln!(out, "  {name} revolve {}.{}", curve.face.name(), curve.end.name());
+            }
+            RevolvedSpec::Own(curve) => {
+                let _ = writeln!(out, "  {name} revolve spline of {} points", curve.points.len());
+                points(&mut out, &curve.points);
+            }
+        }
     }
     let s = &job.stock;
     let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
@@ -121,13 +132,33 @@ fn machine(out: &mut String, job: &Job) {
     }
 }
 
+fn points(out: &mut String, points: &[[f64; 3]]) {
+    for [x, y, z] in points {
+        let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
+    }
+}
+
+fn blade_form(out: &mut String, form: &BladeForm) {
+    let sections = match form {
+        BladeForm::Faces(given) => return faces(out, given),
+        BladeForm::Sections(sections) => sections,
+    };
+    let _ = writeln!(out, "  fit {}", sections.fit);
+    for (name, form) in ["leading-edge", "trailing-edge"].iter().zip(sections.edges) {
+        let _ = writeln!(out, "  {name} {}", form.map_or("as found", EdgeForm::name));
+    }
+    let _ = writeln!(out, "  pressure {}", sections.pressure.map_or("as found", Looks::name));
+    for section in &sections.loops {
+        let _ = writeln!(out, "  loop {}", section.name);
+        points(out, &section.points);
+    }
+}
+
 fn faces(out: &mut String, faces: &[FaceSpec; 2]) {
     for (name, face) in FaceId::NAMES.iter().zip(faces) {
         let curve = |out: &mut String, end: &str, curve: &CurveSpec| {
             let _ = writeln!(out, "  {name} {end}");
-            for [x, y, z] in &curve.points {
-                let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
-            }
+            points(out, &curve.points);
         };
         curve(out, "tip", &face.tip);
         curve(out, "root", &face.root);

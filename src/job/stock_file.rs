@@ -1,8 +1,8 @@
 //! What is left of the blank, from an STL file: `from "left.stl"` of the stock.
 
 use super::context::Context;
+use super::curves::not_read;
 use super::model::StockFile;
-use super::part::not_read;
 use super::properties::Properties;
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;

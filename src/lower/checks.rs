@@ -1,11 +1,15 @@
 //! Faults of the geometry that make planning impossible, each reported at the text that causes it.
 
-use super::FaceCurves;
+use super::face_curves::FaceCurves;
+use super::limits::MIN_RADIUS;
+use super::names::face_name;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Aborted, Diag, Sink};
+use crate::geom::NurbsCurve;
 use crate::geom::proximity::Patch;
-use crate::job::model::{FaceSpec, Job, PartSpec};
+use crate::job::model::{BladeForm, Job, PartSpec, RevolvedSpec};
 use crate::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
+use crate::source::Span;
 use crate::units::length;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
@@ -17,9 +21,6 @@ const STATIONS: usize = 64;
 
 /// Number of intervals along a ruling.
 const HEIGHTS: usize = 8;
-
-/// Least distance of a curve from the axis of rotation, mm; on the axis a hub has no azimuth.
-const MIN_RADIUS: f64 = 0.1;
 
 /// Least height of a vane, mm.
 const MIN_HEIGHT: f64 = 0.1;
@@ -35,11 +36,6 @@ fn meridian(p: &Point3<f64>) -> Vector2<f64> {
     Vector2::new(libm::hypot(p.x, p.y), p.z)
 }
 
-/// Name of a face in messages; in a splitter it includes the name of the blade.
-pub(super) fn face_name(spec: &PartSpec, blade: &str, face: &str) -> String {
-    if spec.main().name == blade { face.to_owned() } else { format!("{blade} {face}") }
-}
-
 fn name_of(spec: &PartSpec, part: &Part, face: FaceId) -> String {
     face_name(spec, &part.blade(face.blade).name, face.name())
 }
@@ -51,14 +47,13 @@ fn done(sink: &Sink, before: usize) -> Result<(), Aborted> {
 /// Checks that the hub comes from a root curve and the shroud from a tip curve.
 pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (what, reference, due, wrong) in [
-        ("hub", &spec.hub, "root", spec.hub.end == RulingEnd::Tip),
-        ("shroud", &spec.shroud, "tip", spec.shroud.end == RulingEnd::Root),
-    ] {
-        if wrong {
+    for (what, reference, due, wrong) in
+        [("hub", &spec.hub, "root", RulingEnd::Tip), ("shroud", &spec.shroud, "tip", RulingEnd::Root)]
+    {
+        if matches!(reference, RevolvedSpec::OfBlade(curve) if curve.end == wrong) {
             sink.push(
                 Diag::error(codes::ROOT_AND_TIP, format!("the {what} is revolved from a {due} curve"))
-                    .label(reference.span, format!("a {due} curve is expected"))
+                    .label(reference.span(), format!("a {due} curve is expected"))
                     .help("revolve the hub from a root curve and the shroud from a tip curve"),
             );
         }
@@ -67,9 +62,9 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
 }
 
 /// Checks that every curve keeps away from the axis of rotation.
-pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
+pub(super) fn meridians(faces: &[&FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
+    for (name, text, curve) in faces.iter().flat_map(|face| face.curves()) {
         let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
         if let Some(p) = nearest.filter(|p| meridian(p).x < MIN_RADIUS) {
             sink.push(
@@ -87,9 +82,9 @@ pub(super) fn meridians(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(),
 }
 
 /// Checks that all curves run from the inlet to the outlet; the inlet is nearer to the axis.
-pub(super) fn directions(faces: &[FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
+pub(super) fn directions(faces: &[&FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
-    for (name, text, curve) in faces.iter().flat_map(FaceCurves::curves) {
+    for (name, text, curve) in faces.iter().flat_map(|face| face.curves()) {
         let (first, last) = (curve.point(0.0), curve.point(1.0));
         if meridian(&last).x <= meridian(&first).x {
             sink.push(
@@ -108,7 +103,7 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     let before = sink.count();
     for side in part.faces() {
         let surface = &part.face(side).surface;
-        let (text, name) = (face_spec(spec, part, side), name_of(spec, part, side));
+        let (text, name) = (face_text(spec, part, side), name_of(spec, part, side));
         let (root, tip) = (surface.root().point(0.0), surface.tip().point(0.0));
         let swapped = meridian(&tip).x <= meridian(&root).x;
         let low = (0..=STATIONS)
@@ -127,8 +122,8 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
         };
         sink.push(
             Diag::error(codes::ROOT_AND_TIP, message)
-                .label(text.tip.span, "tip: the curve at the shroud")
-                .label(text.root.span, "root: the curve at the hub")
+                .label(text.tip, "tip: the curve at the shroud")
+                .label(text.root, "root: the curve at the hub")
                 .place(format!("{} tip curve", name), place)
                 .help("`root` is the curve on the hub, `tip` the curve at the shroud; exchange them if necessary"),
         );
@@ -136,10 +131,45 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     done(sink, before)
 }
 
-fn face_spec<'a>(spec: &'a PartSpec, part: &Part, face: FaceId) -> &'a FaceSpec {
+/// Places of the curves of a face in the text.
+struct FaceText {
+    root: Span,
+    tip: Span,
+}
+
+fn face_text(spec: &PartSpec, part: &Part, face: FaceId) -> FaceText {
     let name = &part.blade(face.blade).name;
     let blade = spec.blades.iter().find(|b| b.name == *name).unwrap_or(spec.main());
-    &blade.faces[face.index()]
+    match &blade.form {
+        BladeForm::Faces(faces) => {
+            let face = &faces[face.index() % faces.len()];
+            FaceText { root: face.root.span, tip: face.tip.span }
+        }
+        BladeForm::Sections(sections) => {
+            let [first, last] = [sections.loops.first(), sections.loops.last()];
+            let of = |section: Option<&crate::job::model::LoopSpec>| section.map_or(sections.span, |s| s.span);
+            FaceText { root: of(first), tip: of(last) }
+        }
+    }
+}
+
+/// Checks hubs and shrouds of their own: they keep away from the axis.
+pub(super) fn own_meridians(spec: &PartSpec, curves: [&NurbsCurve; 2], sink: &mut Sink) -> Result<(), Aborted> {
+    let before = sink.count();
+    for ((name, given), curve) in [("hub", &spec.hub), ("shroud", &spec.shroud)].into_iter().zip(curves) {
+        let RevolvedSpec::Own(own) = given else { continue };
+        let radius = |p: &Point3<f64>| meridian(p).x;
+        let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| radius(a).total_cmp(&radius(b)));
+        if let Some(p) = nearest.filter(|p| radius(p) < MIN_RADIUS) {
+            sink.push(
+                Diag::error(codes::AXIS, format!("the {name} comes to {} from the axis", length(radius(&p))))
+                    .label(own.span, "this curve")
+                    .place(name, p)
+                    .help("begin the curve at the bore or at the front of the wheel"),
+            );
+        }
+    }
+    done(sink, before)
 }
 
 /// Azimuth of the suction face less that of the pressure face at equal parameters, in (-pi, pi].
@@ -155,11 +185,11 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
         let blade = part.blade(id);
         let sign = gap(blade, 0.5, 0.5).signum();
         let Some((u, v)) = grid().find(|(u, v)| gap(blade, *u, *v) * sign <= 0.0) else { continue };
-        let [pressure, suction] = id.faces().map(|face| (face_spec(spec, part, face), name_of(spec, part, face)));
+        let [pressure, suction] = id.faces().map(|face| (face_text(spec, part, face), name_of(spec, part, face)));
         sink.push(
             Diag::error(codes::FACES_CROSS, format!("{} and suction face cross each other", pressure.1))
-                .label(suction.0.root.span, "suction side")
-                .label(pressure.0.root.span, "pressure side")
+                .label(suction.0.root, "suction side")
+                .label(pressure.0.root, "pressure side")
                 .place(format!("{} face, u = {u:.2}, v = {v:.2}", pressure.1), blade.faces[0].surface.point(u, v))
                 .help("check the points: the suction face must lie on one side of the pressure face everywhere"),
         );
@@ -167,11 +197,11 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
     for side in part.faces() {
         let surface = &part.face(side).surface;
         if let Some((u, v)) = fold(surface) {
-            let (text, name) = (face_spec(spec, part, side), name_of(spec, part, side));
+            let (text, name) = (face_text(spec, part, side), name_of(spec, part, side));
             sink.push(
                 Diag::error(codes::RULINGS_FOLD, format!("the rulings of the {} face cross each other", name))
-                    .label(text.root.span, "root")
-                    .label(text.tip.span, "tip")
+                    .label(text.root, "root")
+                    .label(text.tip, "tip")
                     .place(format!("{} face, u = {u:.2}, v = {v:.2}", name), surface.point(u, v))
                     .help("give root and tip points in pairs of one ruling, spread in the same way along the vane"),
             );
@@ -268,6 +298,46 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
     done(sink, before)
 }
 
+/// Reports faces that end short of hub or shroud by more than the part allows.
+pub(super) fn extensions(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
+    let before = sink.count();
+    for (what, surface, tip) in [("hub", &part.hub, false), ("shroud", &part.shroud, true)] {
+        let short = |side: FaceId| {
+            let face = &part.face(side).surface;
+            let curve = if tip { face.tip() } else { face.root() };
+            // Above the hub, or below the shroud.
+            let gap = |p: &Point3<f64>| surface.distance(p) * if tip { -1.0 } else { 1.0 };
+            let points = (0..=STATIONS).map(|i| curve.point(u(i)));
+            points.map(|p| (gap(&p), side, p)).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let Some((gap, side, p)) = part.faces().filter_map(short).max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        if gap <= spec.extend.get() {
+            continue;
+        }
+        let text = face_text(spec, part, side);
+        let end = if tip { "tip" } else { "root" };
+        let name = format!("{} {end}", name_of(spec, part, side));
+        let enough = (gap * 100.0).ceil() / 100.0;
+        sink.push(
+            Diag::error(codes::EXTENSION, format!("the {name} ends {} short of the {what}", length(gap)))
+                .label(
+                    if tip { text.tip } else { text.root },
+                    format!("at most {} are extended", length(spec.extend.get())),
+                )
+                .place(name, p)
+                .note(if tip {
+                    "many files give the casing as the shroud: then the gap is the gap between tips and casing"
+                } else {
+                    "the first section should lie on the hub or below it"
+                })
+                .help(format!(
+                    "extend the faces with `extend {enough:.2} mm`, or give the {what} through the {end}s of the blades"
+                )),
+        );
+    }
+    done(sink, before)
+}
+
 /// Reports the distances of the ends of the faces from hub and shroud; the faces are extended or trimmed along their
 /// rulings.
 pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
@@ -280,14 +350,14 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
                 .map(|p| (surface.distance(&p), p))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             let Some((distance, p)) = farthest.filter(|f| f.0.abs() > OFF_HUB) else { continue };
-            let text = face_spec(spec, part, side);
+            let text = face_text(spec, part, side);
             let name = format!("{} {}", name_of(spec, part, side), if tip { "tip" } else { "root" });
             sink.push(
                 Diag::remark(
                     codes::OFF_HUB,
                     format!("the {name} curve is up to {:.0} um away from the {what}", distance.abs() * 1000.0),
                 )
-                .label(if tip { text.tip.span } else { text.root.span }, "this curve")
+                .label(if tip { text.tip } else { text.root }, "this curve")
                 .place(format!("{name} curve"), p)
                 .help(format!("the compiler extends or trims the face along its rulings to end on the {what}")),
             );
@@ -302,7 +372,7 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
         sink.push(
             Diag::error(codes::STOCK, "the stock ends inside the part")
                 .label(job.stock.span, format!("its back is at {}", job.stock.back))
-                .label(job.part.hub.span, format!("the hub goes down to {lowest:.3} mm"))
+                .label(job.part.hub.span(), format!("the hub goes down to {lowest:.3} mm"))
                 .help(format!(
                     "put the back of the stock below the hub: `back {:.2} mm` or lower",
                     (lowest * 100.0).ceil() / 100.0 - 0.01
@@ -322,7 +392,7 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
         sink.push(
             Diag::error(codes::STOCK, "the bore of the stock cuts into the hub")
                 .label(job.stock.span, format!("its radius is {} mm", job.stock.bore.get() / 2.0))
-                .label(job.part.hub.span, format!("the hub begins at a radius of {narrowest:.3} mm"))
+                .label(job.part.hub.span(), format!("the hub begins at a radius of {narrowest:.3} mm"))
                 .help("make the bore smaller than the hub"),
         );
     }

@@ -1,16 +1,11 @@
 //! Curves through points; faults of the points are reported at their text.
 
+use super::limits::{MAX_COORDINATE, SAME_POINT};
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::geom::{GeomError, NurbsCurve, interpolate};
 use crate::job::model::CurveSpec;
 use nalgebra::{Point3, Vector2};
-
-/// Largest coordinate, mm. No impeller is larger; beyond this value squares are no longer exact to a micrometre.
-const MAX_COORDINATE: f64 = 10_000.0;
-
-/// Distance below which two data points count as one, mm: a tenth of the finest unit of drawings.
-const SAME_POINT: f64 = 1e-5;
 
 /// Number of chords that are searched for crossings.
 const PIECES: usize = 128;

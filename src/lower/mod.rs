@@ -2,25 +2,25 @@
 
 mod checks;
 mod curves;
+mod face_curves;
 mod left;
+mod limits;
+mod names;
+mod part;
+mod sections;
 
 use crate::collide::{Cutter, Section, ToolSolid};
 use crate::contract::Scope;
-use crate::diag::codes::geometry;
 use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
-use crate::geom::{GeomError, LoftedSurface, NurbsCurve};
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, Program, Tolerances, Tool, ToolId};
-use crate::job::model::{
-    self, BladeSpec, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, LinearSpec, MachineKind, MachineSpec, PartSpec,
-    RotarySpec, ToolSpec,
-};
+use crate::job::model::{self, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec};
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::material::Material;
-use crate::part::{Blade, BladeId, Clamping, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
+use crate::part::{BladeId, Clamping, RulingEnd, Stock};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// # Errors
 /// [`Aborted`] when the geometry is faulty.
 pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
-    let part = part(job, sink)?;
+    let part = part::part(&job.part, sink)?;
     let mut stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
     let clamping = &job.stock.clamping;
     stock.clamping = Clamping {
@@ -74,112 +74,17 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     if sink.has_errors() { Err(Aborted) } else { Ok(program) }
 }
 
-/// The design part, checked from the points up; later checks assume that the earlier ones have passed.
-fn part(job: &Job, sink: &mut Sink) -> Result<Part, Aborted> {
-    let spec = &job.part;
-    let faces: Vec<_> =
-        spec.blades.iter().flat_map(|b| b.faces.iter().zip(FaceId::NAMES).map(move |f| (b, f))).collect();
-    let faces: Vec<Option<FaceCurves<'_>>> =
-        faces.into_iter().map(|(blade, (face, name))| FaceCurves::new(spec, blade, face, name, sink)).collect();
-    let Some(faces) = faces.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
-    let pick = |curve: &model::CurveRef| -> NurbsCurve {
-        let face = &faces[curve.face.index()];
-        if curve.end == RulingEnd::Tip { face.tip.clone() } else { face.root.clone() }
-    };
-    let (hub, shroud) = (pick(&spec.hub), pick(&spec.shroud));
-    checks::ends(spec, sink)?;
-    checks::meridians(&faces, sink)?;
-    checks::directions(&faces, sink)?;
-    let surfaces: Vec<Option<FaceSurface>> = faces.into_iter().map(|face| face.surface(sink)).collect();
-    let Some(surfaces) = surfaces.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
-    let mut surfaces = surfaces.into_iter();
-    let mut blades = Vec::new();
-    for blade in &spec.blades {
-        let (Some(pressure), Some(suction)) = (surfaces.next(), surfaces.next()) else { return Err(Aborted) };
-        let fillet = (blade.fillet.get() > 0.0).then_some(blade.fillet);
-        let made = Blade::new(&blade.name, [pressure, suction], fillet);
-        blades.push(if blade.angle.get() == 0.0 { made } else { made.rotated(blade.angle.get()) });
-    }
-    let mut blades = blades.into_iter();
-    let Some(main) = blades.next() else { return Err(Aborted) };
-    let part = Part::with_blades(spec.vanes.0, main, blades.collect(), hub, shroud);
-    checks::heights(spec, &part, sink)?;
-    checks::faces(spec, &part, sink)?;
-    checks::overlap(spec, &part, sink)?;
-    checks::beside(spec, &part, sink)?;
-    Ok(part)
-}
-
-/// The curves of a face with their text in the job.
-struct FaceCurves<'a> {
-    spec: &'a FaceSpec,
-    /// Name of the face in messages: `pressure`, in a splitter `half pressure`.
-    name: String,
-    root: NurbsCurve,
-    sections: Vec<NurbsCurve>,
-    tip: NurbsCurve,
-}
-
-impl<'a> FaceCurves<'a> {
-    fn new(part: &PartSpec, blade: &BladeSpec, spec: &'a FaceSpec, face: &str, sink: &mut Sink) -> Option<Self> {
-        let name = checks::face_name(part, &blade.name, face);
-        let root = curves::curve(&spec.root, &format!("{name} root"), sink);
-        let tip = curves::curve(&spec.tip, &format!("{name} tip"), sink);
-        let section =
-            |(k, section): (usize, &CurveSpec)| curves::curve(section, &format!("{name} section {}", k + 1), sink);
-        let sections: Vec<Option<NurbsCurve>> = spec.sections.iter().enumerate().map(section).collect();
-        Some(Self { spec, name, root: root?, sections: sections.into_iter().collect::<Option<Vec<_>>>()?, tip: tip? })
-    }
-
-    /// All curves with their names and texts.
-    fn curves(&self) -> impl Iterator<Item = (String, &CurveSpec, &NurbsCurve)> {
-        let ends = [("tip", &self.spec.tip, &self.tip), ("root", &self.spec.root, &self.root)];
-        let ends = ends.into_iter().map(|(end, spec, curve)| (format!("{} {end}", self.name), spec, curve));
-        let sections = self.spec.sections.iter().zip(&self.sections).enumerate();
-        ends.chain(sections.map(|(k, (spec, curve))| (format!("{} section {}", self.name, k + 1), spec, curve)))
-    }
-
-    fn surface(self, sink: &mut Sink) -> Option<FaceSurface> {
-        match self.spec.form {
-            FaceForm::Ruled => Some(Guides { root: self.root, tip: self.tip }.into()),
-            FaceForm::Lofted => {
-                let curves = std::iter::once(self.root).chain(self.sections).chain(std::iter::once(self.tip));
-                let lofted = LoftedSurface::through(curves.collect());
-                if let Err(fault) = &lofted {
-                    sink.push(
-                        Diag::error(
-                            geometry::POINTS,
-                            format!("the {} face has no surface through its sections", self.name),
-                        )
-                        .label(self.spec.root.span, "root: the first of them")
-                        .note(match fault {
-                            GeomError::CoincidentPoints(k) => {
-                                format!(
-                                    "two neighbouring curves of root, sections and tip coincide: {} and {}",
-                                    k + 1,
-                                    k + 2
-                                )
-                            }
-                            other => other.to_string(),
-                        })
-                        .help("give the sections in order from root to tip, each at another height"),
-                    );
-                }
-                lofted.ok().map(FaceSurface::from)
-            }
-        }
-    }
-}
-
-/// Points of the root and tip curves of the main blade.
+/// Points of the root and tip curves of the main blade; none for a blade of sections, whose points are fitted.
 fn data(job: &Job) -> Vec<DataCurve> {
     let curve = |side, end, spec: &CurveSpec| {
         let points = spec.points.iter().zip(&spec.spans);
         let points = points.map(|(p, span)| DataPoint { point: Point3::from(*p), span: Some(*span) }).collect();
         DataCurve { side, end, points }
     };
-    let faces = BladeId::MAIN.faces().into_iter().zip(&job.part.main().faces);
+    let faces = job.part.main().faces().map(|faces| BladeId::MAIN.faces().into_iter().zip(faces));
     faces
+        .into_iter()
+        .flatten()
         .flat_map(|(id, face)| [curve(id, RulingEnd::Tip, &face.tip), curve(id, RulingEnd::Root, &face.root)])
         .collect()
 }

@@ -29,13 +29,18 @@ impl BladeId {
         [0, 1].map(|face| FaceId { blade: self, face })
     }
 
+    /// Its leading (`end` 0) or trailing edge (1), where the edge is a surface of its own.
+    pub(super) fn edge(self, end: usize) -> FaceId {
+        FaceId { blade: self, face: if end == 0 { 2 } else { 3 } }
+    }
+
     /// Its kind, and the suffix to the number of its sector: `vane 3`, `splitter 3.1`.
     pub(super) fn words(self) -> (&'static str, String) {
         if self == Self::MAIN { ("vane", String::new()) } else { ("splitter", format!(".{}", self.0)) }
     }
 }
 
-/// A face of a blade.
+/// A face of a blade, or an edge that is a surface of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId {
     /// Its blade.
@@ -51,9 +56,15 @@ impl FaceId {
     /// The suction face of the main blade.
     pub const SUCTION: Self = Self { blade: BladeId::MAIN, face: 1 };
 
+    /// Names of the two edges.
+    const EDGES: [&'static str; 2] = ["leading edge", "trailing edge"];
+
     /// Name in the job language.
     pub fn name(self) -> &'static str {
-        Self::NAMES[self.index()]
+        match self.edge_end() {
+            Some(end) => Self::EDGES[end],
+            None => Self::NAMES[self.index()],
+        }
     }
 
     /// Its index among the faces of its blade.
@@ -61,10 +72,15 @@ impl FaceId {
         usize::from(self.face)
     }
 
+    /// For an edge: 0 for the leading, 1 for the trailing edge.
+    pub fn edge_end(self) -> Option<usize> {
+        self.index().checked_sub(Self::NAMES.len())
+    }
+
     /// The other face of its blade.
     #[must_use]
     pub fn other(self) -> Self {
-        Self { face: 1 - self.face, ..self }
+        Self { face: self.face ^ 1, ..self }
     }
 }
 
@@ -131,6 +147,9 @@ pub struct Blade {
     pub name: String,
     /// Its faces, the pressure face first.
     pub faces: [Face; 2],
+    /// Surfaces of its leading and trailing edge, u from the pressure (0) to the suction face (1). `None` for an edge that the
+    /// lathe makes, between the ends of the faces.
+    pub edges: [Option<Face>; 2],
     /// Fillet radius between blade and hub; `None` for a sharp root.
     pub fillet: Option<Mm>,
     /// Index of the face that looks ahead, counter-clockwise about Z.
@@ -150,14 +169,31 @@ impl Blade {
         let ahead = u8::from(p.x * s.y - p.y * s.x > 0.0);
         let [pressure, suction] = [(pressure, orientation[0]), (suction, orientation[1])]
             .map(|(surface, orientation)| Face { surface, orientation });
-        Self { name: name.into(), faces: [pressure, suction], fillet, ahead }
+        Self { name: name.into(), faces: [pressure, suction], edges: [None, None], fillet, ahead }
+    }
+
+    /// The blade with surfaces for its leading and trailing edge. The side of the material follows from the geometry.
+    #[must_use]
+    pub fn with_edges(self, edges: [Option<FaceSurface>; 2]) -> Self {
+        let [p, s] = self.faces.each_ref().map(|face| face.surface.point(0.5, 0.5));
+        let middle = nalgebra::center(&p, &s);
+        let edges = edges.map(|edge| {
+            edge.map(|surface| {
+                let outward = surface.point(0.5, 0.5) - middle;
+                let orientation = if surface.normal(0.5, 0.5).dot(&outward) < 0.0 { -1.0 } else { 1.0 };
+                Face { surface, orientation }
+            })
+        });
+        Self { edges, ..self }
     }
 
     /// The blade turned about Z.
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
-        let faces = self.faces.each_ref().map(|f| Face { surface: f.surface.rotated(angle), ..*f });
-        Self { name: self.name.clone(), faces, ..*self }
+        let turned = |f: &Face| Face { surface: f.surface.rotated(angle), ..*f };
+        let faces = self.faces.each_ref().map(turned);
+        let edges = self.edges.each_ref().map(|edge| edge.as_ref().map(turned));
+        Self { name: self.name.clone(), faces, edges, ..*self }
     }
 
     /// Index of the face that looks ahead, counter-clockwise about Z.

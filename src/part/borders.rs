@@ -73,40 +73,71 @@ fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64;
     Some([share(own.first()?, other.first()?)?, share(own.last()?, other.last()?)?])
 }
 
-/// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
-fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
-    const ROWS: usize = 400;
+/// Centre of the ball that touches a face at u and the hub, or the end of the face on the hub. The contact on the hub lies on
+/// the normal through the centre and has the same azimuth.
+fn contact(part: &Part, id: FaceId, u: f64) -> Option<Point3<f64>> {
     let face = part.face(id);
-    let fillet = part.fillet(id);
-    // Centre of the ball that touches the hub, or end of the face on the hub. The contact on the hub lies on the normal
-    // through the centre and has the same azimuth.
-    let contact = |u: f64| match fillet {
+    match part.fillet(id) {
         Some(radius) => {
             let v = part.fillet_tangent(id, u, radius.get())?;
             Some(face.surface.point(u, v) + face.normal(u, v) * radius.get())
         }
         None => Some(face.surface.point(u, part.ruling_meets(id, u, &part.hub, 0.0))),
+    }
+}
+
+/// Parameter of the hub below a point.
+fn hub_parameter(part: &Part, at: &Point3<f64>) -> f64 {
+    part.hub.closest(Vector2::new(libm::hypot(at.x, at.y), at.z)).0
+}
+
+/// u of an edge at which its border on the hub is farthest out: there the borders of both faces meet.
+fn nose(part: &Part, blade: BladeId, end: usize) -> f64 {
+    /// Places along an edge: a nose of a millimetre has one every twentieth of a millimetre.
+    const PLACES: usize = 64;
+    let Some(edge) = part.edge(blade, end) else { return 0.5 };
+    let outward = if end == 0 { -1.0 } else { 1.0 };
+    let at = |i: usize| {
+        let u = i as f64 / PLACES as f64;
+        contact(part, edge, u).map(|p| (u, outward * hub_parameter(part, &p)))
     };
+    (0..=PLACES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
+}
+
+/// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
+fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
+    /// Rows along a face, and along half an edge.
+    const ROWS: [usize; 2] = [400, 60];
+    let fillet = part.fillet(id);
     let mut ends = fillet.map_or([0.0, 1.0], |radius| part.fillet_ends(id, radius.get()));
     if id.blade != BladeId::MAIN {
         let extent = part.extent(id.blade);
         let foot = |u: f64| {
-            let centre = contact(u)?;
+            let centre = contact(part, id, u)?;
             Some(centre - hub_normal(part, &centre) * fillet.map_or(0.0, |radius| radius.get()))
         };
-        ends = [0, 1].map(|end| inside(ends[end], |u| foot(u).is_some_and(|p| extent.holds(&p))));
+        let own = [0, 1].map(|end| part.edge(id.blade, end).is_some());
+        ends = [0, 1].map(|end| {
+            if own[end] { ends[end] } else { inside(ends[end], |u| foot(u).is_some_and(|p| extent.holds(&p))) }
+        });
     }
-    let [from, to] = ends;
-    let mut border: Vec<[f64; 2]> = Vec::with_capacity(ROWS + 1);
-    for i in 0..=ROWS {
-        let u = from + (to - from) * i as f64 / ROWS as f64;
-        let Some(at) = contact(u) else { continue };
-        let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(at.x, at.y), at.z));
-        let mut azimuth = libm::atan2(at.y, at.x);
-        if let Some(last) = border.last() {
-            azimuth = nearest_turn(azimuth, last[1]);
+    let mut border: Vec<[f64; 2]> = Vec::new();
+    for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end))) {
+        let ([from, to], rows) = if surface == id { (ends, ROWS[0]) } else { (range, ROWS[1]) };
+        for i in 0..=rows {
+            let u = from + (to - from) * i as f64 / rows as f64;
+            let Some(at) = contact(part, surface, u) else { continue };
+            let hub_u = hub_parameter(part, &at);
+            let mut azimuth = libm::atan2(at.y, at.x);
+            if let Some(last) = border.last() {
+                // Where an edge begins the border is the end of the face again.
+                if surface.edge_end().is_some() && hub_u <= last[0] {
+                    continue;
+                }
+                azimuth = nearest_turn(azimuth, last[1]);
+            }
+            border.push([hub_u, azimuth]);
         }
-        border.push([hub_u, azimuth]);
     }
     border
 }

@@ -7,7 +7,8 @@
 //! | fillet | along the rolling ball, also beyond both ends of the face | from the contact on the face to that on the
 //! hub |
 //! | hub | u of the hub | from the clockwise wall of the channel to the other |
-//! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
+//! | edge that the lathe makes | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
+//! | edge that is a surface of its own | u, from the pressure to the suction face | as for a face |
 
 use super::borders::{Opening, arc_between};
 use super::chart_table::{ChartForm, ChartTable, ChartTables};
@@ -109,8 +110,9 @@ impl Patch {
 const PATCH: usize = 8;
 
 fn tables(part: &Part) -> ChartTables {
-    let mut milled: Vec<ChartTable> = part.faces().map(|id| face(part, id)).collect();
-    milled.extend(part.faces().filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
+    let mut milled: Vec<ChartTable> = part.faces().map(|id| face(part, id, SurfaceKind::Face(id))).collect();
+    let sides = part.blade_ids().flat_map(|blade| part.sides(blade));
+    milled.extend(sides.filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
     milled.extend(part.passages().filter_map(|passage| hub(part, &passage)));
     ChartTables { milled, edges: part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect() }
 }
@@ -132,6 +134,9 @@ pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
 
 fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {
     [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)].map(|(kind, u)| {
+        if let Some(edge) = part.edge(blade, usize::from(u > 0.5)) {
+            return face(part, edge, kind);
+        }
         let ranges = blade.faces().map(|id| borders(part, id, u));
         ChartTable { kind, blade, form: ChartForm::Edge { blade, u, ranges } }
     })
@@ -150,9 +155,9 @@ fn rows() -> impl Iterator<Item = f64> {
     (0..=ROWS).map(|i| i as f64 / ROWS as f64)
 }
 
-fn face(part: &Part, id: FaceId) -> ChartTable {
+fn face(part: &Part, id: FaceId, kind: SurfaceKind) -> ChartTable {
     let borders = rows().map(|u| borders(part, id, u)).collect();
-    ChartTable { kind: SurfaceKind::Face(id), blade: id.blade, form: ChartForm::Face { face: id, borders } }
+    ChartTable { kind, blade: id.blade, form: ChartForm::Face { face: id, borders } }
 }
 
 fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<ChartTable> {

@@ -3,42 +3,70 @@
 use super::{BladeId, Part, Surface};
 use nalgebra::{Point3, Vector2};
 
-/// The space between inlet cone and outlet cylinder of a blade, which contains its milled surfaces.
+/// The space between the ends of a blade, which contains its milled surfaces: between inlet cone and outlet cylinder, or
+/// outlet cone for a blade whose outlet is rather axial.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    /// Point of the inlet line, (r, z).
-    inlet: Vector2<f64>,
-    /// Direction of the inlet line; the space lies on its left.
+    inlet: EndLine,
+    outlet: Outlet,
+}
+
+/// A straight line of the meridian plane, (r, z), with the space on its left.
+#[derive(Clone, Copy, Debug)]
+struct EndLine {
+    from: Vector2<f64>,
     across: Vector2<f64>,
-    /// Radius of the outlet.
-    outlet: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Outlet {
+    /// Its radius.
+    Cylinder(f64),
+    Cone(EndLine),
+}
+
+impl EndLine {
+    /// The line through two points, with a point `inside` on its left.
+    fn through([from, to]: [Vector2<f64>; 2], inside: Vector2<f64>) -> Self {
+        let line = Self { from, across: to - from };
+        if line.side(inside.x, inside.y) < 0.0 { Self { across: -line.across, ..line } } else { line }
+    }
+
+    fn side(&self, r: f64, z: f64) -> f64 {
+        self.across.x * (z - self.from.y) - self.across.y * (r - self.from.x)
+    }
 }
 
 impl Extent {
-    fn side(&self, r: f64, z: f64) -> f64 {
-        self.across.x * (z - self.inlet.y) - self.across.y * (r - self.inlet.x)
-    }
-
-    /// Distance of a point beyond the inlet cone (`u` 0) or the outlet cylinder (1), by a measure that is zero there
-    /// and linear in r and z.
+    /// Distance of a point beyond the inlet (`u` 0) or the outlet (1), by a measure that is zero there and linear in r and
+    /// z.
     pub fn beyond(&self, u: f64, p: &Point3<f64>) -> f64 {
         let r = libm::hypot(p.x, p.y);
-        if u > 0.5 { r - self.outlet } else { -self.side(r, p.z) / self.across.norm() }
+        let over = |line: &EndLine| -line.side(r, p.z) / line.across.norm();
+        match &self.outlet {
+            _ if u <= 0.5 => over(&self.inlet),
+            Outlet::Cylinder(radius) => r - radius,
+            Outlet::Cone(line) => over(line),
+        }
     }
 
     /// True for a point in the space.
     pub fn holds(&self, p: &Point3<f64>) -> bool {
         let r = (p.x * p.x + p.y * p.y).sqrt();
-        self.side(r, p.z) >= 0.0 && r <= self.outlet
+        let before = match &self.outlet {
+            Outlet::Cylinder(radius) => r <= *radius,
+            Outlet::Cone(line) => line.side(r, p.z) >= 0.0,
+        };
+        before && self.inlet.side(r, p.z) >= 0.0
     }
 }
 
 impl Part {
     /// Ends at hub and shroud of the straight line in the meridian plane, (r, z), to which a blade is turned at its
     /// inlet (`end` 0) or outlet (1). The main blade extends over the whole hub and shroud, a splitter as far as its
-    /// faces.
+    /// faces. A blade whose edge is a surface of its own ends inside of the part.
     pub fn end_line(&self, blade: BladeId, end: f64) -> [Vector2<f64>; 2] {
-        if blade == BladeId::MAIN {
+        if blade == BladeId::MAIN || self.blade(blade).edges[usize::from(end > 0.5)].is_some() {
             return [&self.hub, &self.shroud].map(|surface| surface.meridian(end).point);
         }
         let surface = &self.blade(blade).faces[0].surface;
@@ -48,15 +76,20 @@ impl Part {
         })
     }
 
+    /// True when the outlet lies rather in the direction of the axis: blisks of axial machines.
+    pub fn axial_outlet(&self) -> bool {
+        let [hub, shroud] = self.end_line(BladeId::MAIN, 1.0);
+        (shroud.x - hub.x).abs() > (shroud.y - hub.y).abs()
+    }
+
     /// The extent of a blade.
     pub fn extent(&self, blade: BladeId) -> Extent {
-        let [[hub, shroud], [outlet, over]] = [0.0, 1.0].map(|end| self.end_line(blade, end));
-        let mut extent = Extent { inlet: hub, across: shroud - hub, outlet: f64::INFINITY };
-        // The inlet line has the passage on its left.
-        if extent.side(outlet.x, outlet.y) < 0.0 {
-            extent.across = -extent.across;
-        }
-        extent.outlet = outlet.x.max(over.x);
-        extent
+        let [inlet, outlet] = [0.0, 1.0].map(|end| self.end_line(blade, end));
+        let outlet_surface = if self.axial_outlet() {
+            Outlet::Cone(EndLine::through(outlet, inlet[0]))
+        } else {
+            Outlet::Cylinder(outlet[0].x.max(outlet[1].x))
+        };
+        Extent { inlet: EndLine::through(inlet, outlet[0]), outlet: outlet_surface }
     }
 }

@@ -5,7 +5,7 @@
 //! | surface | x | y |
 //! |---|---|---|
 //! | rim, back face, bore, nose | once around, from +X | along the meridian |
-//! | tip | u, from inlet to outlet | from the pressure face to the suction face, on the shroud |
+//! | tip | along the blade, from the middle of an edge to that of the other | from the pressure face to the suction face, on the shroud |
 //! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 //! | root | from the hub to the edge | between the two fillets of the vane |
 
@@ -88,9 +88,9 @@ pub fn milled(part: &Part) -> Vec<Kept<'_>> {
 }
 
 fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
-    let borders = blade.faces().map(|id| {
+    let borders = blade.faces().map(|face| {
         let at = |i: usize| {
-            let u = i as f64 / ROWS as f64;
+            let (id, u) = part.outline_place(face, i as f64 / ROWS as f64);
             let p = part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0));
             let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
             [along, libm::atan2(p.y, p.x)]
@@ -114,6 +114,9 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
     let sheets = blade.faces().map(|id| Sheet::new(part, charts, id));
     let [Some(pressure), Some(suction)] = sheets else { return Vec::new() };
     let root = |(kind, end): (SurfaceKind, f64)| {
+        if part.edge(blade, usize::from(end > 0.5)).is_some() {
+            return None;
+        }
         let border = |sheet: &Sheet<'_>| -> Option<Vec<[f64; 3]>> {
             let at = |i: usize| {
                 let w = (1.0 + ROOT_OVERLAP) * i as f64 / ROOT_ROWS as f64;

@@ -123,6 +123,10 @@ impl Part {
             })
         };
         [(0.0, -1.0), (1.0, 1.0)].map(|(end, outward)| {
+            // Beside an edge that is a surface of its own the ball rolls on along the edge.
+            if id.edge_end().is_some() || self.edge(id.blade, usize::from(end > 0.5)).is_some() {
+                return end;
+            }
             let step = outward * self.root_step(id, end, radius);
             let beyond = (1..MOST).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MOST);
             end + step * f64::from(beyond)

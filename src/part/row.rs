@@ -142,9 +142,52 @@ impl Part {
         self.blade_ids().flat_map(BladeId::faces)
     }
 
-    /// A face in sector 0.
+    /// The leading (`end` 0) or trailing edge (1) of a blade, where it is a surface of its own.
+    pub fn edge(&self, blade: BladeId, end: usize) -> Option<FaceId> {
+        self.blade(blade).edges[end].as_ref().map(|_| blade.edge(end))
+    }
+
+    /// Faces of a blade, and its edges that are surfaces of their own.
+    pub fn sides(&self, blade: BladeId) -> impl Iterator<Item = FaceId> + '_ {
+        blade.faces().into_iter().chain([0, 1].into_iter().filter_map(move |end| self.edge(blade, end)))
+    }
+
+    /// Parts of the outline of a blade along one of its faces, from the middle of the leading to the middle of the trailing
+    /// edge: surfaces with their ranges of u.
+    pub(super) fn along(&self, face: FaceId, middles: [f64; 2]) -> Vec<(FaceId, [f64; 2])> {
+        // Edges run from the pressure to the suction face.
+        let side = face.index() as f64;
+        let mut parts = vec![(face, [0.0, 1.0])];
+        if let Some(leading) = self.edge(face.blade, 0) {
+            parts.insert(0, (leading, [middles[0], side]));
+        }
+        parts.extend(self.edge(face.blade, 1).map(|trailing| (trailing, [side, middles[1]])));
+        parts
+    }
+
+    /// The surface and its u at a share of the outline along a face, from the middle of the leading edge to that of the
+    /// trailing edge. Half an edge takes a tenth.
+    pub(super) fn outline_place(&self, face: FaceId, share: f64) -> (FaceId, f64) {
+        const EDGE: f64 = 0.1;
+        let parts = self.along(face, [0.5; 2]);
+        let whole: f64 = parts.iter().map(|(id, _)| if id.edge_end().is_some() { EDGE } else { 1.0 }).sum();
+        let mut before = 0.0;
+        for (k, (id, [from, to])) in parts.iter().enumerate() {
+            let own = if id.edge_end().is_some() { EDGE } else { 1.0 };
+            let t = share * whole - before;
+            if t <= own || k + 1 == parts.len() {
+                return (*id, from + (to - from) * (t / own).clamp(0.0, 1.0));
+            }
+            before += own;
+        }
+        (face, share)
+    }
+
+    /// A face in sector 0, or an edge that is a surface of its own.
     pub fn face(&self, id: FaceId) -> &Face {
-        &self.blade(id.blade).faces[id.index()]
+        let blade = self.blade(id.blade);
+        // An edge without a surface has no identifier.
+        id.edge_end().and_then(|end| blade.edges[end].as_ref()).unwrap_or(&blade.faces[id.index() % blade.faces.len()])
     }
 
     /// Radius of the fillet at the foot of a face.

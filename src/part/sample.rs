@@ -59,7 +59,7 @@ pub fn estimate(part: &Part, spacing: f64) -> f64 {
 /// Surfaces outside of the turned blank are left out: fillets end at the inlet cone and the outlet cylinder.
 pub fn sample(part: &Part, spacing: f64) -> Vec<Sample> {
     let mut sector0 = Vec::new();
-    for id in part.faces() {
+    for id in part.blade_ids().flat_map(|blade| part.sides(blade)) {
         sample_face(part, id, spacing, &mut sector0);
         if let Some(radius) = part.fillet(id) {
             sample_fillet(part, id, radius.get(), spacing, &mut sector0);
@@ -109,6 +109,11 @@ const UNEVEN: f64 = 1.25;
 fn sample_face(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
     let face = part.face(id);
     let nu = steps(guide_length(part, id) * UNEVEN, spacing);
+    let kind = match id.edge_end() {
+        None => SurfaceKind::Face(id),
+        Some(0) => SurfaceKind::InletEdge(id.blade),
+        Some(_) => SurfaceKind::OutletEdge(id.blade),
+    };
     for i in 0..=nu {
         let u = i as f64 / nu as f64;
         let low = match part.fillet(id) {
@@ -123,7 +128,7 @@ fn sample_face(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
             let (position, su, sv) = face.surface.tangents(u, v);
             let weight = end_weight(i, nu) * end_weight(j, nv) / nu as f64 * (high - low) / nv as f64;
             out.push(Sample {
-                surface: SurfaceId { kind: SurfaceKind::Face(id), sector: 0 },
+                surface: SurfaceId { kind, sector: 0 },
                 position,
                 normal: face.normal(u, v),
                 parameters: [u, v],
@@ -231,10 +236,16 @@ fn sample_turned(part: &Part, blade: BladeId, spacing: f64, out: &mut Vec<Sample
     let nu = steps(length * UNEVEN, spacing);
     for i in 0..=nu {
         let u = i as f64 / nu as f64;
-        let (a, b) = (p.surface.point(u, 1.0), s.surface.point(u, 1.0));
+        let [a, b] = blade.faces().map(|face| {
+            let (id, u) = part.outline_place(face, u);
+            part.face(id).surface.point(u, 1.0)
+        });
         span(SurfaceKind::Tip(blade), a, b, p.surface.ruling(u), u, length / nu as f64);
     }
     for (kind, u) in [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)] {
+        if part.edge(blade, usize::from(u > 0.5)).is_some() {
+            continue;
+        }
         let (_, su, _) = p.surface.tangents(u, 0.5);
         let height = p.surface.height(u);
         let outward = su.normalize() * if u > 0.5 { 1.0 } else { -1.0 };

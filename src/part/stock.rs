@@ -97,7 +97,8 @@ pub fn profile_distance(profile: &[[f64; 2]], [r, z]: [f64; 2]) -> f64 {
 
 impl Stock {
     /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud and to the outlet
-    /// radius, with a flat front face at the inlet of the hub.
+    /// radius, with a flat front face at the inlet of the hub. With an axial outlet it is turned to the outlet line, and has
+    /// the radius of the hub below it.
     pub fn turned(part: &Part, over: Mm, bore_radius: Mm, back: Mm) -> Self {
         let hub = part.hub.meridian(0.0).point;
         let mut profile = vec![[bore_radius.get(), back.get()], [bore_radius.get(), hub.y], [hub.x, hub.y]];
@@ -106,8 +107,9 @@ impl Stock {
             let p = part.shroud.meridian(u).point + part.shroud.meridian_normal(u) * over.get();
             profile.push([p.x, p.y]);
         }
-        let outlet = part.hub.meridian(1.0).point.x.max(profile.last().map_or(0.0, |p| p[0]));
-        profile.push([outlet, part.hub.meridian(1.0).point.y]);
+        let foot = part.hub.meridian(1.0).point;
+        let outlet = if part.axial_outlet() { foot.x } else { foot.x.max(profile.last().map_or(0.0, |p| p[0])) };
+        profile.push([outlet, foot.y]);
         profile.push([outlet, back.get()]);
         let clamping = Clamping { below: back, radius: None, by_default: true };
         Self { profile, over_shroud: over, bore_radius, back, left: None, clamping, material: None }

@@ -5,6 +5,7 @@
 //! faces, or as a mean line with thicknesses. Each form becomes an [`Outline`], from which the faces and edges of the
 //! blade are made.
 
+pub mod divide;
 pub mod loft;
 
 use nalgebra::Point3;
@@ -50,6 +51,28 @@ pub enum ThicknessDirection {
     Normal,
     /// Round the axis of rotation.
     Tangential,
+}
+
+/// Form of an edge of a blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeForm {
+    /// Round or elliptic, without a corner.
+    Round,
+    /// Straight between two corners.
+    CutOff,
+}
+
+impl EdgeForm {
+    /// All forms.
+    pub const ALL: [Self; 2] = [Self::Round, Self::CutOff];
+
+    /// Name in the job language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Round => "round",
+            Self::CutOff => "cut-off",
+        }
+    }
 }
 
 /// A section divided into its two faces and its two edges. Neighbours share their end points.

@@ -183,8 +183,28 @@ pub enum Value {
     Block(Option<Name>, Block),
     /// `spline [(x, y, z) ...] mm`
     Spline(Spline),
-    /// `revolve main.pressure.root`
-    Revolve(Path, Span),
+    /// `loop [(x, y, z) ...] mm`
+    Loop(Spline),
+    /// `loops from "blade.csv" mm`
+    Loops {
+        /// Path beside the job.
+        file: Text,
+        /// Unit of all coordinates, where given.
+        unit: Option<Name>,
+        /// Whole value.
+        span: Span,
+    },
+    /// `revolve main.pressure.root` or `revolve spline [(x, y, z) ...] mm`
+    Revolve(Revolved, Span),
+}
+
+/// A curve that is turned about Z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Revolved {
+    /// A curve of the main blade.
+    OfBlade(Path),
+    /// A curve of its own.
+    Own(Spline),
 }
 
 impl Value {
@@ -195,8 +215,8 @@ impl Value {
             Self::Labelled(name, e) | Self::Range(name, [_, e]) => Span { end: e.span.end, ..name.span },
             Self::Text(t) => t.span,
             Self::Block(name, block) => name.as_ref().map_or(block.span, |n| Span { end: block.span.end, ..n.span }),
-            Self::Spline(s) => s.span,
-            Self::Revolve(_, span) => *span,
+            Self::Spline(s) | Self::Loop(s) => s.span,
+            Self::Loops { span, .. } | Self::Revolve(_, span) => *span,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! From text to [`File`]: pest reads one item after another, and its pairs become the tree.
 
 use super::ast::{
-    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, ScopeTarget, Spline, SplinePoints,
-    Text, ToolSource, Value,
+    Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Revolved, ScopeTarget, Spline,
+    SplinePoints, Text, ToolSource, Value,
 };
 use super::scan::{self, ITEMS, ItemText, MAX_FAULTS};
 use crate::diag::codes::syntax as codes;
@@ -390,27 +390,44 @@ impl Builder<'_> {
                 }
             }
             Rule::revolve => {
-                let path = pair.into_inner().nth(1)?;
-                Value::Revolve(self.path(path), span)
-            }
-            Rule::spline => {
-                let mut parts = pair.into_inner().skip(1);
-                let first = parts.next()?;
-                let mut unit = parts.next().map(|u| self.name(&u));
-                let points = if first.as_rule() == Rule::from_file {
-                    let mut inner = first.into_inner().skip(1);
-                    let file = self.text(&inner.next()?);
-                    let curve = self.name(&inner.nth(1)?);
-                    unit = inner.next().map(|u| self.name(&u));
-                    SplinePoints::File { file, curve }
-                } else {
-                    let points = first.into_inner().filter(|p| p.as_rule() == Rule::point);
-                    SplinePoints::Inline(points.filter_map(|p| self.point(p)).collect())
+                let inner = pair.into_inner().nth(1)?;
+                let revolved = match inner.as_rule() {
+                    Rule::spline => Revolved::Own(self.spline(inner)?),
+                    _ => Revolved::OfBlade(self.path(inner)),
                 };
-                Value::Spline(Spline { points, unit, span })
+                Value::Revolve(revolved, span)
             }
+            Rule::loops => {
+                let mut parts = pair.clone().into_inner();
+                if parts.next()?.as_rule() == Rule::kw_loop {
+                    Value::Loop(self.spline(pair)?)
+                } else {
+                    let file = self.text(&parts.nth(1)?);
+                    Value::Loops { file, unit: parts.next().map(|u| self.name(&u)), span }
+                }
+            }
+            Rule::spline => Value::Spline(self.spline(pair)?),
             _ => return None,
         })
+    }
+
+    /// Points of a curve behind its first word.
+    fn spline(&mut self, pair: Pair<'_, Rule>) -> Option<Spline> {
+        let span = self.span(pair.as_span());
+        let mut parts = pair.into_inner().skip(1);
+        let first = parts.next()?;
+        let mut unit = parts.next().map(|u| self.name(&u));
+        let points = if first.as_rule() == Rule::from_file {
+            let mut inner = first.into_inner().skip(1);
+            let file = self.text(&inner.next()?);
+            let curve = self.name(&inner.nth(1)?);
+            unit = inner.next().map(|u| self.name(&u));
+            SplinePoints::File { file, curve }
+        } else {
+            let points = first.into_inner().filter(|p| p.as_rule() == Rule::point);
+            SplinePoints::Inline(points.filter_map(|p| self.point(p)).collect())
+        };
+        Some(Spline { points, unit, span })
     }
 
     fn point(&mut self, pair: Pair<'_, Rule>) -> Option<Point> {

@@ -1,6 +1,9 @@
 //! Text form of the syntax tree: one line for each item or entry, with its place in bytes.
 
-use super::ast::{Block, Expr, ExprKind, File, ItemKind, Name, Operator, ScopeTarget, SplinePoints, ToolSource, Value};
+use super::ast::{
+    Block, Expr, ExprKind, File, ItemKind, Name, Operator, Revolved, ScopeTarget, Spline, SplinePoints, ToolSource,
+    Value,
+};
 use std::fmt::Write;
 
 /// The tree as text.
@@ -78,16 +81,21 @@ fn value(value: &Value) -> String {
         Value::Range(name, [from, to]) => format!("{}: {} .. {}", name.text, expr(from), expr(to)),
         Value::Text(t) => format!("{:?}", t.text),
         Value::Block(name, _) => name.as_ref().map_or("block".to_owned(), |n| format!("{} block", n.text)),
-        Value::Revolve(path, _) => format!("revolve {}", path.text()),
-        Value::Spline(s) => {
-            let unit = s.unit.as_ref().map_or("", |u| u.text.as_str());
-            match &s.points {
-                SplinePoints::Inline(points) => format!("spline of {} points {unit}", points.len()),
-                SplinePoints::File { file, curve } => {
-                    format!("spline from {:?} curve {} {unit}", file.text, curve.text)
-                }
-            }
+        Value::Revolve(Revolved::OfBlade(path), _) => format!("revolve {}", path.text()),
+        Value::Revolve(Revolved::Own(s), _) => format!("revolve {}", curve("spline", s)),
+        Value::Loops { file, unit, .. } => {
+            format!("loops from {:?} {}", file.text, unit.as_ref().map_or("", |u| u.text.as_str()))
         }
+        Value::Loop(s) => curve("loop", s),
+        Value::Spline(s) => curve("spline", s),
+    }
+}
+
+fn curve(word: &str, s: &Spline) -> String {
+    let unit = s.unit.as_ref().map_or("", |u| u.text.as_str());
+    match &s.points {
+        SplinePoints::Inline(points) => format!("{word} of {} points {unit}", points.len()),
+        SplinePoints::File { file, curve } => format!("{word} from {:?} curve {} {unit}", file.text, curve.text),
     }
 }
 

@@ -81,8 +81,8 @@ fn the_main_job_reads_as_it_is_written() {
     let job = read.job.unwrap();
     assert_eq!(job.part.vanes.0, 8);
     assert_eq!(job.part.main().fillet.get(), 3.0);
-    assert_eq!(job.part.main().faces[0].tip.points[0], [15.0578, -38.5221, 0.0]);
-    assert_eq!(job.part.main().faces[1].root.points[6], [-3.9268, -58.9631, -32.5]);
+    assert_eq!(job.part.main().faces().unwrap()[0].tip.points[0], [15.0578, -38.5221, 0.0]);
+    assert_eq!(job.part.main().faces().unwrap()[1].root.points[6], [-3.9268, -58.9631, -32.5]);
     let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
     assert_eq!(job.operations[0].speed.get(), 4500.0);
@@ -108,8 +108,8 @@ fn the_main_job_reads_as_it_is_written() {
 #[test]
 fn curves_from_a_file_are_the_curves_of_the_main_job() {
     let (main, reduced) = (read(JOB).job.unwrap(), read(REDUCED).job.unwrap());
-    assert_eq!(main.part.main().faces[0].tip.points, reduced.part.main().faces[0].tip.points);
-    assert_eq!(main.part.main().faces[1].root.points, reduced.part.main().faces[1].root.points);
+    assert_eq!(main.part.main().faces().unwrap()[0].tip.points, reduced.part.main().faces().unwrap()[0].tip.points);
+    assert_eq!(main.part.main().faces().unwrap()[1].root.points, reduced.part.main().faces().unwrap()[1].root.points);
     assert_eq!(reduced.operations[0].sectors, [0]);
 }
 

@@ -61,6 +61,7 @@ mod removal;
 mod report;
 mod rest_machining;
 mod rough;
+mod sections;
 mod sector_subprograms;
 mod splines;
 mod stl;

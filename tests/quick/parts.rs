@@ -156,7 +156,7 @@ fn flux(shape: &dyn Shape, times: f64) -> [f64; 2] {
 }
 
 /// What all surfaces of a part enclose, and what they lack to be closed, seen along Z, mm2.
-fn enclosed(program: &Program) -> [f64; 2] {
+pub fn enclosed(program: &Program) -> [f64; 2] {
     let (part, sectors) = (&program.part, f64::from(program.part.vane_count));
     let milled = chart::charts(part);
     let kept = kept::kept(part, &program.stock, false);
@@ -255,7 +255,7 @@ fn errors_with(changes: &[(&str, &str)]) -> Vec<String> {
 
 #[test]
 fn faults_of_splitters_and_sections_are_named() {
-    let second = "  splitter third {\n    angle 10 deg\n    pressure ruled { tip spline [(0, -17.583, -5.4944) (-2.9424, -23.4536, -9.8)] mm  root spline [(-0.9243, -13.1354, -11.4546) (-3.2121, -23.4182, -13)] mm }\n    suction ruled { tip spline [(1.2401, -17.5422, -5.4944) (-1.711, -23.5755, -9.8)] mm  root spline [(0.465, -13.0994, -11.4261) (-1.5707, -23.5852, -13)] mm }\n  }\n  hub ";
+    let second = "  extend 1 mm\n  splitter third {\n    angle 10 deg\n    pressure ruled { tip spline [(0, -17.583, -5.4944) (-2.9424, -23.4536, -9.8)] mm  root spline [(-0.9243, -13.1354, -11.4546) (-3.2121, -23.4182, -13)] mm }\n    suction ruled { tip spline [(1.2401, -17.5422, -5.4944) (-1.711, -23.5755, -9.8)] mm  root spline [(0.465, -13.0994, -11.4261) (-1.5707, -23.5852, -13)] mm }\n  }\n  hub ";
     let many = "  splitter a { }\n".repeat(9) + "  hub ";
     for (changes, found) in [
         (vec![], "IMP0313: the part has the splitter `half`; such parts are not supported yet"),

@@ -21,6 +21,11 @@ without straight rulings.\n\nExample: `splitter half { pressure ruled { ... } su
 }`.\n\nRemedy: use vanes with ruled faces and no splitters. `--emit ir` prints any part.";
     STOCK_HIGH = "IMP0314", "blank too high over the shroud", include_str!("pages/IMP0314.md");
     LEFT_OUTSIDE = "IMP0315", "what is left stands out of the turned blank", include_str!("pages/IMP0315.md");
+    SECTION = "IMP0316", "section without faces and edges", include_str!("pages/IMP0316.md");
+    SECTION_FIT = "IMP0317", "curves miss the points of a section", include_str!("pages/IMP0317.md");
+    PRESSURE_SIDE = "IMP0318", "pressure face unknown", include_str!("pages/IMP0318.md");
+    SECTIONS_FOUND = "IMP0319", "blade from sections", include_str!("pages/IMP0319.md");
+    EXTENSION = "IMP0320", "face ends short of hub or shroud", include_str!("pages/IMP0320.md");
     OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",

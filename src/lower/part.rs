@@ -1,0 +1,83 @@
+//! The part: blades from curves of their faces or from sections, hub and shroud.
+
+use super::face_curves::FaceCurves;
+use super::sections::{SectionBlade, fitted};
+use super::{checks, curves};
+use crate::diag::{Aborted, Sink};
+use crate::geom::NurbsCurve;
+use crate::job::model::{BladeForm, BladeSpec, CurveSpec, PartSpec, RevolvedSpec};
+use crate::part::{Blade, FaceId, FaceSurface, Part, RulingEnd};
+use nalgebra::Vector2;
+
+/// The design part, checked from the points up; later checks assume that the earlier ones have passed.
+pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
+    // Curves of the faces of each blade; none for a blade of sections.
+    let mut given: Vec<Vec<FaceCurves<'_>>> = Vec::new();
+    let mut whole = true;
+    for blade in &spec.blades {
+        let faces = blade.faces().into_iter().flatten().zip(FaceId::NAMES);
+        let curves: Vec<_> = faces.map(|(face, name)| FaceCurves::new(spec, blade, face, name, sink)).collect();
+        match curves.into_iter().collect::<Option<Vec<_>>>() {
+            Some(curves) => given.push(curves),
+            None => whole = false,
+        }
+    }
+    if !whole {
+        return Err(Aborted);
+    }
+    let generators = generators(spec, &given[0], sink);
+    checks::ends(spec, sink)?;
+    let faces: Vec<&FaceCurves<'_>> = given.iter().flatten().collect();
+    checks::meridians(&faces, sink)?;
+    checks::directions(&faces, sink)?;
+    let [hub, shroud] = generators.ok_or(Aborted)?;
+    checks::own_meridians(spec, [&hub, &shroud], sink)?;
+    let mut blades: Vec<Option<Blade>> = Vec::new();
+    for (blade, faces) in spec.blades.iter().zip(given) {
+        blades.push(match &blade.form {
+            BladeForm::Faces(_) => from_faces(blade, faces, sink),
+            BladeForm::Sections(sections) => fitted(&SectionBlade { part: spec, blade, sections, hub: &hub }, sink),
+        });
+    }
+    let Some(blades) = blades.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
+    let turned = blades.into_iter().zip(&spec.blades);
+    let turned =
+        turned.map(|(made, blade)| if blade.angle.get() == 0.0 { made } else { made.rotated(blade.angle.get()) });
+    let mut blades = turned.collect::<Vec<_>>().into_iter();
+    let Some(main) = blades.next() else { return Err(Aborted) };
+    let part = Part::with_blades(spec.vanes.0, main, blades.collect(), hub, shroud);
+    checks::heights(spec, &part, sink)?;
+    checks::faces(spec, &part, sink)?;
+    checks::overlap(spec, &part, sink)?;
+    checks::beside(spec, &part, sink)?;
+    checks::extensions(spec, &part, sink)?;
+    Ok(part)
+}
+
+/// The curves that generate hub and shroud.
+fn generators(spec: &PartSpec, main: &[FaceCurves<'_>], sink: &mut Sink) -> Option<[NurbsCurve; 2]> {
+    let [hub, shroud] = [("hub", &spec.hub), ("shroud", &spec.shroud)].map(|(name, given)| match given {
+        RevolvedSpec::OfBlade(curve) => {
+            let face = main.get(curve.face.index())?;
+            Some(if curve.end == RulingEnd::Tip { face.tip.clone() } else { face.root.clone() })
+        }
+        RevolvedSpec::Own(own) => {
+            // Only the meridian counts: files have meridians whose azimuth changes.
+            let flat = |p: &[f64; 3]| {
+                let m = Vector2::new(libm::hypot(p[0], p[1]), p[2]);
+                [m.x, 0.0, m.y]
+            };
+            let meridian = CurveSpec { points: own.points.iter().map(flat).collect(), ..own.clone() };
+            curves::curve(&meridian, name, sink)
+        }
+    });
+    Some([hub?, shroud?])
+}
+
+fn from_faces(blade: &BladeSpec, faces: Vec<FaceCurves<'_>>, sink: &mut Sink) -> Option<Blade> {
+    let surfaces: Vec<Option<FaceSurface>> = faces.into_iter().map(|face| face.surface(sink)).collect();
+    let surfaces: Vec<FaceSurface> = surfaces.into_iter().collect::<Option<_>>()?;
+    let surfaces: [FaceSurface; 2] = surfaces.try_into().ok()?;
+    let fillet = (blade.fillet.get() > 0.0).then_some(blade.fillet);
+    Some(Blade::new(&blade.name, surfaces, fillet))
+}
