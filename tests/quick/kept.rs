@@ -279,7 +279,7 @@ fn roughing_keeps_its_allowance_on_the_vanes() {
     let tip = place + out * (3.0 + over) - axis * 3.0;
     let up = (tip + axis * 5.0, axis, MoveKind::Rapid);
     let (planned, motion) = moved(&[up, (tip, axis, MoveKind::Cut), up]);
-    let height = support::height(&part, &place);
+    let height = support::Heights::new(&part).at(&place);
     assert!((0.2..0.4).contains(&height), "{height}");
     for (root, fails) in [(0.2, false), (0.3, false), (0.6, true)] {
         let allowance_vane = VaneAllowance::growing(Mm(0.2), Mm(root)).unwrap();

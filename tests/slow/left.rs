@@ -5,10 +5,13 @@ use impellerc::diag::{Sink, codes};
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
 use impellerc::stock::{Field, stl};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Cells of the mesh, mm: what the documents advise on a part of this size.
 const CELL: f64 = 0.25;
+
+/// The shipped job, all sectors, with all its contracts.
+static WHOLE: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(jobs::program("rough", None)));
 
 fn started(program: &Program, field: &Field) -> Program {
     let mut program = program.clone();
@@ -19,7 +22,7 @@ fn started(program: &Program, field: &Field) -> Program {
 
 #[test]
 fn roughing_goes_on_from_any_block() {
-    let whole = Compiled::new(jobs::program("rough", None));
+    let whole = &*WHOLE;
     let (program, motion) = whole.planned();
     let (due, _) = simulated(program, motion, CELL);
     let rest = |c: &Compiled| c.certificate.rest.last().expect("roughing").most;
@@ -37,9 +40,9 @@ fn roughing_goes_on_from_any_block() {
             report.operations[0].removed,
             due.operations[0].removed,
             cut(&again),
-            cut(&whole),
+            cut(whole),
             rest(&again),
-            rest(&whole),
+            rest(whole),
             found.rest(),
             due.rest()
         );
@@ -47,11 +50,11 @@ fn roughing_goes_on_from_any_block() {
         // start, and the thickest rest by less than a cell.
         let rounded = (report.rest() - found.blank).abs();
         assert!((found.rest() - due.rest()).abs() < rounded + 0.003 * due.rest(), "{} {}", found.rest(), due.rest());
-        assert!((rest(&again) - rest(&whole)).abs() < CELL);
+        assert!((rest(&again) - rest(whole)).abs() < CELL);
         // The second tool finds its rest as before, and the first is not sent where it has been.
         assert!((found.operations[1].removed - due.operations[1].removed).abs() < 0.25 * due.operations[1].removed);
         let left = 1.0 - report.operations[0].removed / due.operations[0].removed;
-        assert!((cut(&again) as f64) < (left + 0.15) * cut(&whole) as f64, "{} moves of {}", cut(&again), cut(&whole));
+        assert!((cut(&again) as f64) < (left + 0.15) * cut(whole) as f64, "{} moves of {}", cut(&again), cut(whole));
         assert!(found.collisions().next().is_none());
     }
 }
@@ -59,8 +62,7 @@ fn roughing_goes_on_from_any_block() {
 /// After the first operation was done, it finds next to nothing, and a remark or an error says so.
 #[test]
 fn a_finished_operation_finds_nothing() {
-    let whole = Compiled::new(jobs::program("rough", None));
-    let (program, motion) = whole.planned();
+    let (program, motion) = WHOLE.planned();
     let first = Motion { operations: vec![motion.operations[0].clone()] };
     let (report, field) = simulated(program, &first, CELL);
     let again = started(program, &field);

@@ -21,7 +21,7 @@ use impellerc::operation::VaneAllowance;
 use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rad, Rpm};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// Wei et al. 2021, tables 1 and 2, mm.
 pub const TIP_PRESSURE: [[f64; 3]; 7] = [
@@ -268,13 +268,22 @@ pub fn channel_only(scallop: f64) -> Program {
     program
 }
 
-/// Share of the height at a point, by brute force over both meridians: 0 on the hub, 1 on the shroud.
-pub fn height(part: &Part, p: &Point3<f64>) -> f64 {
-    const STEPS: u32 = 4000;
-    let r = p.x.hypot(p.y);
-    let [hub, shroud] = [&part.hub, &part.shroud].map(|surface| {
-        let at = |i| surface.meridian(f64::from(i) / f64::from(STEPS)).point;
-        (0..=STEPS).map(|i| (at(i).x - r).hypot(at(i).y - p.z)).fold(f64::INFINITY, f64::min)
-    });
-    hub / (hub + shroud)
+/// Points (r, z) of the meridians of hub and shroud.
+pub struct Heights([Vec<Vector2<f64>>; 2]);
+
+impl Heights {
+    /// Both meridians in many equal steps.
+    pub fn new(part: &Part) -> Self {
+        const STEPS: u32 = 4000;
+        let share = |i| f64::from(i) / f64::from(STEPS);
+        Self([&part.hub, &part.shroud].map(|s| (0..=STEPS).map(|i| s.meridian(share(i)).point).collect()))
+    }
+
+    /// Share of the height at a point, by brute force over all points: 0 on the hub, 1 on the shroud.
+    pub fn at(&self, p: &Point3<f64>) -> f64 {
+        let at = Vector2::new(p.x.hypot(p.y), p.z);
+        let least = |points: &Vec<Vector2<f64>>| points.iter().map(|q| (q - at).norm()).fold(f64::INFINITY, f64::min);
+        let [hub, shroud] = self.0.each_ref().map(least);
+        hub / (hub + shroud)
+    }
 }
