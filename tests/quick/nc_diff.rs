@@ -189,10 +189,11 @@ fn every_pair_of_posts_means_the_same() {
 fn texts_of_two_dialects_are_the_same_for_the_machine() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    for (dialect, machine) in DIALECTS {
-        let out = place(dialect);
-        let run = impellerc(&[JOB, "--post", dialect, "--machine", machine, "--stock-cell", "1", "-o", &out]);
-        assert_eq!(run.0, Some(0), "{}", run.2);
+    for (dialect, _) in DIALECTS {
+        let compiled = jobs::reduced(dialect);
+        let program = support::with_post(dialect, &compiled.program);
+        let text = post::emit(post::find(dialect).unwrap(), &program, &compiled.motion, &[]).text();
+        std::fs::write(place(dialect), text).unwrap();
     }
     let [siemens, linuxcnc] = DIALECTS.map(|(dialect, _)| place(dialect));
     let on_both = ["--job", JOB, "--machine", DIALECTS[0].1, "--other-machine", DIALECTS[1].1];

@@ -313,21 +313,22 @@ fn devices_are_written_to_and_stay() {
 /// NC text fits, the certificate does not, or the other way round: all stays as it was.
 #[test]
 fn a_full_disk_changes_nothing() {
-    let place = Place::with_the_reduced_job();
+    let place = Place::new();
     for name in ["part.nc", "part.json", "part.html"] {
         place.file(name, "old text");
     }
     let before = place.state();
     let outputs = "job.imp --stock-cell 1 -o part.nc --certificate part.json --report part.html";
-    // The limit of the shell for one file, in 1024 bytes: the signal that it sends ends no run.
-    let run = place.shell(&format!("ulimit -f 150; $0 {outputs}"));
+    // The limit of the shell for one file, in 1024 bytes: the signal that it sends ends no run. The text has 8 kB, the
+    // certificate 84 kB, the report 660 kB.
+    let run = place.shell(&format!("ulimit -f 40; $0 {outputs}"));
     let run = run.fails(3, &["IMP0903", "cannot be written", "nothing was written"]);
     assert!(!run.out.contains("wrote"), "{}", run.out);
     assert_eq!(place.state(), before);
     // A disk of its own, which only the administrator can make.
     let disk = place.at("disk");
     std::fs::create_dir(&disk).unwrap();
-    let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=1m", "tmpfs"]).arg(&disk).status();
+    let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=512k", "tmpfs"]).arg(&disk).status();
     if !mounted.is_ok_and(|s| s.success()) {
         eprintln!("skipped: no small disk can be made here");
         return;
