@@ -21,12 +21,12 @@ const GRID: [usize; 2] = [300, 60];
 /// Distance from a sample at which the cutter touches the surface, mm.
 const TOUCHES: f64 = 0.1;
 
-/// A program with one operation of a ball of 4 mm in one sector; not the first one, so that its turn counts.
+/// A program with one operation of a ball of 4 mm in two sectors.
 fn program(kind: OperationKind) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius: 2.0 }, 30.0, 45.0));
-    program.operations.push(support::operation(kind.keyword(), kind, tool, vec![3], 6.0));
+    program.operations.push(support::operation(kind.keyword(), kind, tool, vec![0, 3], 6.0));
     program
 }
 
