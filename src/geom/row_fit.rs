@@ -38,6 +38,9 @@ pub struct Row {
     pub parameters: Vec<f64>,
 }
 
+/// Control points of a row, with the parameter and the distance of the foot of each of its points.
+type Curve = (Vec<Vector3<f64>>, Vec<(f64, f64)>);
+
 /// The splines of all rows.
 #[derive(Clone, Debug)]
 pub struct RowFit {
@@ -152,9 +155,9 @@ impl RowFit {
     }
 
     /// Control points of a row, with the parameter and the distance of the foot of each point.
-    fn through(&self, row: &Row) -> Option<(Vec<Vector3<f64>>, Vec<(f64, f64)>)> {
+    fn through(&self, row: &Row) -> Option<Curve> {
         let mut at = row.parameters.clone();
-        let mut best: Option<(Vec<Vector3<f64>>, Vec<(f64, f64)>)> = None;
+        let mut best: Option<Curve> = None;
         for _ in 0..=CORRECTIONS {
             let Some(control) = self.least_squares(row, &at) else { break };
             let curve = self.curve(&control);

@@ -266,7 +266,7 @@ impl BladeSpec {
 #[derive(Clone, Debug)]
 pub enum BladeForm {
     /// Curves of each face, the pressure face first.
-    Faces([FaceSpec; 2]),
+    Faces(Box<[FaceSpec; 2]>),
     /// Closed curves round the blade.
     Sections(SectionsSpec),
 }

@@ -141,7 +141,7 @@ fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option
             value
         });
         let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
-        BladeForm::Faces([pressure?, suction?])
+        BladeForm::Faces(Box::new([pressure?, suction?]))
     } else {
         let given = SectionsGiven::take(&mut p);
         BladeForm::Sections(given?.resolve(cx)?)

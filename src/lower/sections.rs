@@ -31,8 +31,8 @@ const EDGES: [&str; 2] = ["leading edge", "trailing edge"];
 /// The blade through its sections; faults and what was found go to the sink.
 pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<Blade> {
     let name = blade_name(given.part, &given.blade.name);
-    let good = given.sections.loops.iter().fold(true, |good, section| points_are_good(section, sink) && good);
-    if !good {
+    let faulty = given.sections.loops.iter().filter(|section| !points_are_good(section, sink)).count();
+    if faulty > 0 {
         return None;
     }
     // Along the hub from inlet to outlet.
