@@ -226,7 +226,6 @@ fn check_before_planning(
 /// There is no such dialect. Other faults are in the sink alone.
 pub fn check_frames(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
     let post = find_post(program, sink)?;
-    post.check_machine(&program.machine, sink);
     post::trial::check(post, program, sink);
     Ok(post)
 }

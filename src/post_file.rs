@@ -33,8 +33,8 @@ pub struct PostFile {
     pub decimals: Decimals,
     /// Whether finishing passes are written as lines or as splines.
     pub path: PathForm,
-    /// Spline blocks of the control, where it has them for five axes.
-    pub splines: Option<SplineForm>,
+    /// Spline blocks of the control, where it has them for five axes, with their place in the file.
+    pub splines: Option<(SplineForm, Span)>,
     /// Words that smooth within a tolerance in finishing and in roughing, and words that end smoothing.
     pub smoothing: [Template; 3],
     /// Words that switch tool centre point control on, for rotary words and for vectors.
@@ -150,7 +150,7 @@ impl SplineForm {
 impl PostFile {
     /// The spline blocks of finishing passes, where the job asks for them and the control has them.
     pub fn spline_form(&self) -> Option<SplineForm> {
-        self.splines.filter(|_| self.path == PathForm::Splines)
+        self.splines.filter(|_| self.path == PathForm::Splines).map(|(form, _)| form)
     }
 }
 

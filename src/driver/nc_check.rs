@@ -471,7 +471,7 @@ pub(super) fn read_motion(
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
     let before = sink.diags().len();
-    post.check_machine(&program.machine, sink);
+    post.check_machine(&program.machine, program.post.span, sink);
     if sink.diags().len() > before {
         return Err(Aborted);
     }

@@ -30,6 +30,8 @@ entity_id!(
 pub struct Program {
     /// Name of the part; also the program name in the NC text.
     pub name: String,
+    /// Its place in the job.
+    pub name_span: Span,
     /// Design geometry.
     pub part: Part,
     /// Blank before the first operation.

@@ -164,6 +164,22 @@ impl LibraryReader<'_> {
         lines.iter().take(MOST_LINES).map(|line| self.template(line, &fields)).collect()
     }
 
+    /// Refuses a default of the orientation for which there are no words.
+    fn has_words(&mut self, post: &PostFile, orientation: &SpannedText) {
+        let [own, other] = match post.orientation {
+            Orientation::Angles => [Orientation::Angles, Orientation::Vectors],
+            Orientation::Vectors => [Orientation::Vectors, Orientation::Angles],
+        };
+        if post.transformation[usize::from(own == Orientation::Vectors)].pieces.is_empty() {
+            self.fault(
+                self.span(orientation),
+                format!("the file has no words that switch tool centre point control on for {}", own.name()),
+                format!("`{}` in [transformation] is empty", own.name()),
+                &format!("write these words, or `orientation = \"{}\"`", other.name()),
+            );
+        }
+    }
+
     fn decimals(&mut self, table: &DecimalsTable) -> Decimals {
         let [length, angle, vector, feed] = [&table.length, &table.angle, &table.vector, &table.feed];
         Decimals {
@@ -227,16 +243,16 @@ pub(super) fn read(
         sectors: Sectors::Inline,
         decimals: reader.decimals(&table.decimals),
         path: PathForm::Lines,
-        splines: table
-            .splines
-            .as_ref()
-            .and_then(|text| reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)),
+        splines: table.splines.as_ref().and_then(|text| {
+            Some((reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)?, reader.span(text)))
+        }),
         smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
             .map(|text| reader.template(text, &fields)),
         transformation: [&table.transformation.angles, &table.transformation.vectors]
             .map(|text| reader.template(text, &fields)),
         frames: std::array::from_fn(|k| reader.frame(Frame::ALL[k], lines[k])),
     };
+    reader.has_words(&post, &table.orientation);
     (!reader.faults).then_some(post)
 }
 

@@ -58,6 +58,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     let machine = machine(&job.machine, chain(&job.machine, sink)?);
     let program = Program {
         name: job.part.name.clone(),
+        name_span: job.part.span,
         part,
         stock,
         tools,

@@ -7,6 +7,8 @@ use super::words;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::{Angles, Machine};
+use crate::post_file::SplineForm;
+use crate::source::Span;
 
 /// A dialect.
 pub trait Post: Sync {
@@ -18,8 +20,8 @@ pub trait Post: Sync {
     fn family(&self) -> &'static str {
         self.name()
     }
-    /// Refuses a machine that the transformation of the control does not support.
-    fn check_machine(&self, machine: &Machine, sink: &mut Sink);
+    /// Refuses a machine that the transformation of the control does not support. `chosen` is the place that names the post.
+    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink);
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
     /// What the proof assumes of those who take the text further and of the settings of the control, a line each; for the
@@ -29,6 +31,10 @@ pub trait Post: Sync {
     }
     /// How the dialect writes text.
     fn form(&self) -> &'static TextForm;
+    /// Spline blocks that the dialect has.
+    fn splines(&self) -> Option<SplineForm> {
+        None
+    }
     /// Positions of the rotary axes, radians, with which tool centre point control is switched on for a path that begins
     /// at the positions `start`.
     fn at_switch(&self, _machine: &Machine, start: Angles) -> Angles {

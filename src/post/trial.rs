@@ -19,10 +19,18 @@ const STEP: f64 = 1.0;
 /// Time of a move, s. The comparison of texts uses it where blocks give times.
 const TIME: f64 = 1.0;
 
-/// Refuses frames with which the dialect would not do what the program means.
+/// Refuses what the dialect has no words for, as far as tools, machine and post file say it, and frames with which the
+/// dialect would not do what the program means.
 pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
     let operations = program.operations.iter().map(|(id, operation)| moves(program, id, operation)).collect();
     let motion = Motion { operations };
+    let mut refusals = Sink::default();
+    post.check(program, &motion, &mut refusals);
+    check_splines(post, program, &mut refusals);
+    if refusals.has_errors() {
+        refusals.diags().iter().cloned().for_each(|diag| sink.push(diag));
+        return;
+    }
     let nc = text_of(post, program, &motion, &[]);
     let longest = post.form().longest;
     let long = nc.lines.iter().position(|line| line.text.len() > longest);
@@ -35,6 +43,20 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
         (None, Ok(_)) => return,
     };
     sink.push(refused(program, &nc, &fault));
+}
+
+/// Refuses spline blocks that the dialect does not have.
+fn check_splines(post: &dyn Post, program: &Program, sink: &mut Sink) {
+    let Some((form, span)) = program.post.splines.filter(|(form, _)| post.splines() != Some(*form)) else { return };
+    let help = match post.splines() {
+        Some(own) => format!("write `splines = \"{}\"`, or remove the line", own.name()),
+        None => "remove the line: the dialect has straight blocks".to_owned(),
+    };
+    sink.push(
+        Diag::error(codes::FRAME, format!("the dialect {} has no spline blocks `{}`", post.name(), form.name()))
+            .label(span, "in the post file")
+            .help(help),
+    );
 }
 
 /// The diagnostic for a fault, at the line of the post file from which it comes.

@@ -5,6 +5,7 @@ use crate::ir::{Motion, MoveKind, Program, Tool};
 use crate::kin::{Angles, Machine, RotaryAxis};
 use crate::method::{LengthTo, Planning};
 use crate::post_file::Orientation;
+use crate::source::Span;
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
 const ON_STEP: f64 = 1e-6;
@@ -71,10 +72,19 @@ pub(super) fn fits_two_positions(machine: &Machine, before: Angles, to: Angles) 
     (to[1] - before[1]).abs() >= CERTAIN_TURN || machine.chain.changes_branch(before[0], to[0])
 }
 
+/// A diagnostic about a machine that the post does not take, at the place that names the post.
+pub(super) fn at(chosen: Option<Span>, diag: Diag) -> Diag {
+    match chosen {
+        Some(span) => diag.label(span, "the post is chosen here"),
+        None => diag,
+    }
+}
+
 /// Refuses a machine whose motion has what only the dialect of LinuxCNC has words for.
-pub(super) fn check_planning(machine: &Machine, sink: &mut Sink) {
+pub(super) fn check_planning(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
     if machine.planning == Planning::LinuxCnc {
-        sink.push(
+        sink.push(at(
+            chosen,
             Diag::error(
                 post::CONTROL,
                 format!(
@@ -84,23 +94,24 @@ pub(super) fn check_planning(machine: &Machine, sink: &mut Sink) {
             )
             .note("without them LinuxCNC leaves the path and the speeds of the joints")
             .help("use the post `linuxcnc`, or the file of a machine without `planning = \"linuxcnc-2.9\"`"),
-        );
+        ));
     }
 }
 
 /// Refuses a machine whose words no dialect writes yet.
-pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
+pub(super) fn check_machine(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
     let axes = machine.rotary.iter().filter(|axis| axis.modulo.is_some());
     for RotaryAxis { name, .. } in axes {
         let text = format!(
             "axis {name} of the machine {} is modulo 360 deg; this post writes for axes with a travel",
             machine.name
         );
-        sink.push(
+        sink.push(at(
+            chosen,
             Diag::error(post::CONTROL, text)
                 .note("the control would reduce the word, and may turn the axis the other way")
                 .help(format!("write `travel` of {name} in the machine file if the control permits it, such as [\"-3600 deg\", \"3600 deg\"]")),
-        );
+        ));
     }
     if machine.length_to != LengthTo::Tip {
         let to = machine.length_to.name();
@@ -108,11 +119,12 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
             "tool lengths of the machine {} refer to the {to}; this post writes positions of the tip",
             machine.name
         );
-        sink.push(
+        sink.push(at(
+            chosen,
             Diag::error(post::CONTROL, text)
                 .note("the tool would cut too deep or too high by the radius of its end")
                 .help("measure tool lengths to the tip, and write `tool-length = \"tip\"` in the machine file"),
-        );
+        ));
     }
 }
 
@@ -124,6 +136,7 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     if !plain(&program.name) {
         sink.push(
             Diag::error(post::NAME, format!("`{}` cannot be the name of an NC program", program.name))
+                .label(program.name_span, "the name of the part is that of the program")
                 .help("use at most 24 letters, digits, `-` and `_`"),
         );
     }

@@ -602,6 +602,16 @@ fn a_setup_sheet_tells_what_the_machinist_needs() {
 }
 
 /// The source map names pass, job line and cutter location of a block, also in a text with another block before it.
+/// What is no source map is refused with the reason, and with what would be one.
+#[test]
+fn another_file_is_no_source_map() {
+    let dialect = "siemens-840d";
+    for path in [Path::new(JOB), &WRITTEN.path().join(format!("{dialect}.json"))] {
+        let (ok, _, err) = verify(&WRITTEN.path().join(dialect), dialect, &["--source-map", path.to_str().unwrap()]);
+        assert!(!ok && err.contains("IMP0831") && err.contains("`--source-map` wrote"), "{err}");
+    }
+}
+
 #[test]
 fn a_source_map_names_the_pass_and_the_line_of_the_job() {
     let dialect = "siemens-840d";

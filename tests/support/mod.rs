@@ -233,6 +233,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     operations.push(operation("channel", channel(0.01), t2, sectors, 8.0));
     Program {
         name: "wei2021".to_owned(),
+        name_span: Span::default(),
         stock: Stock::turned(&part, Mm(0.0), Mm(5.0), Mm(-40.0)),
         part,
         tools,

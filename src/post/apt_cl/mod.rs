@@ -21,6 +21,7 @@ use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 use crate::post::words;
+use crate::source::Span;
 
 /// The dialect.
 pub(super) struct AptCl;
@@ -34,8 +35,8 @@ impl Post for AptCl {
         "CL data of APT for a later post-processor: GOTO with tool axis, FEDRAT, RAPID"
     }
 
-    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
-        words::check_planning(machine, sink);
+    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
+        words::check_planning(machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

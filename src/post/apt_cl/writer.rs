@@ -20,7 +20,7 @@ pub(super) const FORM: TextForm = TextForm {
 
 /// Refuses a motion that CL data cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    words::check_planning(&program.machine, sink);
+    words::check_planning(&program.machine, program.post.span, sink);
     words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
     let (digits, fine) = (&program.post.decimals, Decimals::FINE);

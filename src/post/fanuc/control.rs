@@ -19,7 +19,7 @@ pub(in crate::post) struct Member {
     /// One line for the help.
     pub(super) about: &'static str,
     /// Digits of a program number.
-    pub(super) program_digits: usize,
+    pub(super) program_digits: u32,
     /// A program may have a name `<...>` instead of a number.
     pub(super) program_names: bool,
     /// Digits of a block number.

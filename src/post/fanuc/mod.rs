@@ -26,6 +26,7 @@ use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 use crate::post::words;
+use crate::source::Span;
 use control::Member;
 
 /// A dialect of the family.
@@ -55,14 +56,14 @@ impl Post for Family {
     }
 
     // The sense of each rotary axis is a parameter of the control.
-    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
-        words::check_planning(machine, sink);
-        words::check_machine(machine, sink);
+    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
+        words::check_planning(machine, chosen, sink);
+        words::check_machine(machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        self.check_machine(&program.machine, sink);
-        writer::check(program, motion, sink);
+        self.check_machine(&program.machine, program.post.span, sink);
+        writer::check(self.member, program, motion, sink);
     }
 
     fn assumptions(&self) -> &'static [&'static str] {

@@ -126,7 +126,7 @@ pub(super) fn program_name(code: &str, member: &Member) -> Result<(), String> {
     let Member { program_digits: most, program_names, .. } = *member;
     let names = if program_names { ", or `<NAME>`" } else { "" };
     if let Some(digits) = code.strip_prefix('O') {
-        let plain = (1..=most).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
+        let plain = (1..=most as usize).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
         return if plain && digits.bytes().any(|b| b != b'0') {
             Ok(())
         } else {

@@ -1,14 +1,15 @@
 //! From the moves of an operation to blocks.
 
 use super::Family;
-use crate::diag::{Diag, Sink, codes::post};
+use super::control::Member;
+use crate::diag::{Diag, Sink, codes::job, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Carries, Joints, Machine, between, most_turn};
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
-use crate::post_file::Orientation;
+use crate::post_file::{Field, Orientation, Template};
 
 /// Largest number of a tool and of its length.
 const LARGEST_TOOL: u32 = 999;
@@ -44,9 +45,24 @@ pub(super) fn at_switch(machine: &Machine, start: Angles) -> Angles {
     [0, 1].map(|k| if axes[k].carries == Carries::Part { 0.0 } else { start[k] })
 }
 
+/// Refuses a program number with more digits than the control takes, where the frames write it.
+fn check_program_number(member: &Member, program: &Program, sink: &mut Sink) {
+    let (post, largest) = (&program.post, 10_u32.pow(member.program_digits) - 1);
+    let written = |template: &Template| template.fields().any(|field| field == Field::ProgramNumber);
+    if post.program_number <= largest || !post.frames.iter().flatten().any(written) {
+        return;
+    }
+    let number = post.program_number;
+    let diag = Diag::error(job::OUT_OF_RANGE, format!("post {} cannot write the program number {number}", post.name))
+        .note(format!("the control takes program numbers of at most {} digits", member.program_digits))
+        .help(format!("write `program-number` from 1 to {largest} in the post of the job, or in the post file"));
+    sink.push(words::at(post.span, diag));
+}
+
 /// Refuses a motion that the dialect cannot express.
-pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
+pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
+    check_program_number(member, program, sink);
     let vectors = program.post.orientation == Orientation::Vectors;
     let tables = program.machine.chain.axes().iter().all(|axis| axis.carries == Carries::Part);
     if vectors && tables {

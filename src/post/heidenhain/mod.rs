@@ -23,6 +23,8 @@ use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 use crate::post::words;
+use crate::post_file::SplineForm;
+use crate::source::Span;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
@@ -45,14 +47,18 @@ impl Post for Heidenhain {
     }
 
     // The sense of each rotary axis is in the kinematics of the control.
-    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
-        words::check_planning(machine, sink);
-        words::check_machine(machine, sink);
+    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
+        words::check_planning(machine, chosen, sink);
+        words::check_machine(machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        self.check_machine(&program.machine, sink);
+        self.check_machine(&program.machine, program.post.span, sink);
         writer::check(program, motion, sink);
+    }
+
+    fn splines(&self) -> Option<SplineForm> {
+        Some(SplineForm::Spl)
     }
 
     fn assumptions(&self) -> &'static [&'static str] {

@@ -25,6 +25,7 @@ use crate::post::dialect::{Post, WriteBlock};
 use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
+use crate::source::Span;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
@@ -47,8 +48,8 @@ impl Post for LinuxCnc {
         "LinuxCNC with xyzac-trt or xyzbc-trt kinematics: M428, rotary words, G94"
     }
 
-    fn check_machine(&self, machine: &Machine, sink: &mut Sink) {
-        writer::check_machine(machine, sink);
+    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
+        writer::check_machine(machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

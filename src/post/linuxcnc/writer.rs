@@ -11,6 +11,7 @@ use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
 use crate::post::words::{self, feed, fixed, inverse_time};
 use crate::post::write;
+use crate::source::Span;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -34,10 +35,11 @@ const KINEMATICS: [Kinematics; 2] = [
 const LARGEST_TOOL: u32 = 99_999;
 
 /// Refuses a machine that the transformation of the control does not support.
-pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
-    words::check_machine(machine, sink);
+pub(super) fn check_machine(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
+    words::check_machine(machine, chosen, sink);
     if machine.planning != Planning::LinuxCnc {
-        sink.push(
+        sink.push(words::at(
+            chosen,
             Diag::error(
                 post::CONTROL,
                 format!("the file of machine {} has no `planning = \"linuxcnc-2.9\"`", machine.name),
@@ -46,26 +48,27 @@ pub(super) fn check_machine(machine: &Machine, sink: &mut Sink) {
             .help(
                 "use a machine file with `planning = \"linuxcnc-2.9\"`, such as `5mc850-c-linuxcnc`, or another post",
             ),
-        );
+        ));
     }
-    let Some(kinematics) = kinematics(machine, sink) else { return };
+    let Some(kinematics) = kinematics(machine, chosen, sink) else { return };
     for axis in &machine.rotary {
         let name = &axis.name;
         if axis.word_sign > 0.0 {
-            sink.push(
+            sink.push(words::at(
+                chosen,
                 Diag::error(
                     post::SENSE,
                     format!("axis {name} of the machine {} has the sense \"iso\"; LinuxCNC needs \"opposite\"", machine.name),
                 )
                 .note(format!("under {} kinematics a positive word turns the work right-handed", kinematics.name))
                 .help("use a machine file with `sense = \"opposite\"` for both rotary axes if the machine turns so, or another post"),
-            );
+            ));
         }
     }
 }
 
 /// The kinematics with the rotary axes of a machine; refuses other axes.
-fn kinematics(machine: &Machine, sink: &mut Sink) -> Option<&'static Kinematics> {
+fn kinematics(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) -> Option<&'static Kinematics> {
     let [.., first, second] = machine.names();
     let axes = machine.chain.axes();
     let fault = match KINEMATICS.iter().find(|k| k.rotary == [first, second]) {
@@ -81,20 +84,21 @@ fn kinematics(machine: &Machine, sink: &mut Sink) -> Option<&'static Kinematics>
             format!("axis {name} of the machine {} has the direction [{x:.4}, {y:.4}, {z:.4}]", machine.name)
         }
     };
-    sink.push(
+    sink.push(words::at(
+        chosen,
         Diag::error(post::CONTROL, fault)
             .note(
                 "this post writes for the kinematics xyzac-trt and xyzbc-trt of LinuxCNC: a table tilts about X (A) or \
                  Y (B) and carries the table C, which turns about Z",
             )
             .help("use a machine file of such a machine, such as `linuxcnc-xyzac-trt` or `linuxcnc-xyzbc-trt`, or another post"),
-    );
+    ));
     None
 }
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    check_machine(&program.machine, sink);
+    check_machine(&program.machine, program.post.span, sink);
     words::check(program, motion, sink);
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
@@ -269,7 +273,7 @@ mod tests {
         let chain = Chain::new([line(0), line(1)]).unwrap();
         let machine = Machine { planning: Planning::LinuxCnc, rotary, ..Machine::wide(chain) };
         let mut sink = Sink::default();
-        check_machine(&machine, &mut sink);
+        check_machine(&machine, None, &mut sink);
         sink.diags().iter().map(|d| d.message.clone()).collect()
     }
 

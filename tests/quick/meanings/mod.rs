@@ -181,7 +181,7 @@ fn same(a: &Motion, b: &Motion) -> bool {
 fn judged(post: &dyn Post, program: &Program, text: &str, (own, meant): (&Machine, &Motion)) -> (Verdict, String) {
     let mut sink = Sink::default();
     let said = |sink: &Sink| sink.diags().iter().find(|d| d.severity == Severity::Error).map(|d| d.message.clone());
-    post.check_machine(&program.machine, &mut sink);
+    post.check_machine(&program.machine, None, &mut sink);
     if let Some(reason) = said(&sink) {
         return (Verdict::Refused, reason);
     }
