@@ -460,7 +460,7 @@ fn setup_sheet(
         program,
         certificate,
         post: post.name(),
-        assumptions: post.assumptions(),
+        assumptions: &post::assumptions(post, &program.machine),
         nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
         restarts: &restarts,
     };
@@ -502,7 +502,7 @@ impl Written {
         };
         let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
         fill(&mut nc, of_body, &body);
-        let assumed = post.assumptions().iter().map(|what| (*what).to_owned()).collect();
+        let assumed = post::assumptions(post, &program.machine);
         let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
         let text = NcText { assumed, ..text };
         let certificate = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
@@ -596,7 +596,7 @@ fn header(program: &Program, certificate: &Certificate, post: &dyn Post, inputs:
         "part {}, machine {}, zero at the origin of the part frame, mm",
         program.name, program.machine.name
     ));
-    lines.extend(post.assumptions().iter().map(|what| format!("assumed: {what}")));
+    lines.extend(post::assumptions(post, &program.machine).iter().map(|what| format!("assumed: {what}")));
     for c in &certificate.contracts {
         lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }

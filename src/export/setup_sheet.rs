@@ -21,7 +21,7 @@ pub struct SheetInput<'a> {
     /// Dialect.
     pub post: &'a str,
     /// What the proof assumes of the control.
-    pub assumptions: &'a [&'a str],
+    pub assumptions: &'a [String],
     /// File name of the NC text, its number of lines, and the short hash of its body.
     pub nc: (&'a str, usize, &'a str),
     /// First line of each operation in the NC text, where the program can be started again.

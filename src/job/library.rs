@@ -341,7 +341,6 @@ impl LibraryReader<'_> {
         }
     }
 
-    /// Retract height, within the travel of Z.
     /// Words of the machine builder: M and a number.
     fn own_words(&mut self, words: &[SpannedText], assumed: &mut Vec<String>) -> Vec<String> {
         for word in words {
@@ -363,9 +362,10 @@ impl LibraryReader<'_> {
         words
     }
 
+    /// Retract height, within the travel of Z.
     fn retract(&mut self, table: &Option<RetractTable>, [low, top]: [Mm; 2], assumed: &mut Vec<String>) -> Mm {
         match table {
-            Some(t) => Mm(self.quantity(&t.z, Dimension::LENGTH, low.get(), top.get())),
+            Some(t) => self.place(&t.z, "retract height", [low.get(), top.get()], ["the travel of Z"; 2]),
             None => {
                 let top_text = trim(top.get(), 6);
                 assumed.push(format!("retract to the upper end of the travel of Z, {top_text} mm, the default"));

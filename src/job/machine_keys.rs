@@ -2,18 +2,39 @@
 
 use super::library::{HomeTable, LibraryReader, RotaryTable, SpannedText};
 use super::model::LinearSpec;
-use super::quantity::Dimension;
+use super::quantity::{Dimension, Quantity};
 use crate::method::ModuloWay;
 use crate::source::Span;
-use crate::units::Mm;
+use crate::units::{Mm, trim};
 
 impl LibraryReader<'_> {
     /// Where the machine parks: within the travel, and not below the retract height.
     pub(super) fn home(&mut self, table: &Option<HomeTable>, linear: &[LinearSpec; 3], retract: Mm) -> [Option<Mm>; 3] {
         let Some(HomeTable { x, y, z }) = table else { return [None; 3] };
         let [of_x, of_y, of_z] = linear.map(|axis| axis.travel.map(Mm::get));
-        let keys = [(x, of_x), (y, of_y), (z, [retract.get(), of_z[1]])];
-        keys.map(|(text, [low, high])| Some(Mm(self.quantity(text.as_ref()?, Dimension::LENGTH, low, high))))
+        let keys = [
+            (x, of_x, ["the travel of X"; 2]),
+            (y, of_y, ["the travel of Y"; 2]),
+            (z, [retract.get(), of_z[1]], ["the retract height", "the travel of Z"]),
+        ];
+        keys.map(|(text, within, of)| Some(self.place(text.as_ref()?, "home", within, of)))
+    }
+
+    /// A place of an axis between two others.
+    pub(super) fn place(&mut self, text: &SpannedText, what: &str, [low, high]: [f64; 2], of: [&str; 2]) -> Mm {
+        let read = Quantity::read(text.get_ref()).filter(|q| q.dimension == Dimension::LENGTH);
+        if let Some(outside) = read.filter(|q| !(low..=high).contains(&q.value)) {
+            let (side, of) = if outside.value < low { ("below", of[0]) } else { ("above", of[1]) };
+            let [low, high] = [low, high].map(|x| trim(x, 6));
+            self.fault(
+                self.span(text),
+                format!("the {what} `{}` is {side} {of}", text.get_ref()),
+                format!("a place from {low} to {high} mm is expected"),
+                "write a place that the axis reaches; tools change at the retract height, and the machine parks at home",
+            );
+            return Mm(0.0);
+        }
+        Mm(self.quantity(text, Dimension::LENGTH, low, high))
     }
 
     /// The entry of a list that a text names; without a text the first.

@@ -13,6 +13,7 @@ mod fanuc;
 mod form;
 mod heidenhain;
 mod linuxcnc;
+mod modulo;
 pub mod motion_of;
 mod nc;
 mod positions;
@@ -35,6 +36,8 @@ pub use read_back::{ReadBack, read_back};
 pub use tool_shape::{NcCutter, NcToolShape};
 pub use write::emit;
 
+use crate::kin::Machine;
+
 /// The available dialects.
 pub const POSTS: &[&dyn Post] = &[
     &siemens_840d::Siemens840d,
@@ -44,6 +47,12 @@ pub const POSTS: &[&dyn Post] = &[
     &fanuc::Family::MITSUBISHI,
     &apt_cl::AptCl,
 ];
+
+/// What the proof assumes of those who take a text for a machine further and of the settings of the control, a line each.
+pub fn assumptions(post: &dyn Post, machine: &Machine) -> Vec<String> {
+    let of_axes = modulo::assumptions(post.form(), machine);
+    post.assumptions().iter().map(|what| (*what).to_owned()).chain(of_axes).collect()
+}
 
 /// The dialect with a name.
 pub fn find(name: &str) -> Option<&'static dyn Post> {

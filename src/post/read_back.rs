@@ -12,7 +12,7 @@ use crate::kin::{Angles, PoseCurve, TurnCurve, most_turn};
 use crate::post_file::Decimals;
 use crate::verify::Verified;
 use nalgebra::{SVector, Vector3};
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{SQRT_2, TAU};
 
 /// Share of a time that rounding may take.
 const ROUNDING: f64 = 1e-12;
@@ -88,7 +88,8 @@ pub(super) fn compare_text(
             return Err(differs(0, "the text ends before the motion".to_owned()));
         };
         let (line, retract) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
-        stations(program, operation, section, &retract)
+        let turns = whole_turns(program, operation, section);
+        stations(program, operation, (section, turns), &retract)
             .map_err(|(at_end, why)| differs(if at_end { line } else { section.start.line }, why))?;
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
@@ -108,7 +109,9 @@ pub(super) fn compare_text(
                     same_feed(program, meant, read).map_err(|why| differs(read.line, why))?;
                     index = spline.last;
                 }
-                (None, None) => compare(program, meant, read, &mut result).map_err(|why| differs(read.line, why))?,
+                (None, None) => {
+                    compare(program, meant, (read, turns), &mut result).map_err(|why| differs(read.line, why))?
+                }
                 _ => return Err(differs(read.line, "a spline and a straight block are exchanged".to_owned())),
             }
             // After the last move the transformation is switched off, at rest.
@@ -167,12 +170,27 @@ fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &m
     Ok(())
 }
 
+/// Whole turns of axes modulo 360 deg between a text, which begins an operation within one turn, and the motion.
+fn whole_turns(program: &Program, operation: &MotionOperation, section: &NcSection) -> Angles {
+    let (Some(first), NcPlace::Axes { rotary, .. }) = (operation.moves.first(), &section.start.place) else {
+        return [0.0; 2];
+    };
+    [0, 1].map(|k| match program.machine.rotary[k].modulo {
+        Some(_) => TAU * ((first.joints.rotary[k] - rotary[k]) / TAU).round(),
+        None => 0.0,
+    })
+}
+
+fn wound(angles: Angles, turns: Angles) -> Angles {
+    [angles[0] + turns[0], angles[1] + turns[1]]
+}
+
 /// Compares the stations at retract height with the first and the last move. A fault says whether it is in the last
 /// move.
 fn stations(
     program: &Program,
     operation: &MotionOperation,
-    section: &NcSection,
+    (section, turns): (&NcSection, Angles),
     retract: &NcRetract,
 ) -> Result<(), (bool, String)> {
     let digits = &program.post.decimals;
@@ -196,7 +214,7 @@ fn stations(
             if off > half_step(digits.length) {
                 return Err((false, format!("the axes are {off:.6} mm away from the first station")));
             }
-            let turned = most_turn(*rotary, first.joints.rotary).to_degrees();
+            let turned = most_turn(wound(*rotary, turns), first.joints.rotary).to_degrees();
             if turned > half_step(digits.angle) {
                 return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
             }
@@ -243,7 +261,12 @@ pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
     }
 }
 
-fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut ReadBack) -> Result<(), String> {
+fn compare(
+    program: &Program,
+    meant: &JointMove,
+    (read, turns): (&NcMove, Angles),
+    result: &mut ReadBack,
+) -> Result<(), String> {
     let digits: &Decimals = &program.post.decimals;
     let pose = program.machine.forward(&meant.joints);
     let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
@@ -262,7 +285,7 @@ fn compare(program: &Program, meant: &JointMove, read: &NcMove, result: &mut Rea
     }
     result.tip = result.tip.max(tip);
     let close = |angles: Angles| {
-        let off = most_turn(angles, meant.joints.rotary).to_degrees();
+        let off = most_turn(wound(angles, turns), meant.joints.rotary).to_degrees();
         let most = half_step(digits.angle) + margin.1.to_degrees();
         if off > most { Err(format!("a rotary axis is off by {off:.7} deg")) } else { Ok(()) }
     };

@@ -23,12 +23,21 @@ pub(super) fn divided<'a>(
     operation: &'a MotionOperation,
     before: usize,
 ) -> Option<Divided<'a>> {
-    // Polynomials have no words that count with a turn.
-    if program.post.sectors == Sectors::Inline || post.no_subprograms().is_some() || !operation.splines.is_empty() {
+    // Polynomials have no words that count with a turn, and words within one turn do not.
+    if endless(program).is_some()
+        || program.post.sectors == Sectors::Inline
+        || post.no_subprograms().is_some()
+        || !operation.splines.is_empty()
+    {
         return None;
     }
     let division = division(program, operation)?;
     (division.subprograms > 0).then_some(Divided { operation, division, before })
+}
+
+/// Name of an axis modulo 360 deg.
+fn endless(program: &Program) -> Option<&str> {
+    program.machine.rotary.iter().find(|axis| axis.modulo.is_some()).map(|axis| axis.name.as_str())
 }
 
 fn division(program: &Program, operation: &MotionOperation) -> Option<Division> {
@@ -74,7 +83,8 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
             "the words of the post have too few digits: turned words would be others than those that are proved"
                 .to_owned(),
         ),
-        (None, None) => None,
+        (None, None) => endless(program)
+            .map(|axis| format!("words of axis {axis}, which is modulo 360 deg, cannot count with the turn of a call")),
     };
     if let Some(why) = why {
         sink.push(tell(all.to_owned(), why).help("write `sectors inline`, or leave the property out"));

@@ -2,7 +2,7 @@
 
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MoveKind, Program, Tool};
-use crate::kin::{Angles, Machine, RotaryAxis};
+use crate::kin::{Angles, Machine};
 use crate::method::{LengthTo, Planning};
 use crate::post_file::Orientation;
 use crate::source::Span;
@@ -98,21 +98,8 @@ pub(super) fn check_planning(machine: &Machine, chosen: Option<Span>, sink: &mut
     }
 }
 
-/// Refuses a machine whose words no dialect writes yet.
-pub(super) fn check_machine(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-    let axes = machine.rotary.iter().filter(|axis| axis.modulo.is_some());
-    for RotaryAxis { name, .. } in axes {
-        let text = format!(
-            "axis {name} of the machine {} is modulo 360 deg; this post writes for axes with a travel",
-            machine.name
-        );
-        sink.push(at(
-            chosen,
-            Diag::error(post::CONTROL, text)
-                .note("the control would reduce the word, and may turn the axis the other way")
-                .help(format!("write `travel` of {name} in the machine file if the control permits it, such as [\"-3600 deg\", \"3600 deg\"]")),
-        ));
-    }
+/// Refuses a machine whose tool lengths no dialect writes yet.
+pub(super) fn check_length_to(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
     if machine.length_to != LengthTo::Tip {
         let to = machine.length_to.name();
         let text = format!(

@@ -2,6 +2,7 @@
 
 use super::dialect::Post;
 use super::form::TextForm;
+use super::modulo;
 use super::nc::{NcLine, NcProgram};
 use super::sectors;
 use super::words::{self, fixed};
@@ -102,17 +103,21 @@ pub(super) fn between(operation: &MotionOperation) -> impl Iterator<Item = (usiz
 
 /// Words of both rotary axes in the sense of the machine.
 pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> String {
-    let between = post.form().rotary;
-    let [first, second] = rotary_numbers(post, program, angles);
-    let [.., a, b] = program.machine.names();
-    format!("{a}{between}{first} {b}{between}{second}")
+    let form = post.form();
+    let numbers = rotary_numbers(post, program, angles);
+    let words = program.machine.rotary.iter().zip(numbers).map(|(axis, number)| {
+        let known = form.modulo.as_ref().filter(|_| axis.modulo.is_some());
+        let [before, behind] = known.map_or(["", ""], |form| form.about);
+        format!("{}{}{before}{number}{behind}", axis.name, form.rotary)
+    });
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// Numbers of the words of both rotary axes.
 pub(super) fn rotary_numbers(post: &dyn Post, program: &Program, angles: Angles) -> [String; 2] {
     [0, 1].map(|k| {
-        let angle = angles[k].to_degrees() * program.machine.rotary[k].word_sign;
-        post.number(angle, program.post.decimals.angle)
+        let decimals = program.post.decimals.angle;
+        post.number(modulo::degrees(&program.machine.rotary[k], angles[k], decimals), decimals)
     })
 }
 

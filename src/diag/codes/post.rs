@@ -37,7 +37,9 @@ path by more than its tolerance where rotary axes change their rate. For LinuxCN
 rapids in inverse time, stops at such corners, and states these times in the certificate. It does so only for machine \
 files with `planning = \"linuxcnc-2.9\"`, and the post for LinuxCNC accepts only such machine files.\n\n\
 Under LinuxCNC the kinematics must be those of the machine as well. The post writes for xyzac-trt and xyzbc-trt: the \
-rotary axes are A about X or B about Y, which tilts, and C about Z on it.\n\nRemedy: \
+rotary axes are A about X or B about Y, which tilts, and C about Z on it.\n\n\
+A machine file can say that words of a rotary axis are reduced modulo 360 deg. The posts siemens-840d, heidenhain and fanuc \
+write such words, for controls that take the shorter way to them. Others refuse the axis.\n\nRemedy: \
 choose such a machine file (`5mc850-c-linuxcnc`, `linuxcnc-xyzac-trt`, `linuxcnc-xyzbc-trt`), in the job or with \
 `--machine`. Or choose the post of the control that the machine has.";
     FRAME = "IMP0810", "a frame of a post file that the dialect refuses",
@@ -48,9 +50,9 @@ it as strictly as any text, beginning with an unknown state of the control. The 
 retract; a head that does not switch off what an aborted program can have left on.\n\nRemedy: compare the frame with \
 the file of the same dialect in jobs/_lib/posts, and write what the message says.";
     LONG_TURN = "IMP0811", "half a turn or more in one block",
-        "On controls of HEIDENHAIN the word M126 makes a rotary axis without end take the shorter way to its target, and \
-without M126 a setting of the machine decides. A block that turns such an axis by half a turn or more would turn it in \
-the other direction.\n\nRemedy: state the travel of the axis in the machine file, if it is limited at the control to one \
+        "A control takes the shorter way to a word of an axis modulo 360 deg. On controls of HEIDENHAIN the word M126 makes \
+every rotary axis without end do so, and without M126 a setting of the machine decides. A block that turns such an axis by \
+half a turn or more would turn it in the other direction.\n\nRemedy: state the travel of the axis in the machine file, if it is limited at the control to one \
 turn. Otherwise use the post of another control.";
     SECTORS_INLINE = "IMP0812", "sectors that the text has move by move",
         "The job asks for subprograms: what several sectors repeat is written once and called for each sector with the work \

@@ -13,6 +13,7 @@ use crate::post_file::Decimals;
 pub(super) const FORM: TextForm = TextForm {
     comment: ["$$ ", ""],
     rotary: "",
+    modulo: None,
     numbers: NumberForm { prefix: "", largest: u64::MAX, always: false, comments: false, without: &[] },
     continued: "$",
     longest: 72,
@@ -31,6 +32,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
                 post::FRAME,
                 format!("post {} writes poses with {} and {} digits", program.post.name, digits.length, digits.vector),
             )
+            .label(program.post.dialect_span, "CL data are written by this post file")
             .note("a post-processor computes positions of axes from the poses, and rounds once more")
             .help(format!("write `length = {}` and `vector = {}` in `decimals`", fine.length, fine.vector)),
         );

@@ -117,6 +117,9 @@ pub(super) struct Control {
     pub(super) change_sets_length: bool,
     /// A rotary axis of more than one turn takes the shorter way to its target.
     pub(super) shorter_way: bool,
+    /// A rotary axis whose words the control reduces modulo 360 deg takes the shorter way to each. Without it such axes are
+    /// not read.
+    pub(super) modulo: bool,
     /// A stop of the program switches spindle and coolant off.
     pub(super) wait_switches_off: bool,
     /// The end of a program switches spindle and coolant off.
@@ -285,6 +288,11 @@ impl NcBlock {
         let limits = &machine.rotary[axis];
         let angle = degrees.to_radians() * limits.word_sign;
         once(&mut self.rotary[axis], name, angle)?;
+        if limits.modulo.is_some() && !(0.0..360.0).contains(&degrees) {
+            return Err(format!(
+                "{name} = {degrees} deg: the control reduces words of this axis modulo 360 deg; write a word from 0 to below 360"
+            ));
+        }
         if angle < limits.min - ROUNDING.1 || angle > limits.max + ROUNDING.1 {
             let mut travel = [limits.min, limits.max].map(|x| x.to_degrees() * limits.word_sign);
             travel.sort_by(f64::total_cmp);

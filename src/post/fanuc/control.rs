@@ -213,6 +213,7 @@ pub(super) const CONTROL: Control = Control {
     change_drops_length: false,
     change_sets_length: false,
     shorter_way: true,
+    modulo: true,
     wait_switches_off: false,
     end_switches_off: false,
 };

@@ -25,7 +25,7 @@ use crate::kin::{Angles, Machine};
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
-use crate::post::words;
+use crate::post::{modulo, words};
 use crate::source::Span;
 use control::Member;
 
@@ -58,7 +58,8 @@ impl Post for Family {
     // The sense of each rotary axis is a parameter of the control.
     fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
         words::check_planning(machine, chosen, sink);
-        words::check_machine(machine, chosen, sink);
+        words::check_length_to(machine, chosen, sink);
+        modulo::check_machine(self.form, machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

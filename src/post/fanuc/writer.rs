@@ -5,8 +5,10 @@ use super::control::Member;
 use crate::diag::{Diag, Sink, codes::job, codes::post};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Carries, Joints, Machine, between, most_turn};
+use crate::method::ModuloWay;
 use crate::post::dialect::{Post, WriteBlock};
-use crate::post::form::{NumberForm, TextForm};
+use crate::post::form::{ModuloForm, NumberForm, TextForm};
+use crate::post::modulo;
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::{Field, Orientation, Template};
@@ -18,15 +20,24 @@ const LARGEST_TOOL: u32 = 999;
 const TURN: f64 = std::f64::consts::PI / 180.0;
 
 /// Text of Fanuc.
-pub(super) const FANUC: TextForm = form(99_999_999);
+pub(super) const FANUC: TextForm = form(
+    99_999_999,
+    // B-63534EN/02, 20.2.1, for roll-over axes.
+    Some(ModuloForm {
+        ways: &[ModuloWay::Shortest],
+        about: ["", ""],
+        assumed: "parameters 1008#0 ROA = 1 and 1260 = 360 deg; 1008#1 RAB = 0 makes it go the shorter way",
+    }),
+);
 
 /// Text of Mitsubishi.
-pub(super) const MITSUBISHI: TextForm = form(999_999);
+pub(super) const MITSUBISHI: TextForm = form(999_999, None);
 
-const fn form(largest: u64) -> TextForm {
+const fn form(largest: u64, modulo: Option<ModuloForm>) -> TextForm {
     TextForm {
         comment: ["(", ")"],
         rotary: "",
+        modulo,
         numbers: NumberForm { prefix: "N", largest, always: false, comments: false, without: &["%", "O", "<"] },
         continued: "",
         longest: 128,
@@ -63,6 +74,7 @@ fn check_program_number(member: &Member, program: &Program, sink: &mut Sink) {
 pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
     check_program_number(member, program, sink);
+    modulo::check_way(program, motion, |axis| axis.modulo.is_some(), sink);
     let vectors = program.post.orientation == Orientation::Vectors;
     let tables = program.machine.chain.axes().iter().all(|axis| axis.carries == Carries::Part);
     if vectors && tables {

@@ -22,7 +22,7 @@ use crate::kin::Machine;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
-use crate::post::words;
+use crate::post::{modulo, words};
 use crate::post_file::SplineForm;
 use crate::source::Span;
 
@@ -49,7 +49,8 @@ impl Post for Heidenhain {
     // The sense of each rotary axis is in the kinematics of the control.
     fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
         words::check_planning(machine, chosen, sink);
-        words::check_machine(machine, chosen, sink);
+        words::check_length_to(machine, chosen, sink);
+        modulo::check_machine(&writer::FORM, machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

@@ -134,6 +134,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         change_drops_length: false,
         change_sets_length: true,
         shorter_way: true,
+        modulo: true,
         wait_switches_off: true,
         end_switches_off: true,
     }

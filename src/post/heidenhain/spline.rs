@@ -21,6 +21,9 @@ pub(super) fn block(words: &[&str], m128: bool, machine: &Machine) -> Result<NcB
             "SPL with FUNCTION TCPM: the manual of the TNC 640 has no SPL, and the iTNC 530 has M128".to_owned()
         );
     }
+    if let Some(axis) = machine.rotary.iter().find(|axis| axis.modulo.is_some()) {
+        return Err(format!("SPL with axis {}, which is modulo 360 deg, is not read: write L", axis.name));
+    }
     let names: Vec<&str> =
         ["X", "Y", "Z"].into_iter().chain(machine.rotary.iter().map(|axis| axis.name.as_str())).collect();
     let mut rest = words;

@@ -3,13 +3,15 @@
 use super::Heidenhain;
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MotionOperation, MoveKind, Program, SplineBlock};
-use crate::kin::TurnCurve;
+use crate::kin::{RotaryAxis, TurnCurve};
+use crate::method::ModuloWay;
 use crate::post::dialect::WriteBlock;
-use crate::post::form::{NumberForm, TextForm};
+use crate::post::form::{ModuloForm, NumberForm, TextForm};
+use crate::post::modulo;
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
-use crate::post_file::{Orientation, on_step};
-use std::f64::consts::{PI, TAU};
+use crate::post_file::{Orientation, SplineForm, on_step};
+use std::f64::consts::TAU;
 
 /// Largest tool number of the tool table.
 const LARGEST_TOOL: u32 = 32_767;
@@ -22,36 +24,33 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
         words::check_tool_number(tool, LARGEST_TOOL, "the control takes numbers", sink);
-        check_way(program, operation, sink);
     }
+    modulo::check_way(program, motion, |axis: &RotaryAxis| axis.max - axis.min > TAU, sink);
+    check_spline_axes(program, sink);
 }
 
-/// Refuses half a turn in one block: with M126 an axis without end takes the shorter way.
-fn check_way(program: &Program, operation: &MotionOperation, sink: &mut Sink) {
-    let machine = &program.machine;
-    let declared = &program.operations[operation.operation];
-    for (k, axis) in machine.rotary.iter().enumerate().filter(|(_, axis)| axis.max - axis.min > TAU) {
-        let far = operation.moves.windows(2).find(|m| (m[1].joints.rotary[k] - m[0].joints.rotary[k]).abs() >= PI);
-        let Some(m) = far else { continue };
-        let turn = (m[1].joints.rotary[k] - m[0].joints.rotary[k]).to_degrees().abs();
-        let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
-        sink.push(
-            Diag::error(
-                post::LONG_TURN,
-                format!("`{}` turns {} by {turn:.1} deg in one block", declared.name, axis.name),
-            )
-            .label(declared.span, "in this operation")
-            .place(label, machine.forward(&m[1].joints).tip)
-            .note("with M126 the axis takes the shorter way, which is the other direction")
-            .help("let the axis travel one turn at most in the machine file, or use another post"),
-        );
-    }
+/// Refuses SPL of an axis modulo 360 deg: no manual that the project knows says how its polynomials count beyond a turn.
+fn check_spline_axes(program: &Program, sink: &mut Sink) {
+    let axis = program.machine.rotary.iter().find(|axis| axis.modulo.is_some());
+    let Some(axis) = axis.filter(|_| program.post.spline_form() == Some(SplineForm::Spl)) else { return };
+    let text = format!("SPL has polynomials of axis {}, which is modulo 360 deg", axis.name);
+    let diag = Diag::error(post::CONTROL, text)
+        .note("no manual that the project knows says how such a polynomial counts beyond 360 deg")
+        .help("write `path lines` in the post of the job, or `travel` of the axis in the machine file");
+    sink.push(words::at(program.post.span, diag));
 }
 
 /// Text of the dialect.
 pub(super) const FORM: TextForm = TextForm {
     comment: ["; ", ""],
     rotary: "",
+    // With M126 the control goes the shorter way, whatever a machine parameter says (user's manual, "Shorter-path traverse
+    // of rotary axes: M126").
+    modulo: Some(ModuloForm {
+        ways: &[ModuloWay::Shortest, ModuloWay::Direct],
+        about: ["", ""],
+        assumed: "its display is reduced to values below 360 deg, and M126 makes it go the shorter way",
+    }),
     numbers: NumberForm { prefix: "", largest: u64::MAX, always: true, comments: true, without: &[] },
     continued: "~",
     longest: 128,

@@ -161,6 +161,7 @@ const LINUXCNC: Control = Control {
     change_drops_length: false,
     change_sets_length: false,
     shorter_way: false,
+    modulo: false,
     wait_switches_off: false,
     end_switches_off: true,
 };

@@ -9,6 +9,7 @@ use crate::method::Planning;
 use crate::post::dialect::WriteBlock;
 use crate::post::divided::{Divided, degrees, frame_degrees};
 use crate::post::form::{NumberForm, TextForm};
+use crate::post::modulo;
 use crate::post::words::{self, feed, fixed, inverse_time};
 use crate::post::write;
 use crate::source::Span;
@@ -36,7 +37,8 @@ const LARGEST_TOOL: u32 = 99_999;
 
 /// Refuses a machine that the transformation of the control does not support.
 pub(super) fn check_machine(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-    words::check_machine(machine, chosen, sink);
+    words::check_length_to(machine, chosen, sink);
+    modulo::check_machine(&FORM, machine, chosen, sink);
     if machine.planning != Planning::LinuxCnc {
         sink.push(words::at(
             chosen,
@@ -111,11 +113,13 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 /// Refuses words of smoothing with another tolerance than that of the model of the control.
 fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOperation, sink: &mut Sink) {
     let words = write::smoothing(&LinuxCnc, program, declared, operation);
+    let template = &program.post.smoothing[usize::from(!declared.kind.finishes())];
     let tolerance = fixed(program.tolerances.chord.get(), 4);
     let same = |word: &str| word.strip_prefix('P').is_some_and(|p| p == tolerance);
     if !words.split(' ').any(same) {
         sink.push(
             Diag::error(post::FRAME, format!("`{}` smooths with `{words}`", declared.name))
+                .label(template.span, "this template")
                 .label(declared.span, "in this operation")
                 .note(format!("how far LinuxCNC leaves the path was computed with a tolerance of {tolerance} mm"))
                 .help("write `G64 P{finish-tolerance} Q0` for finish and rough in the post file"),
@@ -127,6 +131,7 @@ fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOp
 pub(super) const FORM: TextForm = TextForm {
     comment: ["(", ")"],
     rotary: "",
+    modulo: None,
     numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%", "o"] },
     continued: "",
     longest: 252,

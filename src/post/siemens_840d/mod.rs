@@ -19,6 +19,7 @@
 
 mod reader;
 mod repetition;
+mod words;
 mod writer;
 
 use crate::diag::Sink;
@@ -29,7 +30,8 @@ use crate::post::divided::Divided;
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 
-use crate::post::words;
+use crate::post::modulo;
+use crate::post::words as checks;
 use crate::post_file::SplineForm;
 use crate::source::Span;
 
@@ -56,8 +58,9 @@ impl Post for Siemens840d {
 
     // The sense of each rotary axis is machine data of the control.
     fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-        words::check_planning(machine, chosen, sink);
-        words::check_machine(machine, chosen, sink);
+        checks::check_planning(machine, chosen, sink);
+        checks::check_length_to(machine, chosen, sink);
+        modulo::check_machine(&writer::FORM, machine, chosen, sink);
     }
 
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {

@@ -6,9 +6,11 @@ use crate::geom::bezier;
 use crate::ir::repeats::MoveStretch;
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use crate::kin::TurnCurve;
+use crate::method::ModuloWay;
 use crate::post::dialect::WriteBlock;
 use crate::post::divided::{Divided, degrees, frame_degrees};
-use crate::post::form::{NumberForm, TextForm};
+use crate::post::form::{ModuloForm, NumberForm, TextForm};
+use crate::post::modulo;
 use crate::post::words::{self, feed, fixed};
 use crate::post::write;
 use crate::post_file::Orientation;
@@ -19,12 +21,20 @@ use std::ops::Range;
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
+    modulo::check_way(program, motion, |axis| axis.modulo.is_some(), sink);
 }
 
 /// Text of the dialect.
 pub(super) const FORM: TextForm = TextForm {
     comment: ["; ", ""],
     rotary: "=",
+    // DC() goes the shorter way, whatever machine data say of plain words (programming manual, "Absolute dimension for
+    // rotary axes (DC, ACP, ACN)").
+    modulo: Some(ModuloForm {
+        ways: &[ModuloWay::Shortest, ModuloWay::Direct],
+        about: ["DC(", ")"],
+        assumed: "DC() takes values from 0 to 360 deg and goes the shorter way",
+    }),
     numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%"] },
     continued: "",
     longest: 512,

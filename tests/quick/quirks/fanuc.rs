@@ -12,7 +12,7 @@ use impellerc::source::Span;
 use nalgebra::{Point3, Vector3};
 
 /// An operation that begins with the tables at zero.
-const PROGRAM: &str = "\
+pub const PROGRAM: &str = "\
 %
 O1000 (QUIRKS)
 G49

@@ -5,6 +5,7 @@ mod apt_cl;
 mod fanuc;
 mod heidenhain;
 mod linuxcnc;
+mod modulo;
 mod refusals;
 mod siemens_840d;
 mod splines;

@@ -15,7 +15,7 @@ fn spl() -> String {
 }
 
 /// A polynomial behind the last straight block.
-fn poly() -> String {
+pub fn poly() -> String {
     let block = "N151 ORICURVE\nN152 G1 X28 Y-19 Z2 XH=31.8202 YH=-28.3969 ZH=19.3205 F250\nN153 POLY PO[X]=(26.4,-1.2,0.6) \
                  PO[Y]=(-19.9,0.2,-0.1) PO[Z]=(2.3,0.9,-0.2) PO[XH]=(30.2,-1.2,0.6) PO[YH]=(-29.2,0.2,-0.1) \
                  PO[ZH]=(19.6,0.9,-0.2)\nN154 G1 ORIAXES\n";

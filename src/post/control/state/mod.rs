@@ -4,7 +4,7 @@ mod moves;
 mod splines;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
-use crate::kin::{Carries, Machine, RotaryAxis};
+use crate::kin::{Angles, Carries, Machine, RotaryAxis};
 use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
 use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, ReadError};
@@ -56,6 +56,8 @@ struct ControlState<'a> {
     placed: usize,
     tip: [Option<f64>; 3],
     direction: Direction,
+    /// Positions of the rotary axes with the transformation on, radians.
+    rotary: Angles,
     /// Second point of the tool axis, where a block has stated it, part frame, mm.
     second: Option<Vector3<f64>>,
     motion: Option<MotionWord>,
@@ -101,6 +103,7 @@ impl<'a> ControlState<'a> {
             placed: 0,
             tip: [None; 3],
             direction: Direction::Rotary([0.0; 2]),
+            rotary: [0.0; 2],
             second: None,
             motion: None,
             feed: None,
@@ -443,7 +446,7 @@ impl<'a> ControlState<'a> {
         let rotary = [first, second];
         self.transformation = Transformation::On;
         self.tip = [None; 3];
-        self.direction = Direction::Rotary(rotary);
+        self.turn_to(Direction::Rotary(rotary));
         self.second = None;
         (self.at_start, self.turned) = (true, None);
         if self.faults.is_empty() {

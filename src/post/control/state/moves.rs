@@ -196,7 +196,7 @@ impl ControlState<'_> {
             return;
         }
         self.at_start = false;
-        self.direction = direction;
+        self.turn_to(direction);
         self.axes = [AxisPosition::Left; 5];
         let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
         let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
@@ -276,7 +276,7 @@ impl ControlState<'_> {
         let (Direction::Rotary(from), Direction::Rotary(to)) = (self.direction, to) else { return };
         let turns = |k: &usize| {
             let axis = &self.machine.rotary[*k];
-            axis.max - axis.min > TAU && (to[*k] - from[*k]).abs() >= PI
+            axis.modulo.is_none() && axis.max - axis.min > TAU && (to[*k] - from[*k]).abs() >= PI
         };
         if let Some(k) = [0, 1].iter().find(|k| self.control.shorter_way && turns(k)) {
             let turn = (to[*k] - from[*k]).abs().to_degrees();
@@ -287,6 +287,39 @@ impl ControlState<'_> {
                 figure(turn)
             ));
         }
+    }
+
+    /// The tool has turned.
+    pub(super) fn turn_to(&mut self, direction: Direction) {
+        self.direction = direction;
+        self.rotary = match direction {
+            Direction::Rotary(angles) => angles,
+            // Of the positions for a vector the control takes the near one.
+            Direction::Axis(axis) => self.machine.chain.near(&axis, self.rotary).unwrap_or(self.rotary),
+        };
+    }
+
+    /// Position to which a word turns a rotary axis. For an axis whose words the control reduces modulo 360 deg it is the
+    /// one on the shorter way from where the axis stands.
+    fn unwound(&mut self, k: usize, word: Option<f64>) -> Option<f64> {
+        let (word, axis) = (word?, &self.machine.rotary[k]);
+        if axis.modulo.is_none() {
+            return Some(word);
+        }
+        if !self.control.modulo {
+            self.fault_once("modulo", format!("axis {} is modulo 360 deg: its words are not read", axis.name));
+            return Some(word);
+        }
+        let from = self.rotary[k];
+        let turns = ((from - word) / TAU).round();
+        let to = word + TAU * turns;
+        if (to - from).abs() >= PI - ROUNDING.1 {
+            self.fault(format!(
+                "{} turns by half a turn in one block: both ways are as short; divide the block",
+                axis.name
+            ));
+        }
+        Some(to)
     }
 
     /// Rule of the moves of the tip.
@@ -339,7 +372,7 @@ impl ControlState<'_> {
             return false;
         }
         self.turned = Some(at);
-        self.direction = *direction;
+        self.turn_to(*direction);
         if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty())
             && let NcPlace::Axes { rotary, turned, .. } = &mut section.start.place
         {
@@ -400,7 +433,7 @@ impl ControlState<'_> {
                     before
                 }
             },
-            ([None, None, None], [first, second]) => match (first, second, before) {
+            ([None, None, None], words) => match (self.unwound(0, words[0]), self.unwound(1, words[1]), before) {
                 (Some(first), Some(second), _) => Direction::Rotary([first, second]),
                 (first, second, Direction::Rotary(at)) => {
                     Direction::Rotary([first.unwrap_or(at[0]), second.unwrap_or(at[1])])

@@ -11,6 +11,9 @@ use nalgebra::{Point3, Vector3};
 /// Largest turn of the tool by a block that only states the second point of its axis: rounding of words, radians.
 const SAME_DIRECTION: f64 = 1e-5;
 
+/// Places of a block at which the turns of the axes are followed.
+const SHARES: u32 = 16;
+
 /// Largest distance of such a block from where the tool stands, mm.
 const SAME_PLACE: f64 = 1e-7;
 
@@ -102,12 +105,15 @@ impl ControlState<'_> {
     fn follow(&mut self, curve: PoseCurve, feed: f64) {
         self.judge_count();
         let smoothing = self.smoothing_of(false);
-        let (tip, direction) = curve.at(1.0);
+        let (tip, _) = curve.at(1.0);
         self.tip = [Some(tip.x), Some(tip.y), Some(tip.z)];
-        self.direction = match direction {
-            CurveDirection::Rotary(angles) => Direction::Rotary(angles),
-            CurveDirection::Axis(axis) => Direction::Axis(axis),
-        };
+        // Within a share of the block an axis turns by less than half a turn.
+        for k in 1..=SHARES {
+            self.turn_to(match curve.at(f64::from(k) / f64::from(SHARES)).1 {
+                CurveDirection::Rotary(angles) => Direction::Rotary(angles),
+                CurveDirection::Axis(axis) => Direction::Axis(axis),
+            });
+        }
         self.second = curve.levers().and_then(|levers| levers.last().map(|lever| tip.coords + lever));
         self.at_start = false;
         self.axes = [AxisPosition::Left; 5];
