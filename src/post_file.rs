@@ -391,11 +391,17 @@ pub enum Field {
     Clamp1,
     /// The same for rotary axis 2.
     Clamp2,
+    /// Machine X where the machine parks; a line is left out where the machine file does not say it.
+    HomeX,
+    /// Machine Y where the machine parks.
+    HomeY,
+    /// Machine Z of the gauge line where the machine parks: the retract height where the machine file does not say it.
+    HomeZ,
 }
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 32] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
@@ -425,6 +431,9 @@ impl Field {
         Self::Unclamp2,
         Self::Clamp1,
         Self::Clamp2,
+        Self::HomeX,
+        Self::HomeY,
+        Self::HomeZ,
     ];
 
     /// Its name in templates.
@@ -459,6 +468,9 @@ impl Field {
             Self::Unclamp2 => "unclamp.2",
             Self::Clamp1 => "clamp.1",
             Self::Clamp2 => "clamp.2",
+            Self::HomeX => "home.x",
+            Self::HomeY => "home.y",
+            Self::HomeZ => "home.z",
         }
     }
 
@@ -491,6 +503,7 @@ impl Field {
             | Self::StartAxis
             | Self::Cutter => &[OperationStart],
             Self::Z | Self::EndTip | Self::EndAxis => &[OperationEnd],
+            Self::HomeX | Self::HomeY | Self::HomeZ => &[End],
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::collide::Cutter;
 use crate::contract::clock;
 use crate::ir::{Program, Tool};
 use crate::kin::{Carries, RotaryAxis};
+use crate::post_file::{Field, Frame, Template};
 use crate::units::trim;
 use crate::verify::Certificate;
 
@@ -132,8 +133,36 @@ fn program_section(input: SheetInput<'_>) -> SheetSection {
         format!("Machine: {}", program.machine.name),
         format!("Machining time: {} (h:mm:ss), from a model of the control, without tool changes", clock(time)),
     ];
+    facts.push(end_of_program(program));
     facts.extend(program.machine.assumed.iter().map(|a| format!("Nobody measured on this machine: {a}")));
     SheetSection { facts, ..SheetSection::new("Program") }
+}
+
+/// Where the machine stands at the end: where the frame of the end parks it, otherwise at the retract height.
+fn end_of_program(program: &Program) -> String {
+    let machine = &program.machine;
+    let end = Frame::ALL.iter().position(|frame| *frame == Frame::End).unwrap_or_default();
+    let fields: Vec<Field> = program.post.frames[end].iter().flat_map(Template::fields).collect();
+    let parks = [("X", Field::HomeX, 0), ("Y", Field::HomeY, 1), ("Z", Field::HomeZ, 2)].into_iter().filter_map(
+        |(name, field, k)| {
+            let place = machine.home[k].or((k == 2).then_some(machine.retract))?;
+            fields.contains(&field).then(|| format!("{name} {} mm", trim(place, 4)))
+        },
+    );
+    let parks: Vec<String> = parks.collect();
+    let others = "the other axes stay where the last operation leaves them";
+    if !parks.is_empty() {
+        return format!("At the end of the program the machine parks at {} of the machine; {others}", parks.join(", "));
+    }
+    let unused = if machine.home == [None; 3] {
+        ""
+    } else {
+        "; the frames of the post do not go to the home of the machine file"
+    };
+    format!(
+        "At the end of the program the gauge line is at the retract height, machine Z {} mm; {others}{unused}",
+        trim(machine.retract, 4)
+    )
 }
 
 fn zero_section(input: SheetInput<'_>) -> SheetSection {

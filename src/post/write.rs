@@ -179,8 +179,9 @@ impl ProgramLines {
         let place = station.and_then(|(fields, _)| templates.iter().rposition(|t| holds(t, fields)));
         for (k, template) in templates.iter().enumerate() {
             let text = values.filled(template);
-            // A field may have no text in this dialect or operation.
-            if text.trim().is_empty() {
+            let stays = |field: Field| matches!(field, Field::HomeX | Field::HomeY) && values.value(field).is_empty();
+            // A field may have no text in this dialect or operation, and an axis no place to park.
+            if text.trim().is_empty() || template.fields().any(stays) {
                 continue;
             }
             let source = station.filter(|_| place == Some(k)).map(|(_, source)| source);
@@ -217,6 +218,9 @@ impl Values<'_> {
             Field::ProgramFile => program.name.to_ascii_uppercase().replace('-', "_"),
             Field::ProgramNumber => format!("{:04}", file.program_number),
             Field::Retract => self.length(program.machine.retract),
+            Field::HomeX => self.home(0),
+            Field::HomeY => self.home(1),
+            Field::HomeZ => self.length(program.machine.home[2].unwrap_or(program.machine.retract)),
             Field::Clamp1 => self.clamp(0, 0),
             Field::Clamp2 => self.clamp(1, 0),
             Field::Unclamp1 => self.clamp(0, 1),
@@ -278,6 +282,11 @@ impl Values<'_> {
     fn clamp(&self, axis: usize, word: usize) -> String {
         let words = self.program.machine.rotary[axis].clamp.as_ref();
         words.map_or_else(String::new, |words| words[word].clone())
+    }
+
+    /// Number of the place of an axis where the machine parks; no text where the axis stays.
+    fn home(&self, axis: usize) -> String {
+        self.program.machine.home[axis].map_or_else(String::new, |place| self.length(place))
     }
 
     fn length(&self, value: f64) -> String {

@@ -5,7 +5,8 @@ use impellerc::diag::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::passes::pipeline;
 use impellerc::post::{self, NcMove, NcProgram, NcSection, Post};
-use impellerc::post_file::{Decimals, LineEnd, Orientation};
+use impellerc::post_file::{Decimals, LineEnd, Orientation, Template};
+use impellerc::source::Span;
 use impellerc::verify::{Verified, verify};
 use proptest::prelude::*;
 use std::ops::Range;
@@ -105,6 +106,28 @@ fn coordinate(line: &str, axis: usize) -> Option<Range<usize>> {
 /// A line with other characters in the place of some.
 fn put(line: &str, range: Range<usize>, text: &str) -> String {
     format!("{}{text}{}", &line[..range.start], &line[range.end..])
+}
+
+/// A frame parks the machine where its file says; an axis without a place stays, and Z is at the retract height.
+#[test]
+fn a_program_ends_at_home() {
+    let (mut program, motion) = program(post::find("siemens-840d").unwrap());
+    let post = post::find("siemens-840d").unwrap();
+    let lines = ["SUPA G0 Z{home.z} D0", "SUPA G0 X{home.x} D0", "SUPA G0 Y{home.y} D0", "M30"];
+    program.post.frames[4] = lines.map(|line| Template::new(line, Span::default()).unwrap()).to_vec();
+    for (home, end) in [
+        ([Some(12.5), None, None], ["SUPA G0 Z350.0000 D0", "SUPA G0 X12.5000 D0", "M30"]),
+        ([None, Some(-3.0), Some(350.0)], ["SUPA G0 Z350.0000 D0", "SUPA G0 Y-3.0000 D0", "M30"]),
+    ] {
+        program.machine.home = home;
+        let mut sink = Sink::default();
+        post::trial::check(post, &program, &mut sink);
+        assert!(!sink.has_errors(), "{:?}", sink.diags());
+        let text = post::emit(post, &program, motion, &[]).text();
+        let last: Vec<&str> = text.lines().rev().take(3).map(|line| line.split_once(' ').unwrap().1).collect();
+        assert_eq!(last.into_iter().rev().collect::<Vec<_>>(), end);
+        assert!(post::read_back(post, &program, motion, &text).is_ok());
+    }
 }
 
 /// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.

@@ -594,6 +594,10 @@ fn a_setup_sheet_tells_what_the_machinist_needs() {
     // Both tables of this machine have the sense "iso": a positive word turns them left-handed.
     assert_eq!(sheet.matches("the table must turn counter-clockwise").count(), 2, "{sheet}");
     assert!(sheet.contains("X 0, Y 0, Z 50 mm") && sheet.contains("gauge line at machine Z 650 mm"), "{sheet}");
+    assert!(
+        sheet.contains("At the end of the program the gauge line is at the retract height, machine Z 650 mm"),
+        "{sheet}"
+    );
     let page = std::fs::read_to_string(WRITTEN.path().join("linuxcnc.html")).unwrap();
     // LinuxCNC turns them the other way.
     assert_eq!(page.matches("the table must turn clockwise").count(), 2);
@@ -601,7 +605,6 @@ fn a_setup_sheet_tells_what_the_machinist_needs() {
     assert_eq!(page.matches("<tr>").count(), page.matches("</tr>").count());
 }
 
-/// The source map names pass, job line and cutter location of a block, also in a text with another block before it.
 /// What is no source map is refused with the reason, and with what would be one.
 #[test]
 fn another_file_is_no_source_map() {
@@ -612,6 +615,7 @@ fn another_file_is_no_source_map() {
     }
 }
 
+/// The source map names pass, job line and cutter location of a block, also in a text with another block before it.
 #[test]
 fn a_source_map_names_the_pass_and_the_line_of_the_job() {
     let dialect = "siemens-840d";
