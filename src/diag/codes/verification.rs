@@ -135,7 +135,8 @@ a finishing operation that cuts a slot of full width deeper than a quarter of th
 errors. The last is an error if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
 Without `max-chip` and `max-depth`, the limits are shares of the diameter that fall with the stick-out, and with the \
 `material` of the stock.\n\nExample: `flank` directly after `groove`, without an \
-`expand` between them.\n\nRemedy: use a lower `feed`, a higher `speed`, a smaller `depth`, or roughing that leaves less stock. If the maker of \
+`expand` between them.\n\nWith cells of the stock that are coarse for the cutter (`--stock-cell`) material that is gone can \
+still count as engaged. The message then says so, and which size shows the engagement.\n\nRemedy: use a lower `feed`, a higher `speed`, a smaller `depth`, or roughing that leaves less stock. If the maker of \
 the tool permits more, state it: `max-depth 8 mm`.";
     PART_CUT = "IMP0746", "stock is missing inside the finished part",
         "In the simulated stock material is missing inside the hub disc, deeper than 0.1 mm below its surface (0.5 mm \

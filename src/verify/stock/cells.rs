@@ -32,12 +32,15 @@ pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
 /// Default cell of a program, mm: a share of the radius of the smallest cutter, as far as the memory permits.
 pub fn default_cell(program: &Program) -> f64 {
     let usual = usual_cell(&program.stock.profile);
-    let fine = program.operations.iter().map(|(id, o)| {
-        let solid = &program.tools[o.tool].solid;
-        let cells = if is_judged(program, id) { IN_JUDGED_RADIUS } else { IN_RADIUS };
-        solid.cutter.widest_below(solid.flute_length) / cells
-    });
+    let fine = program.operations.iter().map(|(id, _)| cell_of(program, id));
     fine.fold(usual, f64::min).max(least_cell(program).min(usual))
+}
+
+/// Largest cell that shows the engagement of the cutter of an operation, mm.
+pub(super) fn cell_of(program: &Program, operation: OperationId) -> f64 {
+    let solid = &program.tools[program.operations[operation].tool].solid;
+    let cells = if is_judged(program, operation) { IN_JUDGED_RADIUS } else { IN_RADIUS };
+    solid.cutter.widest_below(solid.flute_length) / cells
 }
 
 /// Memory of the rays with the default cell, bytes.

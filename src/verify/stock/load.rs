@@ -3,9 +3,10 @@
 //!
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
+use super::cells::cell_of;
 use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program};
+use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program, Tool};
 use crate::stock::lune::RIDGE;
 use crate::units::{length, trim};
 use crate::verify::place::describe;
@@ -27,14 +28,39 @@ const INTO_MIDDLE: f64 = 0.05;
 /// Excess over the largest chip or the largest angle of a ramp that rounding may add, as a share.
 const ROUNDING: f64 = 1e-3;
 
-/// Findings of one operation.
-pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    report_cuts(program, motion, o, sink);
-    report_depth(program, motion, o, sink);
-    report_removal(program, motion, o, sink);
-    report_middle(program, motion, o, sink);
-    report_ramp(program, motion, o, sink);
+/// Findings of one operation, with the cells of the stock, mm.
+pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, cell: f64, sink: &mut Sink) {
+    report_chip(program, motion, o, sink);
+    let mut of_stock = Sink::default();
+    report_full(program, motion, o, &mut of_stock);
+    report_depth(program, motion, o, &mut of_stock);
+    report_removal(program, motion, o, &mut of_stock);
+    report_middle(program, motion, o, &mut of_stock);
+    report_ramp(program, motion, o, &mut of_stock);
+    let operation = motion.operations.get(o.operation as usize);
+    let fine = operation.map_or(f64::INFINITY, |operation| cell_of(program, operation.operation));
+    // Cells of a field are a little smaller or larger than required.
+    if cell > fine * (1.0 + COARSER) {
+        of_stock.change_all(|diag| with_cells(diag, cell, fine));
+    }
+    of_stock.diags().iter().cloned().for_each(|diag| sink.push(diag));
     report_link(program, motion, o, sink);
+}
+
+/// Share by which cells may be larger than those that show the engagement of a cutter.
+const COARSER: f64 = 0.05;
+
+/// Says of a finding that the cells of the stock are too coarse for it.
+fn with_cells(mut diag: Diag, cell: f64, fine: f64) -> Diag {
+    // Rounded down: the size must be fine enough.
+    let works = trim((fine * 1e3).floor() / 1e3, 3);
+    let help = diag.help.take().unwrap_or_default();
+    diag.note(format!(
+        "the stock has cells of {} mm, too coarse for this cutter: material that is gone can still count; cells of {works} mm \
+         show it",
+        trim(cell, 4)
+    ))
+    .help(format!("compile again with `--stock-cell {works}`, or without this option; if the finding remains, {help}"))
 }
 
 /// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis.
@@ -193,18 +219,16 @@ fn thickest_chip(declared: &Operation, operation: &MotionOperation) -> Option<(f
     fastest.map(|(feed, i)| (feed / declared.speed.get().max(0.0), i))
 }
 
-/// Findings on feed against spindle speed: chips that break the tool, and finishing in full material.
-fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+/// Finding on feed against spindle speed: chips that break the tool.
+fn report_chip(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let Some(operation) = motion.operations.get(o.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let diameter = 2.0 * tool.solid.cutter.nominal_radius();
     let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
-    let share = |mm: f64| format!("{:.1} % of the diameter of {diameter:.3} mm", 100.0 * mm / diameter);
     let too_thick = chip.filter(|(chip, _)| *chip > tool.max_chip.get() * (1.0 + ROUNDING));
     if let Some((chip, index)) = too_thick {
         let text = match chip.is_finite() {
-            true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(chip)),
+            true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(tool, chip)),
             false => format!("{} cuts with a spindle that stands still", tool.name),
         };
         let tip = operation.moves.get(index).map(|m| program.machine.forward(&m.joints).tip).unwrap_or_default();
@@ -218,18 +242,33 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
                 .help("use a lower `feed`, or a higher `speed`"),
         );
     }
+}
+
+/// A length against the diameter of the cutter.
+fn share(tool: &Tool, mm: f64) -> String {
+    let diameter = 2.0 * tool.solid.cutter.nominal_radius();
+    format!("{:.1} % of the diameter of {diameter:.3} mm", 100.0 * mm / diameter)
+}
+
+/// Finding on finishing in full material.
+fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
+    let Some(operation) = motion.operations.get(o.operation as usize) else { return };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let diameter = 2.0 * tool.solid.cutter.nominal_radius();
+    let chip = thickest_chip(declared, operation).map(|(turn, _)| turn / f64::from(tool.flutes));
     let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
     let Some(full) = full else { return };
-    let thick = chip.is_some_and(|(chip, _)| chip > THICK_CHIP * diameter);
+    let thick = chip.is_some_and(|chip| chip > THICK_CHIP * diameter);
     let breaks = full.value > BREAKING_DEPTH * diameter && thick;
     let new = if breaks { Diag::error } else { Diag::remark };
     let text = format!(
         "finishing cuts in full material: a slot of {} that is {} deep, {}",
         tool.name,
         length(full.value),
-        share(full.value)
+        share(tool, full.value)
     );
-    let chip = chip.map_or_else(String::new, |(chip, _)| format!("; feed per tooth up to {}", length(chip)));
+    let chip = chip.map_or_else(String::new, |chip| format!("; feed per tooth up to {}", length(chip)));
     sink.push(
         new(verification::TOOL_LOAD, text)
             .label(declared.span, "in this operation")
@@ -241,4 +280,18 @@ fn report_cuts(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
             ))
             .help("use roughing that leaves less stock there: one more `expand`, or a smaller `residual`"),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coarse_cells_are_told_with_the_size_that_works() {
+        let diag = Diag::error(verification::TOOL_LOAD, "a slot").help("use a smaller `depth`");
+        let told = with_cells(diag, 1.0, 0.3756);
+        assert!(told.notes[0].contains("cells of 1 mm") && told.notes[0].contains("cells of 0.375 mm"), "{told:?}");
+        let help = told.help.unwrap();
+        assert!(help.contains("`--stock-cell 0.375`") && help.ends_with("use a smaller `depth`"), "{help}");
+    }
 }

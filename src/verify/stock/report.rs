@@ -39,7 +39,7 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
         let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
         let declared = &program.operations[operation.operation];
         let solid = &program.tools[declared.tool].solid;
-        load::report(program, motion, o, sink);
+        load::report(program, motion, o, stock.cell, sink);
         for part in ["cutter at rapid", "shank", "holder"] {
             let all = o.collisions.iter().filter(|c| c.part == part);
             let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
