@@ -6,6 +6,7 @@ use impellerc::diag::{Sink, codes, render};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
+use impellerc::method::ModuloWay;
 use impellerc::post::{self, motion_of::motion_of};
 use impellerc::source::{SourceFile, SourceMap, Span};
 use impellerc::{lower, syntax};
@@ -91,14 +92,23 @@ fn program(texts: Texts<'_>, sources: &mut SourceMap, sink: &mut Sink) -> Option
     lower::lower(&job, sink).ok()
 }
 
-/// Reads NC text of a dialect, and the motion that the small job would see in it on a machine of the library. Faults are
-/// told with a line of the text.
+/// Reads NC text of a dialect, and the motion that the small job would see in it on a machine of the library, and on one whose
+/// axis 2 is modulo 360 deg. Faults are told with a line of the text.
 pub fn nc(post: &str, machine: &str, text: &str) {
-    static PROGRAM: OnceLock<Option<Program>> = OnceLock::new();
+    static PROGRAMS: OnceLock<Option<[Program; 2]>> = OnceLock::new();
     let machine = shipped::MACHINES.iter().find(|m| m.0 == machine).map(|m| m.1);
-    let Some(program) = PROGRAM.get_or_init(|| front(Texts { machine, ..SMALL })) else {
-        panic!("the small job is faulty")
+    let programs = || {
+        let limited = front(Texts { machine, ..SMALL })?;
+        let mut endless = limited.clone();
+        let axis = &mut endless.machine.rotary[1];
+        (axis.min, axis.max, axis.modulo) = (f64::NEG_INFINITY, f64::INFINITY, Some(ModuloWay::Shortest));
+        Some([limited, endless])
     };
+    let Some(programs) = PROGRAMS.get_or_init(programs) else { panic!("the small job is faulty") };
+    programs.iter().for_each(|program| on_machine(post, program, text));
+}
+
+fn on_machine(post: &str, program: &Program, text: &str) {
     let Some(post) = post::find(post) else { panic!("no post {post}") };
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add("part.nc", text);
