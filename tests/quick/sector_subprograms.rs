@@ -44,6 +44,15 @@ fn written(compiled: &Compiled, program: &Program) -> NcProgram {
     post::emit(post, program, &compiled.motion, &[])
 }
 
+/// The texts with subprograms, with their jobs.
+pub fn texts() -> Vec<(Program, String)> {
+    let text = |(compiled, program): (&Compiled, Program)| {
+        let text = written(compiled, &program).text();
+        (program, text)
+    };
+    cases().into_iter().map(text).collect()
+}
+
 fn inline(program: &Program) -> Program {
     let mut program = program.clone();
     program.post.sectors = Sectors::Inline;

@@ -34,6 +34,11 @@ fn splines(name: &str) -> Splines {
 
 static FITTED: LazyLock<[Splines; 2]> = LazyLock::new(|| POSTS.map(splines));
 
+/// The texts with splines: name of the post, job, and text.
+pub fn texts() -> Vec<(&'static str, &'static Program, &'static str)> {
+    POSTS.iter().zip(&*FITTED).map(|(name, made)| (*name, &made.program, made.text.as_str())).collect()
+}
+
 /// The text of a motion.
 fn text(program: &Program, motion: &Motion) -> String {
     let post = post::find(&program.post.dialect).unwrap();

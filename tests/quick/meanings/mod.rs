@@ -6,6 +6,7 @@
 
 mod apt_cl;
 mod certificates;
+mod curves_and_calls;
 mod fanuc;
 mod heidenhain;
 mod linuxcnc;
