@@ -3,7 +3,7 @@
 //!
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
-use super::cells::cell_of;
+use super::cells::{cell_of, default_cell};
 use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program, Tool};
@@ -41,6 +41,8 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, cel
     let fine = operation.map_or(f64::INFINITY, |operation| cell_of(program, operation.operation));
     // Cells of a field are a little smaller or larger than required.
     if cell > fine * (1.0 + COARSER) {
+        // The default shows what the cutters of all operations do.
+        let fine = default_cell(program);
         of_stock.change_all(|diag| with_cells(diag, cell, fine));
     }
     of_stock.diags().iter().cloned().for_each(|diag| sink.push(diag));
