@@ -8,7 +8,9 @@ use impellerc::export::certificate_file::{self, CertificateFile};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
+use impellerc::kin::{LinearAxis, Machine};
 use impellerc::lower;
+use impellerc::method::ModuloWay;
 use impellerc::post::{self, MOST_FAULTS, Post, motion_of::motion_of};
 use impellerc::source::{Origin, SourceFile, SourceId, SourceMap, Span};
 use impellerc::syntax;
@@ -210,8 +212,10 @@ fn front(text: &str, mut files: Memory) -> Result<bool, TestCaseError> {
     Ok(made)
 }
 
+/// `MUTATIONS_TIMES=100` makes that many times the cases.
 fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+    let times = std::env::var("MUTATIONS_TIMES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
+    ProptestConfig { cases: cases.saturating_mul(times), failure_persistence: None, ..ProptestConfig::default() }
 }
 
 /// A certificate as the compiler writes it, of an NC text of 250 lines.
@@ -336,41 +340,93 @@ static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     (program.clone(), texts.collect())
 });
 
+/// The texts that the fuzz targets begin with: their posts, their names and what they say.
+static CORPUS: LazyLock<Vec<(&'static dyn Post, String, String)>> = LazyLock::new(|| {
+    let mut texts = Vec::new();
+    for post in post::POSTS {
+        let folder = format!("fuzz/corpus/{}", post.name().replace('-', "_"));
+        let Ok(entries) = std::fs::read_dir(folder) else { continue };
+        let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+        paths.sort();
+        let text =
+            |path: std::path::PathBuf| (*post, path.display().to_string(), std::fs::read_to_string(path).unwrap());
+        texts.extend(paths.into_iter().map(text));
+    }
+    texts
+});
+
+/// The machine that the texts of the corpus were written for: its Z goes up to 650 mm.
+fn corpus_machine() -> Machine {
+    let machine = NC.0.machine.clone();
+    let [x, y, z] = machine.linear;
+    Machine { linear: [x, y, LinearAxis { min: -50.0, max: 650.0, ..z }], retract: 650.0, ..machine }
+}
+
+/// The job with an axis 2 that turns without end.
+fn endless(program: &Program) -> Program {
+    let mut program = program.clone();
+    let axis = &mut program.machine.rotary[1];
+    (axis.min, axis.max, axis.modulo) = (f64::NEG_INFINITY, f64::INFINITY, Some(ModuloWay::Shortest));
+    program
+}
+
+/// Reads an NC text, and its motion.
+fn nc_text(post: &dyn Post, program: &Program, text: &str) -> Result<(), TestCaseError> {
+    let lines = text.lines().count().max(1);
+    let file = SourceId(7);
+    match post.read(text, &program.machine) {
+        Ok(sections) => {
+            let mut sink = Sink::default();
+            let motion = motion_of(program, &sections, &|line| Span::new(file, line..line), &mut sink);
+            prop_assert!(motion.is_some() || sink.has_errors(), "{:?}", sink.diags());
+            for diag in sink.diags().iter().filter(|d| d.severity == Severity::Error) {
+                let mut own = diag.labels.iter().filter(|l| l.span.source == file);
+                prop_assert!(own.any(|l| (1..=lines).contains(&(l.span.start as usize))), "{:?}", diag);
+            }
+            for j in motion.iter().flat_map(|m| &m.motion.operations).flat_map(|o| &o.moves) {
+                prop_assert!(j.time >= 0.0 && j.time.is_finite() && j.joints.xyz.iter().all(|x| x.is_finite()));
+            }
+        }
+        Err(faults) => {
+            prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
+            prop_assert!(faults.iter().all(|f| (1..=lines).contains(&f.line) && !f.reason.is_empty()));
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(config(2000))]
 
     #[test]
     fn nc_texts(which in 0..post::POSTS.len(), changes in changes()) {
         let (program, texts) = &*NC;
-        let program = &support::program_for(post::POSTS[which].name(), program);
-        let text = changed(&texts[which], &changes);
-        let lines = text.lines().count().max(1);
-        let file = SourceId(7);
-        let machine = support::program_for(post::POSTS[which].name(), program).machine;
-        match post::POSTS[which].read(&text, &machine) {
-            Ok(sections) => {
-                let mut sink = Sink::default();
-                let motion = motion_of(program, &sections, &|line| Span::new(file, line..line), &mut sink);
-                prop_assert!(motion.is_some() || sink.has_errors(), "{:?}", sink.diags());
-                for diag in sink.diags().iter().filter(|d| d.severity == Severity::Error) {
-                    let mut own = diag.labels.iter().filter(|l| l.span.source == file);
-                    prop_assert!(own.any(|l| (1..=lines).contains(&(l.span.start as usize))), "{:?}", diag);
-                }
-                for j in motion.iter().flat_map(|m| &m.motion.operations).flat_map(|o| &o.moves) {
-                    prop_assert!(j.time >= 0.0 && j.time.is_finite() && j.joints.xyz.iter().all(|x| x.is_finite()));
-                }
-            }
-            Err(faults) => {
-                prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
-                prop_assert!(faults.iter().all(|f| (1..=lines).contains(&f.line) && !f.reason.is_empty()));
-            }
-        }
+        let post = post::POSTS[which];
+        nc_text(post, &support::program_for(post.name(), program), &changed(&texts[which], &changes))?;
+    }
+
+    /// Arcs, comments, polynomials, calls, axes modulo 360 deg: texts that the compiler writes rarely or never.
+    #[test]
+    fn texts_of_the_corpus(which in any::<Index>(), without_end in any::<bool>(), changes in changes()) {
+        let (post, _, text) = which.get(CORPUS.as_slice());
+        let program = support::program_for(post.name(), &Program { machine: corpus_machine(), ..NC.0.clone() });
+        let program = if without_end { endless(&program) } else { program };
+        nc_text(*post, &program, &changed(text, &changes))?;
     }
 }
 
-/// The originals of all these tests are read: what is refused is refused for its change.
+/// The originals of all these tests are read: what is refused is refused for its change. So are the texts of the corpus with
+/// polynomials, calls and axes modulo 360 deg.
 #[test]
 fn the_originals_are_read() {
+    for name in ["polynomials.mpf", "repeat.mpf", "modulo.mpf", "spl.h", "subprograms.ngc"] {
+        let (post, _, text) = CORPUS.iter().find(|(_, path, _)| path.ends_with(&format!("/{name}"))).unwrap();
+        let machine = support::machine_for(post.name(), &corpus_machine());
+        let machine =
+            if name == "modulo.mpf" { endless(&Program { machine, ..NC.0.clone() }).machine } else { machine };
+        let faults = post.read(text, &machine).err();
+        assert_eq!(faults, None, "{name}");
+    }
     for [job, curves] in JOBS {
         assert!(front(job, Memory::with(CURVES, curves.to_owned())).unwrap());
     }
