@@ -7,10 +7,12 @@ use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines, Milling};
+use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, FaceId, SurfaceKind};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
 use impellerc::verify::certify;
+use nalgebra::Point3;
 
 /// The paper's part with point milling of some surfaces of one vane.
 fn program(cutter: Cutter, surfaces: Vec<SurfaceKind>, scallop: f64, method: AxisMethod) -> Program {
@@ -115,6 +117,41 @@ fn ball_leaves_the_scallop_on_faces() {
     assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
     assert!(told < 1.25 * least, "{told} {least}");
+}
+
+/// Faces through three curves: the proof agrees with the least distance of dense samples of a face to the ball over dense places of
+/// the motion.
+#[test]
+fn ball_leaves_the_scallop_on_curved_faces() {
+    let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.02, AxisMethod::Blend);
+    program.part = support::curved_part(Some(3.0));
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).expect("a plan");
+    let certificate = certify(&program, &plan.motion, &mut sink).expect("a certificate");
+    let cl = &plan.cl.operations[0];
+    let centres: Vec<Vec<Point3<f64>>> =
+        cl.passes.iter().map(|pass| pass.points.iter().map(|p| p.tip + p.axis * 2.0).collect()).collect();
+    for face in BladeId::MAIN.faces() {
+        let report = certificate.surfaces.iter().find(|s| s.surface == format!("vane 1 {} face", face.name())).unwrap();
+        let mut found = [f64::INFINITY, f64::NEG_INFINITY];
+        let chart = chart::charts(&program.part).into_iter().find(|c| c.kind == SurfaceKind::Face(face)).unwrap();
+        for i in 0..=60 {
+            for j in 0..=60 {
+                let p = chart.place(f64::from(i) / 60.0, f64::from(j) / 60.0).position;
+                let near = centres.iter().flat_map(|pass| pass.windows(2)).map(|w| {
+                    let way = w[1] - w[0];
+                    let t = ((p - w[0]).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                    (w[0] + way * t - p).norm() - 2.0
+                });
+                let g = near.fold(f64::INFINITY, f64::min);
+                found = [found[0].min(g), found[1].max(g)];
+            }
+        }
+        println!("{}: samples {found:?}, proved {} and {}", face.name(), report.gouge_bound, report.excess_bound);
+        assert!(report.excess_bound <= 0.02 && report.gouge_bound <= 0.001, "{report:?}");
+        assert!(found[0] >= -report.gouge_bound && found[1] <= report.excess_bound, "{found:?}");
+        assert!(found[1] > 0.9 * 0.02, "lines are as far apart as the scallop allows: {found:?}");
+    }
 }
 
 #[test]

@@ -11,17 +11,17 @@ pub mod squares;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::entity::PrimaryMap;
-use impellerc::geom::{NurbsCurve, interpolate};
+use impellerc::geom::{LoftedSurface, NurbsCurve, interpolate};
 use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId};
 use impellerc::job::shipped_post;
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
 use impellerc::operation::VaneAllowance;
-use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Stock};
+use impellerc::part::{Blade, BladeId, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
 use impellerc::source::Span;
 use impellerc::units::{Mm, MmPerMin, Rad, Rpm};
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// Wei et al. 2021, tables 1 and 2, mm.
 pub const TIP_PRESSURE: [[f64; 3]; 7] = [
@@ -80,6 +80,24 @@ pub fn wei_part(fillet: Option<f64>) -> Part {
         curve(&TIP_PRESSURE),
         fillet.map(Mm),
     )
+}
+
+/// The paper's part with faces that are curved from root to tip: the middle of each goes up to 0.6 mm aside.
+pub fn curved_part(fillet: Option<f64>) -> Part {
+    let face = |root: &[[f64; 3]], tip: &[[f64; 3]]| -> FaceSurface {
+        let last = root.len() as f64 - 1.0;
+        let middle = |(k, (r, t)): (usize, (&[f64; 3], &[f64; 3]))| {
+            let p = nalgebra::center(&Point3::from(*r), &Point3::from(*t));
+            let aside = 0.6 * libm::sin(std::f64::consts::PI * k as f64 / last) / libm::hypot(p.x, p.y);
+            let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), aside) * p;
+            [turned.x, turned.y, turned.z]
+        };
+        let middle: Vec<[f64; 3]> = root.iter().zip(tip).enumerate().map(middle).collect();
+        LoftedSurface::through(vec![curve(root), curve(&middle), curve(tip)]).unwrap().into()
+    };
+    let faces = [face(&ROOT_PRESSURE, &TIP_PRESSURE), face(&ROOT_SUCTION, &TIP_SUCTION)];
+    let blade = Blade::new("main", faces, fillet.map(Mm));
+    Part::with_blades(8, blade, Vec::new(), curve(&ROOT_PRESSURE), curve(&TIP_PRESSURE))
 }
 
 /// The points of the paper's tables.
