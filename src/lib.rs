@@ -46,6 +46,7 @@ pub mod entity;
 pub mod envelope;
 pub mod export;
 pub mod geom;
+pub mod import;
 pub mod ir;
 pub mod job;
 pub mod kin;

@@ -172,7 +172,7 @@ impl<'a> SectionsGiven<'a> {
         } else {
             Some(FIT)
         };
-        let edges = ["leading-edge", "trailing-edge"].map(|edge| name_of(p, edge, &EdgeForm::ALL, EdgeForm::name));
+        let edges = ["leading-edge", "trailing-edge"].map(|edge| name_of(p, edge, &EdgeForm::STATED, EdgeForm::name));
         let pressure = name_of(p, "pressure", &Looks::ALL, Looks::name)?;
         let [leading, trailing] = edges;
         Some(Self { word, values, fit: fit?, edges: [leading?, trailing?], pressure })

@@ -6,7 +6,16 @@
 //! blade are made.
 
 pub mod divide;
+mod edges;
+pub mod facts;
+mod fold;
 pub mod loft;
+mod mean_line;
+pub mod outline;
+mod ring;
+mod stream;
+
+pub use edges::{Edge, EdgeForm};
 
 use nalgebra::Point3;
 
@@ -51,28 +60,6 @@ pub enum ThicknessDirection {
     Normal,
     /// Round the axis of rotation.
     Tangential,
-}
-
-/// Form of an edge of a blade.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeForm {
-    /// Round or elliptic, without a corner.
-    Round,
-    /// Straight between two corners.
-    CutOff,
-}
-
-impl EdgeForm {
-    /// All forms.
-    pub const ALL: [Self; 2] = [Self::Round, Self::CutOff];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Round => "round",
-            Self::CutOff => "cut-off",
-        }
-    }
 }
 
 /// A section divided into its two faces and its two edges. Neighbours share their end points.

@@ -29,6 +29,7 @@ mod finite;
 mod front;
 mod geom_oracles;
 mod golden;
+mod import;
 mod kept;
 mod language;
 mod larger_balls;

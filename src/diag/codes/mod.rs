@@ -1,11 +1,12 @@
 //! The codes of each stage with their manual pages. The number gives the stage: `01` text, `02` job, `03` geometry,
 //! `04` planning, `05` orientation, `06` kinematics, `07` verification, `08` post, `09` files and faults of the
-//! compiler.
+//! compiler, `10` readers of blade files.
 
 use super::code::Code;
 
 pub mod files;
 pub mod geometry;
+pub mod import;
 pub mod job;
 pub mod kinematics;
 pub mod orientation;
@@ -25,6 +26,7 @@ pub const STAGES: &[&[Code]] = &[
     verification::ALL,
     post::ALL,
     files::ALL,
+    import::ALL,
 ];
 
 impl Code {

@@ -1,0 +1,63 @@
+//! Files of a reader: the caller gives them, the reader sees their texts.
+
+use super::limits;
+use super::lines::Text;
+use crate::diag::codes::{files, import as codes};
+use crate::diag::{Diag, printable};
+use crate::source::{SourceFile, SourceId, SourceMap, Span};
+
+/// Gives the file of a path, or the reason why there is none.
+pub type Fetch<'a> = dyn FnMut(&str) -> Result<SourceFile, String> + 'a;
+
+/// Loads files and keeps their texts.
+pub(super) struct Loader<'a> {
+    fetch: &'a mut Fetch<'a>,
+    sources: &'a mut SourceMap,
+    bytes: usize,
+}
+
+impl<'a> Loader<'a> {
+    pub(super) fn new(fetch: &'a mut Fetch<'_>, sources: &'a mut SourceMap) -> Self {
+        Self { fetch, sources, bytes: 0 }
+    }
+
+    /// Loads a file that the caller gives, or that a line names.
+    pub(super) fn load(&mut self, name: &str, named_at: Option<Span>) -> Result<SourceId, Diag> {
+        let at = |diag: Diag, what: &str| match named_at {
+            Some(span) => diag.label(span, what),
+            None => diag.note(what.to_owned()),
+        };
+        let file = (self.fetch)(name).map_err(|reason| {
+            at(Diag::error(files::CANNOT_READ, format!("the file `{}` cannot be read", printable(name))), &reason)
+                .help("give the path of the file; a file that another one names lies beside it")
+        })?;
+        self.bytes = self.bytes.saturating_add(file.text.len());
+        if self.bytes > limits::BYTES {
+            let message = format!("the blade files have more than {} MB", limits::BYTES >> 20);
+            return Err(at(Diag::error(codes::TOO_MUCH, message), "with this file")
+                .help("export fewer points or sections; sections of smooth blades need some hundred points"));
+        }
+        Ok(self.sources.add_file(file))
+    }
+
+    /// Loads a file beside another one.
+    pub(super) fn beside(&mut self, other: SourceId, name: &str, named_at: Span) -> Result<SourceId, Diag> {
+        let own = self.name(other).replace('\\', "/");
+        let name = name.replace('\\', "/");
+        let path = match own.rsplit_once('/') {
+            Some((folder, _)) if !name.starts_with('/') => format!("{folder}/{name}"),
+            _ => name,
+        };
+        self.load(&path, Some(named_at))
+    }
+
+    /// Name of a file as the caller gave it.
+    pub(super) fn name(&self, id: SourceId) -> &str {
+        self.sources.get(id).map_or("", |file| &file.name)
+    }
+
+    /// Text of a file.
+    pub(super) fn text(&self, id: SourceId) -> Text<'_> {
+        Text::new(id, self.sources.get(id).map_or("", |file| &file.text))
+    }
+}

@@ -1,0 +1,220 @@
+//! Readers of blade files, one file a format: text to hub, shroud and sections of blades.
+//!
+//! All readers make one value, [`Imported`]: lengths in mm, the frame right handed, Z the axis of rotation. A fact that a
+//! file may leave out, such as its unit, is taken from [`Options`]; where neither states it, an error names the option.
+//! What a reader finds or takes for granted is a [`Note`] with its line.
+//!
+//! The readers touch no disk: [`read`] gets files by a function of the caller, and refuses more than [`limits`] allow.
+
+mod check;
+mod found;
+mod frame;
+mod geomturbo;
+pub mod limits;
+mod lines;
+mod loader;
+mod loops;
+mod meridian;
+mod nested;
+pub mod outlines;
+pub mod part_text;
+mod stated;
+mod table;
+mod turbogrid;
+
+pub use frame::{Axis, Handedness, LengthUnit};
+pub use loader::Fetch;
+
+use crate::diag::codes::import as codes;
+use crate::diag::{Diag, printable};
+use crate::sections::outline::Side;
+use crate::sections::{Section, ThicknessDirection};
+use crate::source::{SourceId, SourceMap, Span};
+use found::Found;
+use loader::Loader;
+
+/// What a blade file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Imported {
+    /// Name of the format.
+    pub format: &'static str,
+    /// Points (r, z) of the hub from inlet to outlet, mm; `None` where the files have no hub.
+    pub hub: Option<Vec<[f64; 2]>>,
+    /// Points (r, z) of the shroud from inlet to outlet, mm; `None` where the files have no shroud.
+    pub shroud: Option<Vec<[f64; 2]>>,
+    /// Rows of blades in the order of the file.
+    pub rows: Vec<ImportedRow>,
+    /// What the reader found or took for granted.
+    pub notes: Vec<Note>,
+}
+
+/// A row of blades.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportedRow {
+    /// Name in the file; empty where it has none.
+    pub name: String,
+    /// Number of main blades round the axis, which is that of each splitter too.
+    pub count: u32,
+    /// The main blade, then the splitters.
+    pub blades: Vec<ImportedBlade>,
+}
+
+/// A blade of a row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportedBlade {
+    /// Name in the file, or `main` and `splitter`.
+    pub name: String,
+    /// Sections from hub to shroud.
+    pub sections: Vec<Section>,
+    /// Place of each section in the files.
+    pub places: Vec<Span>,
+    /// Forms of the leading and of the trailing edge, where the file states them.
+    pub edges: [Option<EdgeKind>; 2],
+    /// Gap at the tip at the leading and at the trailing edge, mm, where the file states it.
+    pub tip_gap: Option<[f64; 2]>,
+    /// Angle from the main blade to this blade as a share of the pitch, where the file states it and the sections do not
+    /// hold it.
+    pub pitch_share: Option<f64>,
+}
+
+/// Form of an edge that a file states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeKind {
+    /// Half of an ellipse.
+    Ellipse,
+    /// Cut off.
+    CutOff,
+}
+
+/// What a reader found or took for granted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Note {
+    /// One sentence.
+    pub text: String,
+    /// Its place; `None` for an option of the caller.
+    pub span: Option<Span>,
+}
+
+/// End of the blade at which the points of a loop begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// At the leading edge.
+    LeadingEdge,
+    /// At the trailing edge.
+    TrailingEdge,
+}
+
+/// What the caller states of the files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Name of the format, for a file whose ending does not tell it.
+    pub format: Option<String>,
+    /// Unit of length.
+    pub unit: Option<LengthUnit>,
+    /// Axis of rotation.
+    pub axis: Option<Axis>,
+    /// Handedness of the frame of the file.
+    pub handedness: Option<Handedness>,
+    /// Number of main blades.
+    pub blades: Option<u32>,
+    /// Meaning of the columns of a table, from left to right.
+    pub columns: Option<Vec<String>>,
+    /// Direction in which thicknesses are measured.
+    pub thickness: Option<ThicknessDirection>,
+    /// Edge at which loops begin, where there is no hub.
+    pub start: Option<Start>,
+    /// Side of the pressure face; without it that of a blade that takes up work, see [`crate::sections::outline`].
+    pub pressure: Option<Side>,
+}
+
+/// A reader of a format.
+struct Reader {
+    /// Name of the format.
+    name: &'static str,
+    /// Endings of the names of its files, in lower case.
+    endings: &'static [&'static str],
+    /// Whether several files are read together. Otherwise one is given, and it names the others.
+    several: bool,
+    read: fn(&[SourceId], &mut Loader<'_>, &Options, &mut Found) -> Result<Imported, Diag>,
+}
+
+/// All formats.
+const READERS: &[Reader] = &[
+    Reader { name: "turbogrid", endings: &["inf"], several: false, read: turbogrid::read },
+    Reader { name: "geomturbo", endings: &["geomturbo"], several: false, read: geomturbo::read },
+    Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, read: table::read },
+];
+
+/// Names of the formats with the endings of their files.
+pub fn formats() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    READERS.iter().map(|reader| (reader.name, reader.endings))
+}
+
+/// Reads blade files. `names` are given to `fetch`, which answers for the files that these name as well. The texts go to
+/// `sources`.
+///
+/// # Errors
+/// A file that cannot be read, is not of its format, is cut off or too large; a fact that neither the files nor the options
+/// state, or that both state and not alike.
+pub fn read(
+    names: &[String],
+    fetch: &mut Fetch<'_>,
+    options: &Options,
+    sources: &mut SourceMap,
+) -> Result<Imported, Vec<Diag>> {
+    let reader = reader(names, options).map_err(|diag| vec![diag])?;
+    let mut loader = Loader::new(fetch, sources);
+    let mut found = Found::default();
+    let loaded: Result<Vec<SourceId>, Diag> = names.iter().map(|name| loader.load(name, None)).collect();
+    let made = loaded.and_then(|ids| {
+        let imported = (reader.read)(&ids, &mut loader, options, &mut found)?;
+        let at = ids.first().map_or(Span::default(), |id| loader.text(*id).end());
+        check::order(&imported, at)?;
+        Ok(imported)
+    });
+    match made {
+        Ok(imported) => Ok(Imported { format: reader.name, notes: found.notes, ..imported }),
+        Err(first) => Err(std::iter::once(first).chain(found.faults).collect()),
+    }
+}
+
+/// Ending of a name in lower case.
+fn ending(name: &str) -> String {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    file.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The reader of the option, or that of the endings of the names.
+fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> {
+    let known = || READERS.iter().map(|r| r.name).collect::<Vec<_>>().join(", ");
+    let endings = || READERS.iter().flat_map(|r| r.endings).map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
+    let found = match &options.format {
+        Some(name) => READERS.iter().find(|r| r.name == name).ok_or_else(|| {
+            Diag::error(codes::UNKNOWN_FORMAT, format!("there is no format `{}`", printable(name)))
+                .help(format!("give `--format` one of {}", known()))
+        })?,
+        None => {
+            let mut readers = names.iter().map(|name| {
+                READERS.iter().find(|r| r.endings.contains(&ending(name).as_str())).ok_or_else(|| {
+                    Diag::error(codes::UNKNOWN_FORMAT, format!("the ending of `{}` tells no format", printable(name)))
+                        .help(format!("the endings are {}; or state `--format` ({})", endings(), known()))
+                })
+            });
+            let first = readers.next().unwrap_or_else(|| {
+                Err(Diag::error(codes::UNKNOWN_FORMAT, "no blade file is given").help("name at least one file"))
+            })?;
+            for other in readers {
+                if other?.name != first.name {
+                    return Err(Diag::error(codes::UNKNOWN_FORMAT, "the files are of different formats")
+                        .help("give files of one format; a file that names others is given alone"));
+                }
+            }
+            first
+        }
+    };
+    if names.len() > 1 && !found.several {
+        return Err(Diag::error(codes::UNKNOWN_FORMAT, format!("{} files of the format {}", names.len(), found.name))
+            .help("give the one file that holds the blade, or that names the other files"));
+    }
+    Ok(found)
+}

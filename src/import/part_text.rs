@@ -1,0 +1,259 @@
+//! A part in the language, from what was imported: its text, its curves, and tables of sections, hub and shroud.
+//!
+//! The language has the axis of rotation in Z with the inlet above the outlet. A blade whose flow goes towards +Z is turned
+//! over: about X by half a turn, which mirrors nothing.
+
+use super::{Imported, ImportedRow};
+use crate::sections::SectionForm;
+use crate::sections::outline::{Divided, Side};
+use crate::sections::{EdgeForm, Outline};
+use crate::units::trim;
+use nalgebra::Point3;
+use std::fmt::Write as _;
+
+/// Files of a part, with their contents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartFiles {
+    /// The job with the part alone.
+    pub job: String,
+    /// Curves of its faces, `curve,number,x,y,z` in mm.
+    pub curves: String,
+    /// All sections, `blade,section,span,face,x,y,z` in mm, in the frame of the job.
+    pub sections: String,
+    /// Hub and shroud, `curve,r,z` in mm, in the frame of the job.
+    pub meridian: Option<String>,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug)]
+pub struct PartSource<'a> {
+    /// All that was read.
+    pub imported: &'a Imported,
+    /// The row whose blades are written.
+    pub row: &'a ImportedRow,
+    /// Sections of each blade of the row, divided.
+    pub divided: &'a [Vec<Divided>],
+    /// Names of the files that were read.
+    pub read: &'a [String],
+    /// Name of the part and of its files, without an ending.
+    pub name: &'a str,
+}
+
+/// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
+const DIGITS: usize = 7;
+
+/// Whether the flow goes towards +Z: by hub and shroud, otherwise by the edges of the main blade.
+fn upward(source: &PartSource<'_>) -> bool {
+    let ends = |line: &Vec<[f64; 2]>| Some(line.last()?[1] - line.first()?[1]);
+    let of_blade = || {
+        let outline = &source.divided.first()?.first()?.outline;
+        Some(outline.faces[0].last()?.z - outline.faces[0].first()?.z)
+    };
+    let of_line = source.imported.hub.as_ref().or(source.imported.shroud.as_ref()).and_then(ends);
+    of_line.or_else(of_blade).is_some_and(|dz| dz > 0.0)
+}
+
+/// A point in the frame of the job.
+fn turned(p: &Point3<f64>, over: bool) -> Point3<f64> {
+    if over { Point3::new(p.x, -p.y, -p.z) } else { *p }
+}
+
+fn coordinates(p: &Point3<f64>, over: bool) -> String {
+    let p = turned(p, over);
+    // A sum with zero has no sign of its own.
+    [p.x, p.y, p.z].map(|x| trim(x + 0.0, DIGITS)).join(",")
+}
+
+/// A word of the language: letters, digits and underscores, beginning with a letter.
+fn word(text: &str, otherwise: &str) -> String {
+    let letters = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    let word: String = text.chars().map(letters).collect();
+    let word = word.trim_matches('_').to_owned();
+    if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { otherwise.to_owned() }
+}
+
+/// Name of a blade in the job.
+fn blade_name(k: usize) -> String {
+    if k == 0 { "main".to_owned() } else { format!("splitter_{k}") }
+}
+
+const FACES: [&str; 2] = ["pressure", "suction"];
+
+/// The ends of the rulings with their sections: the last section is the tip.
+fn ends(divided: &[Divided]) -> Option<[(&'static str, &Outline); 2]> {
+    Some([("tip", &divided.last()?.outline), ("root", &divided.first()?.outline)])
+}
+
+/// Writes the files of a part.
+pub fn write(source: &PartSource<'_>) -> PartFiles {
+    let over = upward(source);
+    PartFiles {
+        job: job(source, over),
+        curves: curves(source, over),
+        sections: sections(source, over),
+        meridian: meridian(source.imported, over),
+    }
+}
+
+fn job(source: &PartSource<'_>, over: bool) -> String {
+    let mut text = String::new();
+    for line in summary(source) {
+        _ = writeln!(text, "// {line}");
+    }
+    if over {
+        text.push_str(
+            "// Turned over about X, so that the inlet is up: y and z have the other sign than in the file.\n",
+        );
+    }
+    text.push_str(
+        "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
+    );
+    text.push_str("edition 2026\n\n");
+    _ = writeln!(text, "part {} {{", word(source.name, "imported"));
+    _ = writeln!(text, "  vanes {}", source.row.count);
+    let file = format!("{}.curves.csv", source.name);
+    for (k, divided) in source.divided.iter().enumerate() {
+        let name = blade_name(k);
+        _ = writeln!(text, "  {} {name} {{", if k == 0 { "vane" } else { "splitter" });
+        for face in FACES {
+            _ = writeln!(text, "    {face} ruled {{");
+            for (end, _) in ends(divided).into_iter().flatten() {
+                _ = writeln!(text, "      {end} spline from \"{file}\" curve {name}_{end}_{face} mm");
+            }
+            text.push_str("    }\n");
+        }
+        text.push_str("  }\n");
+    }
+    text.push_str("  hub    revolve main.pressure.root\n  shroud revolve main.pressure.tip\n}\n");
+    text
+}
+
+fn curves(source: &PartSource<'_>, over: bool) -> String {
+    let mut text =
+        format!("# Faces of {} in mm. Z is the axis of rotation; points run from inlet to outlet.\n", source.name);
+    text.push_str("# curve,number,x,y,z\n");
+    for (k, divided) in source.divided.iter().enumerate() {
+        for (face, name) in FACES.iter().enumerate() {
+            for (end, outline) in ends(divided).into_iter().flatten() {
+                for (number, p) in outline.faces[face].iter().enumerate() {
+                    let blade = blade_name(k);
+                    _ = writeln!(text, "{blade}_{end}_{name},{},{}", number + 1, coordinates(p, over));
+                }
+            }
+        }
+    }
+    text
+}
+
+fn sections(source: &PartSource<'_>, over: bool) -> String {
+    let thick = |form: &SectionForm| matches!(form, SectionForm::MeanLine { .. });
+    let with_thickness = source.row.blades.iter().flat_map(|b| &b.sections).any(|s| thick(&s.form));
+    let mut text = String::from("# Sections in mm, as they were read. Z is the axis of rotation.\n");
+    text.push_str("blade,section,span,face,x,y,z");
+    text.push_str(if with_thickness { ",thickness\n" } else { "\n" });
+    for (b, blade) in source.row.blades.iter().enumerate() {
+        for (k, section) in blade.sections.iter().enumerate() {
+            let span = section.span.map_or_else(String::new, |s| trim(s, DIGITS));
+            let head = format!("{},{},{span}", blade_name(b), k + 1);
+            let mut line = |face: &str, p: &Point3<f64>, thickness: Option<f64>| {
+                let thickness = thickness.map_or_else(String::new, |t| format!(",{}", trim(t, DIGITS)));
+                _ = writeln!(text, "{head},{face},{}{thickness}", coordinates(p, over));
+            };
+            match &section.form {
+                SectionForm::Loop(points) => points.iter().for_each(|p| line("", p, None)),
+                SectionForm::Faces(faces) => {
+                    for (name, face) in FACES.iter().zip(faces) {
+                        face.iter().for_each(|p| line(name, p, None));
+                    }
+                }
+                SectionForm::MeanLine { points, .. } => {
+                    points.iter().for_each(|p| line("", &p.position, Some(p.thickness)));
+                }
+            }
+        }
+    }
+    text
+}
+
+fn meridian(imported: &Imported, over: bool) -> Option<String> {
+    let curves = [("hub", &imported.hub), ("shroud", &imported.shroud)];
+    let mut text = String::from("# Hub and shroud in mm from inlet to outlet. Z is the axis of rotation.\ncurve,r,z\n");
+    let mut any = false;
+    for (name, curve) in curves {
+        for [r, z] in curve.iter().flatten() {
+            any = true;
+            let z = if over { -z } else { *z };
+            _ = writeln!(text, "{name},{},{}", trim(*r, DIGITS), trim(z + 0.0, DIGITS));
+        }
+    }
+    any.then_some(text)
+}
+
+/// What was found, line by line: for people, and as comments of the job.
+pub fn summary(source: &PartSource<'_>) -> Vec<String> {
+    let PartSource { imported, row, divided, read, .. } = source;
+    let mut lines = vec![format!("Blades read from {} (format {}).", read.join(", "), imported.format)];
+    lines.push(format!("{} main blades, {} splitters behind each.", row.count, row.blades.len().saturating_sub(1)));
+    for (k, (blade, divided)) in row.blades.iter().zip(*divided).enumerate() {
+        let named = if blade.name.is_empty() || blade.name == blade_name(k) {
+            String::new()
+        } else {
+            format!(" (`{}`)", crate::diag::printable(&blade.name))
+        };
+        lines.push(format!("{}{named}: {} sections.", blade_name(k), blade.sections.len()));
+        lines.extend(of_blade(divided));
+    }
+    lines.extend(imported.notes.iter().filter(|n| n.span.is_none()).map(|n| format!("Note: {}.", n.text)));
+    lines
+}
+
+/// Largest distance from the axis, mm.
+fn radius<'a>(points: impl Iterator<Item = &'a Point3<f64>>) -> f64 {
+    points.map(|p| libm::hypot(p.x, p.y)).fold(0.0, f64::max)
+}
+
+/// Figures of a blade.
+fn of_blade(divided: &[Divided]) -> Vec<String> {
+    let range = |value: &dyn Fn(&Divided) -> f64| {
+        let [low, high] =
+            divided.iter().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+        if low == high { trim(low, 4) } else { format!("{} to {}", trim(low, 4), trim(high, 4)) }
+    };
+    let points: usize =
+        divided.iter().map(|d| d.outline.faces.iter().chain(&d.outline.edges).map(Vec::len).sum::<usize>()).sum();
+    let tip = divided.last().map_or(0.0, |d| radius(d.outline.faces.iter().chain(&d.outline.edges).flatten()));
+    let side = match divided.first().map(|d| d.pressure) {
+        Some(Side::Greater) => "greater",
+        _ => "smaller",
+    };
+    let mut lines = vec![
+        format!(
+            "  {points} points on faces and edges; tip radius {} mm; thickness {} mm.",
+            trim(tip, 4),
+            range(&|d| d.thickness)
+        ),
+        format!(
+            "  The pressure face lies at the {side} angle about Z; the mean lines turn by {} deg.",
+            range(&|d| d.turn.to_degrees())
+        ),
+    ];
+    for (k, name) in ["Leading", "Trailing"].into_iter().enumerate() {
+        let count = |form: EdgeForm| divided.iter().filter(|d| d.edges[k].form == form).count();
+        let forms = [(EdgeForm::Rounded, "rounded"), (EdgeForm::CutOff, "cut off"), (EdgeForm::Sharp, "sharp")];
+        let forms: Vec<String> = forms
+            .into_iter()
+            .map(|(form, word)| (count(form), word))
+            .filter(|(n, _)| *n > 0)
+            .map(|(n, word)| format!("{n} {word}"))
+            .collect();
+        lines.push(format!(
+            "  {name} edge: {}; radius {} mm, width {} mm, depth {} mm, off half an ellipse by {} mm.",
+            forms.join(", "),
+            range(&|d| d.edges[k].radius),
+            range(&|d| d.edges[k].width),
+            range(&|d| d.edges[k].depth),
+            range(&|d| d.edges[k].residual)
+        ));
+    }
+    lines
+}

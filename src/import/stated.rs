@@ -1,0 +1,121 @@
+//! Facts that a file or the caller states.
+
+use super::found::Found;
+use super::frame::{Axis, Handedness, LengthUnit};
+use super::{Options, limits};
+use crate::diag::Diag;
+use crate::diag::codes::import as codes;
+use crate::source::{Span, Spanned};
+use std::fmt::Display;
+
+/// A kind of fact: its name, the option that states it, what the option takes.
+struct Fact {
+    name: &'static str,
+    option: &'static str,
+    values: &'static str,
+}
+
+const UNIT: Fact = Fact { name: "unit of length", option: "--unit", values: "mm, cm, m, in or ft" };
+const AXIS: Fact = Fact { name: "axis of rotation", option: "--axis", values: "x, y or z" };
+const HANDEDNESS: Fact = Fact { name: "handedness", option: "--handedness", values: "right or left" };
+const COUNT: Fact = Fact { name: "number of main blades", option: "--blades", values: "a whole number" };
+
+/// The value that file and caller state. A value that both state must be the same.
+fn one<T: PartialEq + Copy + Display>(
+    fact: &Fact,
+    file: Option<Spanned<T>>,
+    given: Option<T>,
+    found: &mut Found,
+) -> Result<Option<T>, Diag> {
+    if let (Some(file), Some(given)) = (&file, given)
+        && file.value != given
+    {
+        let message = format!("the {} of the file is {}, but `{}` says {given}", fact.name, file.value, fact.option);
+        return Err(Diag::error(codes::CONTRADICTS, message)
+            .label(file.span, "stated here")
+            .help(format!("leave out `{}`, or correct the file", fact.option)));
+    }
+    match (&file, given) {
+        (Some(file), _) => found.note(file.span, format!("the {} is {}", fact.name, file.value)),
+        (None, Some(given)) => found.note(None, format!("the {} is {given}, by `{}`", fact.name, fact.option)),
+        (None, None) => {}
+    }
+    Ok(file.map(|file| file.value).or(given))
+}
+
+/// The fault of a fact that nothing states.
+pub(super) fn not_stated(name: &str, option: &str, values: &str, at: Span) -> Diag {
+    Diag::error(codes::NOT_STATED, format!("the file does not state the {name}"))
+        .label(at, "in this file")
+        .help(format!("state `{option}`: {values}"))
+}
+
+/// What the caller must state is asked for together.
+#[derive(Debug)]
+pub(super) struct Asked<'a> {
+    options: &'a Options,
+    found: &'a mut Found,
+    at: Span,
+    missing: Vec<Diag>,
+}
+
+impl<'a> Asked<'a> {
+    /// Facts of the file at a place.
+    pub(super) fn of(options: &'a Options, found: &'a mut Found, at: Span) -> Self {
+        Self { options, found, at, missing: Vec::new() }
+    }
+
+    fn required<T: PartialEq + Copy + Display>(
+        &mut self,
+        fact: &Fact,
+        file: Option<Spanned<T>>,
+        given: Option<T>,
+        stand_in: T,
+    ) -> Result<T, Diag> {
+        let value = one(fact, file, given, self.found)?;
+        if value.is_none() {
+            self.missing.push(not_stated(fact.name, fact.option, fact.values, self.at));
+        }
+        Ok(value.unwrap_or(stand_in))
+    }
+
+    /// Unit of length. Without one the value has no meaning, and [`Self::end`] refuses the file.
+    pub(super) fn unit(&mut self, file: Option<Spanned<LengthUnit>>) -> Result<LengthUnit, Diag> {
+        self.required(&UNIT, file, self.options.unit, LengthUnit::Millimetre)
+    }
+
+    /// Axis of rotation, as [`Self::unit`].
+    pub(super) fn axis(&mut self, file: Option<Spanned<Axis>>) -> Result<Axis, Diag> {
+        self.required(&AXIS, file, self.options.axis, Axis::Z)
+    }
+
+    /// Number of main blades, as [`Self::unit`].
+    pub(super) fn blades(&mut self, file: Option<Spanned<u32>>) -> Result<u32, Diag> {
+        let count = self.required(&COUNT, file.clone(), self.options.blades, 1)?;
+        if (1..=limits::COUNT).contains(&count) {
+            return Ok(count);
+        }
+        let message = format!("{count} blades cannot stand round an axis");
+        let span = file.map_or(self.at, |file| file.span);
+        Err(Diag::error(codes::MALFORMED, message)
+            .label(span, format!("a number from 1 to {} is expected", limits::COUNT))
+            .help("give the number of main blades of the whole row"))
+    }
+
+    /// Handedness. The formats have right-handed frames where they say nothing.
+    pub(super) fn handedness(&mut self, file: Option<Spanned<Handedness>>) -> Result<Handedness, Diag> {
+        let value = one(&HANDEDNESS, file, self.options.handedness, self.found)?;
+        if value.is_none() {
+            self.found.note(self.at, "the frame is taken for right handed: the file says nothing else");
+        }
+        Ok(value.unwrap_or(Handedness::Right))
+    }
+
+    /// Refuses the file where a fact is missing; the first is returned, the others are further faults.
+    pub(super) fn end(self) -> Result<(), Diag> {
+        let mut missing = self.missing.into_iter();
+        let Some(first) = missing.next() else { return Ok(()) };
+        self.found.faults.extend(missing);
+        Err(first)
+    }
+}

@@ -1,0 +1,217 @@
+//! Blades of public data sets. The folder comes from `IMPELLERC_BLADE_DATA`; without it these tests say that they skip.
+//! What is expected comes from the files by a few lines of its own, not by the readers.
+
+use super::points;
+use impellerc::import::outlines::{doubtful, outlines};
+use impellerc::import::{self, Imported, LengthUnit, Options};
+use impellerc::sections::outline::Divided;
+use impellerc::sections::{EdgeForm, Outline};
+use impellerc::source::{SourceFile, SourceMap};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The folder of a data set.
+fn folder(name: &str) -> Option<PathBuf> {
+    let Some(root) = std::env::var_os("IMPELLERC_BLADE_DATA") else {
+        let text = format!("skipped: IMPELLERC_BLADE_DATA does not name a folder with {name}\n");
+        std::io::stderr().write_all(text.as_bytes()).unwrap();
+        return None;
+    };
+    let folder = PathBuf::from(root).join(name);
+    assert!(folder.is_dir(), "{} is no folder", folder.display());
+    Some(folder)
+}
+
+pub fn read(folder: &Path, names: &[String], options: &Options) -> (Imported, SourceMap) {
+    let mut sources = SourceMap::default();
+    let mut fetch = |name: &str| {
+        let text = std::fs::read_to_string(folder.join(name)).map_err(|e| e.to_string())?;
+        Ok(SourceFile::text(name, text))
+    };
+    let read = import::read(names, &mut fetch, options, &mut sources);
+    (read.unwrap_or_else(|diags| panic!("{}", super::human(&diags, &sources))), sources)
+}
+
+/// NASA Rotor 37.
+pub fn rotor37() -> Option<Imported> {
+    let folder = folder("nasa_rotor37")?;
+    Some(read(&folder, &["BladeGen.inf".to_owned()], &Options::default()).0)
+}
+
+/// Rotor 1 of the compressor of Hannover.
+pub fn hannover() -> Option<Imported> {
+    let folder = folder("hannover_tfd4ac_rotor1")?;
+    Some(read(&folder, &["1_Rotor1_Blade.inf".to_owned()], &Options::default()).0)
+}
+
+/// NASA HECC: sections of the main blade and of the splitter, hub and shroud; inches, 15 blades by the read-me.
+pub fn hecc() -> Option<Imported> {
+    let folder = folder("nasa_hecc/hot_design_intent")?;
+    let mut names: Vec<String> =
+        std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    let options = Options { unit: Some(LengthUnit::Inch), blades: Some(15), ..Options::default() };
+    Some(read(&folder, &names, &options).0)
+}
+
+/// All lines of numbers of a file.
+fn numbers(set: &str, file: &str) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(folder(set).unwrap().join(file)).unwrap();
+    let line = |line: &str| line.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
+    text.lines().filter_map(line).filter(|n| !n.is_empty()).collect()
+}
+
+/// Range of a value.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+fn close(found: [f64; 2], due: [f64; 2]) {
+    for (found, due) in found.into_iter().zip(due) {
+        assert!((found - due).abs() < 1e-9 * due.abs().max(1.0), "{found} is not {due}");
+    }
+}
+
+/// Ranges of radius and Z of all sections, mm.
+fn size(imported: &Imported) -> [[f64; 2]; 2] {
+    let all = || imported.rows[0].blades.iter().flat_map(|b| &b.sections).flat_map(|s| points(&s.form));
+    [range(all().map(|p| p.x.hypot(p.y))), range(all().map(|p| p.z))]
+}
+
+#[test]
+fn rotor_37_has_36_blades_in_centimetres() {
+    let Some(rotor) = rotor37() else { return };
+    let row = &rotor.rows[0];
+    assert_eq!((rotor.rows.len(), row.count, row.blades.len()), (1, 36, 1));
+    let sections = &row.blades[0].sections;
+    assert_eq!(sections.iter().map(|s| points(&s.form).len()).collect::<Vec<_>>(), [300; 6]);
+    assert_eq!(sections[0].span, Some(0.0));
+    let due = numbers("nasa_rotor37", "profile.curve");
+    close(size(&rotor)[0], range(due.iter().map(|p| 10.0 * p[0].hypot(p[1]))));
+    close(size(&rotor)[1], range(due.iter().map(|p| 10.0 * p[2])));
+    for (curve, file) in [(&rotor.hub, "hub.curve"), (&rotor.shroud, "shroud.curve")] {
+        // Some points of the file repeat the one before.
+        let mut due = numbers("nasa_rotor37", file);
+        due.dedup();
+        let curve = curve.as_ref().unwrap();
+        assert_eq!(curve.len(), due.len());
+        for (found, due) in curve.iter().zip(due) {
+            close(*found, [10.0 * due[0].hypot(due[1]), 10.0 * due[2]]);
+        }
+    }
+    // From -6.8 to +4.4 deg.
+    assert!(super::noted(&rotor, "the angle of the hub about the axis varies"));
+    assert!(super::noted(&rotor, "the sections repeat their first point"));
+}
+
+#[test]
+fn hannover_has_23_blades_in_millimetres() {
+    let Some(rotor) = hannover() else { return };
+    let row = &rotor.rows[0];
+    assert_eq!((row.count, row.blades.len()), (23, 1));
+    let sections = &row.blades[0].sections;
+    assert_eq!(sections.iter().map(|s| points(&s.form).len()).collect::<Vec<_>>(), [120; 7]);
+    let due = numbers("hannover_tfd4ac_rotor1", "1_Rotor1_Blade.crv");
+    close(size(&rotor)[0], range(due.iter().map(|p| p[0].hypot(p[1]))));
+    assert_eq!((rotor.hub.unwrap().len(), rotor.shroud.unwrap().len()), (13, 13));
+}
+
+#[test]
+fn hecc_has_15_blades_and_15_splitters_in_inches() {
+    let Some(hecc) = hecc() else { return };
+    let row = &hecc.rows[0];
+    assert_eq!((row.count, row.blades.len()), (15, 2));
+    for (blade, name) in row.blades.iter().zip(["main", "splitter"]) {
+        assert!(blade.name.contains(name), "{}", blade.name);
+        assert_eq!(blade.sections.len(), 11);
+        for (k, section) in blade.sections.iter().enumerate() {
+            let file = format!("impeller_{name}_blade_section_{:02}.txt", k + 1);
+            let due = numbers("nasa_hecc/hot_design_intent", &file);
+            let found = points(&section.form);
+            assert_eq!(found.len(), due.len(), "{file}");
+            for (p, due) in found.iter().zip(due) {
+                close([p.x.hypot(p.y), p.z], [25.4 * due[2], 25.4 * due[0]]);
+                let angle = p.y.atan2(p.x) - due[1] / due[2];
+                assert!(angle.sin().abs() < 1e-12 && angle.cos() > 0.0, "{file}");
+            }
+        }
+    }
+    // Tip radius of 8.49 in.
+    let due = range((1..=11).flat_map(|k| {
+        numbers("nasa_hecc/hot_design_intent", &format!("impeller_main_blade_section_{k:02}.txt"))
+            .into_iter()
+            .map(|p| 25.4 * p[2])
+            .collect::<Vec<_>>()
+    }));
+    close([size(&hecc)[0][1]; 2], [due[1]; 2]);
+    assert!((due[1] - 215.8).abs() < 0.2, "{due:?}");
+    assert_eq!((hecc.hub.unwrap().len(), hecc.shroud.unwrap().len()), (350, 310));
+    // Section 7 of the main blade.
+    assert!(hecc.notes.iter().any(|n| n.text.contains("the file has no header")));
+}
+
+/// Faces and edges of all sections of a set.
+fn divided(imported: &Imported, blade: usize) -> Vec<Divided> {
+    let row = &imported.rows[0];
+    let all = outlines(row, imported.hub.as_deref(), &Options::default()).unwrap_or_else(|d| panic!("{d:?}"));
+    let (blade, found) = (&row.blades[blade], all.into_iter().nth(blade).unwrap());
+    // Nothing of the loop is lost, and neighbours share their ends.
+    for (divided, section) in found.iter().zip(&blade.sections) {
+        let Outline { faces, edges, .. } = &divided.outline;
+        let mut all: Vec<_> = faces.iter().chain(edges).flatten().map(|p| [p.x, p.y, p.z]).collect();
+        let given = points(&section.form);
+        assert!(all.iter().all(|p| given.iter().any(|q| [q.x, q.y, q.z] == *p)));
+        all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        all.dedup();
+        let cut: usize = divided.edges.iter().map(|e| usize::from(e.form == EdgeForm::CutOff)).sum();
+        assert!(all.len() == given.len() || cut > 0, "{} of {}", all.len(), given.len());
+        for (face, other) in [(0, 1), (1, 0)] {
+            assert_eq!(
+                (faces[face].first(), faces[face].last()),
+                match face {
+                    0 => (edges[0].first(), edges[1].first()),
+                    _ => (edges[0].last(), edges[1].last()),
+                }
+            );
+            assert_ne!(faces[face].first(), faces[other].first());
+        }
+    }
+    found
+}
+
+fn shown(name: &str, found: &[Divided]) {
+    for (k, d) in found.iter().enumerate() {
+        println!(
+            "{name} {}: thickness {:.3} turn {:.1} {:?} faces {:?}",
+            k + 1,
+            d.thickness,
+            d.turn.to_degrees(),
+            d.pressure,
+            d.outline.faces.each_ref().map(Vec::len)
+        );
+        for e in &d.edges {
+            println!("   {e:?}");
+        }
+    }
+}
+
+#[test]
+fn sections_have_faces_and_edges() {
+    if let Some(rotor) = rotor37() {
+        shown("rotor 37", &divided(&rotor, 0));
+    }
+    if let Some(rotor) = hannover() {
+        shown("hannover", &divided(&rotor, 0));
+    }
+    if let Some(hecc) = hecc() {
+        shown("hecc main", &divided(&hecc, 0));
+        shown("hecc splitter", &divided(&hecc, 1));
+        for set in [rotor37(), hannover(), Some(hecc)].into_iter().flatten() {
+            for (k, blade) in set.rows[0].blades.iter().enumerate() {
+                for d in doubtful(blade, &divided(&set, k)) {
+                    println!("{} {:?}", d.message, d.notes);
+                }
+            }
+        }
+    }
+}
