@@ -1,5 +1,7 @@
 //! What the targets run: the front end on texts in memory, and the readers of NC text.
 
+pub mod blades;
+
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Sink, codes, render};

@@ -1,5 +1,6 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
+mod import;
 mod library;
 mod nc_check;
 mod nc_diff;
@@ -29,6 +30,7 @@ use crate::units::trim;
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, job, lower};
+pub use import::{Import, import};
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};

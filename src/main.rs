@@ -7,8 +7,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, Exit, render};
-use impellerc::driver::{self, Emit, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages};
+use impellerc::driver::{self, Emit, Import, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages};
+use impellerc::import::{self, Axis, Handedness, LengthUnit, Start};
 use impellerc::output::interrupt;
+use impellerc::sections::ThicknessDirection;
+use impellerc::sections::outline::Side;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -20,6 +23,12 @@ const EXIT_CODES: &str = "Exit codes:
   2  job, library, NC text, certificate or command line has a fault, or no program can be planned for the job
   3  a file cannot be read or written
 If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
+
+/// Exit codes of an import, for the help.
+const IMPORT_CODES: &str = "Exit codes:
+  0  the blades were read; warnings do not count
+  2  a file or the command line has a fault, or leaves out what no option states
+  3  a file cannot be read or written";
 
 /// Exit codes of a comparison, for the help.
 const DIFF_CODES: &str = "Exit codes:
@@ -154,6 +163,9 @@ enum Command {
         #[command(flatten)]
         run: Box<RunArguments>,
     },
+    /// Reads blades from files of designers, says what they hold, and writes a part in the job language
+    #[command(after_help = IMPORT_CODES)]
+    Import(Box<ImportArguments>),
     /// Tells what differs for the machine between two NC texts of one job: poses, speeds, times, ranges of the axes.
     /// The texts may be in two dialects
     #[command(after_help = DIFF_CODES)]
@@ -192,6 +204,132 @@ enum Command {
         #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
         error_format: ErrorFormat,
     },
+}
+
+/// What the import takes.
+#[derive(Args)]
+struct ImportArguments {
+    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, tables of points
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+
+    /// Write the part to this file, and tables of its points beside it
+    #[arg(short, long, value_name = "FILE.imp")]
+    output: Option<PathBuf>,
+
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+
+    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, table
+    #[arg(long, value_name = "NAME")]
+    format: Option<String>,
+
+    /// Unit of length of the files: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    unit: Option<LengthUnit>,
+
+    /// Axis of rotation in the files: x, y, z
+    #[arg(long, value_name = "AXIS", value_parser = axis)]
+    axis: Option<Axis>,
+
+    /// Handedness of the frame of the files: right, left
+    #[arg(long, value_name = "HAND", value_parser = handedness)]
+    handedness: Option<Handedness>,
+
+    /// Number of main blades of the whole row
+    #[arg(long, value_name = "NUMBER")]
+    blades: Option<u32>,
+
+    /// Columns of a table, such as x,rtheta,r
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    columns: Option<Vec<String>>,
+
+    /// Direction in which thicknesses are measured
+    #[arg(long, value_enum, value_name = "DIRECTION")]
+    thickness: Option<ThicknessArgument>,
+
+    /// Edge at which the points of sections begin, where there is no hub
+    #[arg(long, value_enum, value_name = "EDGE")]
+    start: Option<StartArgument>,
+
+    /// Side of the pressure face by the angle about the axis
+    #[arg(long = import::SIDE_OPTION, value_enum, value_name = "SIDE")]
+    side: Option<SideArgument>,
+
+    /// Row of blades, where the files have several
+    #[arg(long, value_name = "NAME")]
+    row: Option<String>,
+
+    /// Format of errors, warnings and remarks
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    error_format: ErrorFormat,
+}
+
+impl ImportArguments {
+    /// The options in the form of the driver.
+    fn options(self) -> Import {
+        let options = import::Options {
+            format: self.format,
+            unit: self.unit,
+            axis: self.axis,
+            handedness: self.handedness,
+            blades: self.blades,
+            columns: self.columns,
+            thickness: self.thickness.map(|t| match t {
+                ThicknessArgument::Normal => ThicknessDirection::Normal,
+                ThicknessArgument::Tangential => ThicknessDirection::Tangential,
+            }),
+            start: self.start.map(|s| match s {
+                StartArgument::Leading => Start::LeadingEdge,
+                StartArgument::Trailing => Start::TrailingEdge,
+            }),
+            side: self.side.map(|s| match s {
+                SideArgument::Greater => Side::Greater,
+                SideArgument::Smaller => Side::Smaller,
+            }),
+        };
+        Import { files: self.files, output: self.output, row: self.row, force: self.force, options }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ThicknessArgument {
+    /// Across the mean line
+    Normal,
+    /// Round the axis
+    Tangential,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StartArgument {
+    /// At the leading edge
+    Leading,
+    /// At the trailing edge
+    Trailing,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SideArgument {
+    /// At the greater angle
+    Greater,
+    /// At the smaller angle
+    Smaller,
+}
+
+/// The unit of a word of the command line.
+fn unit(word: &str) -> Result<LengthUnit, String> {
+    LengthUnit::named(word).ok_or_else(|| "the units are mm, cm, m, in and ft".to_owned())
+}
+
+/// The axis of a word of the command line.
+fn axis(word: &str) -> Result<Axis, String> {
+    Axis::named(word).ok_or_else(|| "the axes are x, y and z".to_owned())
+}
+
+/// The handedness of a word of the command line.
+fn handedness(word: &str) -> Result<Handedness, String> {
+    Handedness::named(word).ok_or_else(|| "a frame is right or left".to_owned())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -233,6 +371,11 @@ fn main() -> ExitCode {
             let (format, timings) = (run.error_format, run.timings);
             let check = NcCheck { nc, job, certificate, source_map, run: run.options(post) };
             finish(format, timings, |stages| driver::verify(&check, stages))
+        }
+        Some(Command::Import(arguments)) => {
+            let format = arguments.error_format;
+            let options = arguments.options();
+            finish(format, false, |stages| driver::import(&options, stages))
         }
         Some(Command::Diff { first, second, job, other_machine, machine, library, curves, timings, error_format }) => {
             let run = RunOptions { library, machine, curves, ..RunOptions::default() };

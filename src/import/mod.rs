@@ -10,6 +10,7 @@ mod check;
 mod found;
 mod frame;
 mod geomturbo;
+mod ibl;
 pub mod limits;
 mod lines;
 mod loader;
@@ -18,6 +19,7 @@ mod meridian;
 mod nested;
 pub mod outlines;
 pub mod part_text;
+mod rtzt;
 mod stated;
 mod table;
 mod turbogrid;
@@ -124,7 +126,7 @@ pub struct Options {
     /// Edge at which loops begin, where there is no hub.
     pub start: Option<Start>,
     /// Side of the pressure face; without it that of a blade that takes up work, see [`crate::sections::outline`].
-    pub pressure: Option<Side>,
+    pub side: Option<Side>,
 }
 
 /// A reader of a format.
@@ -138,10 +140,15 @@ struct Reader {
     read: fn(&[SourceId], &mut Loader<'_>, &Options, &mut Found) -> Result<Imported, Diag>,
 }
 
+/// Word of the option that states the side of the pressure face.
+pub const SIDE_OPTION: &str = "pressure";
+
 /// All formats.
 const READERS: &[Reader] = &[
     Reader { name: "turbogrid", endings: &["inf"], several: false, read: turbogrid::read },
     Reader { name: "geomturbo", endings: &["geomturbo"], several: false, read: geomturbo::read },
+    Reader { name: "ibl", endings: &["ibl"], several: false, read: ibl::read },
+    Reader { name: "rtzt", endings: &["rtzt"], several: false, read: rtzt::read },
     Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, read: table::read },
 ];
 
@@ -184,6 +191,13 @@ fn ending(name: &str) -> String {
     file.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default()
 }
 
+/// The fault of a model of BladeGen.
+fn not_surfaces(name: &str) -> Diag {
+    Diag::error(codes::UNKNOWN_FORMAT, format!("`{}` is a model of BladeGen, not a blade", printable(name)))
+        .note("it has angles and thicknesses from which BladeGen makes surfaces by rules of its own")
+        .help("export the blade from BladeGen for TurboGrid (`.inf` with its curve files), or as `.rtzt`")
+}
+
 /// The reader of the option, or that of the endings of the names.
 fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> {
     let known = || READERS.iter().map(|r| r.name).collect::<Vec<_>>().join(", ");
@@ -196,6 +210,9 @@ fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> 
         None => {
             let mut readers = names.iter().map(|name| {
                 READERS.iter().find(|r| r.endings.contains(&ending(name).as_str())).ok_or_else(|| {
+                    if ending(name) == "bgi" {
+                        return not_surfaces(name);
+                    }
                     Diag::error(codes::UNKNOWN_FORMAT, format!("the ending of `{}` tells no format", printable(name)))
                         .help(format!("the endings are {}; or state `--format` ({})", endings(), known()))
                 })

@@ -27,7 +27,7 @@ pub fn outlines(row: &ImportedRow, hub: Option<&[[f64; 2]]>, options: &Options) 
         let known = Known { inlet, pressure };
         row.blades.iter().map(|blade| of_blade(blade, &known)).collect()
     };
-    if let Some(side) = options.pressure {
+    if let Some(side) = options.side {
         return all(side);
     }
     let found = all(Side::Greater)?;

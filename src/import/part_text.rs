@@ -42,6 +42,9 @@ pub struct PartSource<'a> {
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
 const DIGITS: usize = 7;
 
+/// Most files that are named one by one.
+const NAMED: usize = 4;
+
 /// Whether the flow goes towards +Z: by hub and shroud, otherwise by the edges of the main blade.
 fn upward(source: &PartSource<'_>) -> bool {
     let ends = |line: &Vec<[f64; 2]>| Some(line.last()?[1] - line.first()?[1]);
@@ -192,8 +195,12 @@ fn meridian(imported: &Imported, over: bool) -> Option<String> {
 /// What was found, line by line: for people, and as comments of the job.
 pub fn summary(source: &PartSource<'_>) -> Vec<String> {
     let PartSource { imported, row, divided, read, .. } = source;
-    let mut lines = vec![format!("Blades read from {} (format {}).", read.join(", "), imported.format)];
-    lines.push(format!("{} main blades, {} splitters behind each.", row.count, row.blades.len().saturating_sub(1)));
+    let files = match read {
+        [first, .., last] if read.len() > NAMED => format!("{} files, {first} to {last}", read.len()),
+        _ => read.join(", "),
+    };
+    let mut lines = vec![format!("Blades read from {files} (format {}).", imported.format)];
+    lines.push(format!("{} main blades; splitters of each: {}.", row.count, row.blades.len().saturating_sub(1)));
     for (k, (blade, divided)) in row.blades.iter().zip(*divided).enumerate() {
         let named = if blade.name.is_empty() || blade.name == blade_name(k) {
             String::new()
@@ -233,7 +240,7 @@ fn of_blade(divided: &[Divided]) -> Vec<String> {
             range(&|d| d.thickness)
         ),
         format!(
-            "  The pressure face lies at the {side} angle about Z; the mean lines turn by {} deg.",
+            "  The pressure face lies at the {side} angle about the axis of the file; the mean lines turn by {} deg.",
             range(&|d| d.turn.to_degrees())
         ),
     ];

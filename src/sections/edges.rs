@@ -2,8 +2,9 @@
 //!
 //! An edge is curved more than the faces by a factor of ten or more, and the change is within a few points. The threshold is
 //! the geometric mean of the median curvature of the loop, which is that of the faces, and of the largest curvature at the
-//! nose. From the nose the edge goes to both sides as far as the curvature is above the threshold. So a round or elliptic
-//! edge ends where it meets the face, and an edge that is cut off ends at its two corners.
+//! nose. From the nose the edge goes to both sides as far as the curvature is above the threshold. So an edge that is round, or
+//! half an ellipse up to twice as deep as its half width, ends where it meets the face; an edge that is cut off ends at its two
+//! corners. A slender ellipse ends where its sides are curved like the faces.
 
 use super::ring::Ring;
 use nalgebra::{Point3, Vector3};
@@ -97,11 +98,15 @@ pub(super) fn ends(ring: &Ring, nose: usize, thickness: f64, of_faces: f64) -> [
             let chord = if way > 0 { ring.chord(ring.on(k, -1)) } else { ring.chord(k) };
             gone += chord;
             since += chord;
-            let above = ring.curvature(k) > threshold;
+            let beyond = if way > 0 { ring.chord(k) } else { ring.chord(ring.on(k, -1)) };
+            // The points of a face are farther apart than those of its edge. Where the steps grow, the face begins: the turn is
+            // that of the edge, over half of its last chord.
+            let over = if beyond > 2.0 * chord { 0.5 * chord } else { chord };
+            let above = ring.turns[k] > threshold * over;
             // The middle of a blunt edge is flat, so up to its corner the curvature may be low. Behind that one point may
             // be, such as one that was rounded when the file was written.
             let reach = if found { 0.05 * thickness } else { 0.75 * thickness };
-            if (gone > 3.0 * thickness && !above) || (since > reach && !above) {
+            if !above && (gone > 3.0 * thickness || since > reach) {
                 break;
             }
             if above {

@@ -3,8 +3,8 @@
 //! A blade is thin. Where its loop is cut at the two noses, both halves lie close to each other all along. So the noses are
 //! the two points for which the halves, each walked with equal shares of its length, are nearest to each other on the mean.
 //! This asks neither where the loop begins nor how the blade is bent. It is found on points with even steps, and then made
-//! sharper: near each of the two, the nose is in the middle of the turn of that part of the loop which turns the most over
-//! the length of the thickness of the blade.
+//! sharper: near each of the two, the nose is the centre of the turns of that part of the loop which turns the most over a
+//! length of five quarters of the thickness of the blade.
 
 use super::ring::{Ring, from_chords};
 use nalgebra::Point3;
@@ -42,7 +42,7 @@ pub(super) fn fold(ring: &Ring) -> Fold {
     }
     let coarse = best.1;
     let thickness = thickness(&even, coarse);
-    let noses = coarse.map(|k| nose(ring, k as f64 * step, 2.0 * step, thickness));
+    let noses = coarse.map(|k| nose(ring, k as f64 * step, 2.0 * step, 1.25 * thickness));
     Fold { noses, thickness }
 }
 
@@ -68,8 +68,7 @@ fn thickness(even: &[Point3<f64>], [i, j]: [usize; 2]) -> f64 {
     even[i..=j].iter().map(|p| from_chords(p, &other)).fold(0.0, f64::max)
 }
 
-/// The nose near a distance along the loop: the middle of the turn of the window, as long as the blade is thick, that turns
-/// the most.
+/// The nose near a distance along the loop: the centre of the turns of the window that turns the most.
 fn nose(ring: &Ring, near: f64, reach: f64, window: f64) -> usize {
     let n = ring.len();
     let first = ring.nearest(near - reach - window);
@@ -89,12 +88,10 @@ fn nose(ring: &Ring, near: f64, reach: f64, window: f64) -> usize {
         turn -= ring.turns[places[begin]];
     }
     let (turn, begin, end) = most;
-    let mut sum = 0.0;
-    for place in &places[begin..end] {
-        sum += ring.turns[*place];
-        if sum >= 0.5 * turn {
-            return *place;
-        }
+    if turn <= 0.0 {
+        return ring.nearest(near);
     }
-    ring.nearest(near)
+    let from = places[begin];
+    let moment: f64 = places[begin..end].iter().map(|k| ring.turns[*k] * ring.between(from, *k)).sum();
+    ring.nearest(ring.along[from] + moment / turn)
 }

@@ -1,6 +1,5 @@
 //! Faces of a section that is given as a mean line with thicknesses.
 
-use super::outline::OutlineFault;
 use super::stream::near;
 use super::{MeanPoint, ThicknessDirection};
 use nalgebra::Point3;
@@ -10,14 +9,8 @@ use nalgebra::Point3;
 /// by second order only.
 ///
 /// # Errors
-/// [`OutlineFault`]: too few points, or a point without direction.
-pub(super) fn sides(
-    points: &[MeanPoint],
-    direction: ThicknessDirection,
-) -> Result<[Vec<Point3<f64>>; 2], OutlineFault> {
-    if points.len() < 2 {
-        return Err(OutlineFault::TooFewPoints(points.len()));
-    }
+/// The index of a point without direction.
+pub(super) fn sides(points: &[MeanPoint], direction: ThicknessDirection) -> Result<[Vec<Point3<f64>>; 2], usize> {
     let mut before = None;
     let line: Vec<[f64; 3]> = points
         .iter()
@@ -37,7 +30,7 @@ pub(super) fn sides(
         let step = libm::hypot(dm, arc);
         let half = 0.5 * point.thickness;
         if !(r > 0.0 && step > 0.0 && half.is_finite()) || (direction == ThicknessDirection::Normal && dm == 0.0) {
-            return Err(OutlineFault::MeanLine(k));
+            return Err(k);
         }
         for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
             let (along, round) = match direction {

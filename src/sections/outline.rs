@@ -149,6 +149,21 @@ fn of_loop(points: &[Point3<f64>], span: Option<f64>, known: &Known<'_>) -> Resu
     divided(&ring, ends, span, Sides::By(known.pressure))
 }
 
+/// Largest distance from one face to the other, mm. Where an end of the other face is nearest, what is measured is its edge,
+/// which counts only on a blade without any other place.
+fn thickness([face, other]: [&[Point3<f64>]; 2]) -> f64 {
+    let ends = [other.first(), other.last()];
+    let (mut inside, mut all) = (0.0_f64, 0.0_f64);
+    for p in face {
+        let distance = from_chords(p, other);
+        all = all.max(distance);
+        if ends.iter().flatten().all(|end| distance < nalgebra::distance(p, end)) {
+            inside = inside.max(distance);
+        }
+    }
+    if inside > 0.0 { inside } else { all }
+}
+
 /// Orders the noses: the leading edge first.
 fn from_inlet(ring: &Ring, [a, b]: [usize; 2], inlet: Inlet<'_>) -> Result<[usize; 2], OutlineFault> {
     let leading_first = match inlet {
@@ -215,7 +230,7 @@ fn divided(
     } else {
         ([forth_points, back_points], [other_way(leading_points), trailing_points])
     };
-    let thickness = faces[0].iter().map(|p| from_chords(p, &faces[1])).fold(0.0, f64::max);
+    let thickness = thickness([&faces[0], &faces[1]]);
     let outline = Outline { span, faces, edges };
     Ok(Divided { outline, edges: [leading_edge, trailing_edge], thickness, turn, wrap, pressure })
 }
@@ -230,7 +245,7 @@ fn of_faces([pressure, suction]: [&[Point3<f64>]; 2], span: Option<f64>) -> Resu
     let back = back.iter().skip(usize::from(meet_first)).rev().skip(usize::from(meet_last));
     let ring = checked(&forth.iter().chain(back).copied().collect::<Vec<_>>(), 4)?;
     let last = count.checked_sub(1).filter(|last| *last < ring.len()).ok_or(OutlineFault::NoFaces)?;
-    let thickness = suction.iter().map(|p| from_chords(p, pressure)).fold(0.0, f64::max);
+    let thickness = thickness([suction, pressure]);
     let of_faces = edges::of_faces(&ring);
     let nose = |nose: usize| edges::ends(&ring, nose, thickness, of_faces);
     let leading = if meet_first { nose(0) } else { [ring.on(0, -1), 0] };
@@ -245,11 +260,14 @@ fn of_mean_line(
     span: Option<f64>,
     known: &Known<'_>,
 ) -> Result<Divided, OutlineFault> {
-    let [greater, smaller] = mean_line::sides(points, direction)?;
+    if points.len() < 2 {
+        return Err(OutlineFault::TooFewPoints(points.len()));
+    }
+    let [greater, smaller] = mean_line::sides(points, direction).map_err(OutlineFault::MeanLine)?;
     let Camber { turn, wrap, .. } = stream::camber([&smaller, &greater]);
     let pressure = known.pressure;
     let faces = if pressure == Side::Greater { [greater, smaller] } else { [smaller, greater] };
-    let thickness = faces[0].iter().map(|p| from_chords(p, &faces[1])).fold(0.0, f64::max);
+    let thickness = thickness([&faces[0], &faces[1]]);
     let cut = |ends: Option<(&Point3<f64>, &Point3<f64>)>| {
         let points: Vec<Point3<f64>> = ends.map_or_else(Vec::new, |(a, b)| vec![*a, *b]);
         let width = ends.map_or(0.0, |(a, b)| nalgebra::distance(a, b));

@@ -357,9 +357,18 @@ fn mean_lines(curves: Vec<ReadCurve>, options: &Options, at: Span) -> Result<Pla
     Ok((curves.into_iter().map(section).collect(), places))
 }
 
+/// A section whose faces are read one after the other.
+#[derive(Debug)]
+struct ReadFaces {
+    key: Key,
+    span_fraction: Option<f64>,
+    faces: [Option<Vec<Point3<f64>>>; 2],
+    begins: Span,
+}
+
 /// Sections as pairs of faces.
 fn faces(curves: Vec<ReadCurve>) -> Result<Placed, Diag> {
-    let mut sections: Vec<(Key, Option<f64>, [Option<Vec<Point3<f64>>>; 2], Span)> = Vec::new();
+    let mut sections: Vec<ReadFaces> = Vec::new();
     for curve in curves {
         let Some(face) = curve.key.face else {
             return Err(Diag::error(codes::MALFORMED, "some sections have faces and others have none")
@@ -367,17 +376,17 @@ fn faces(curves: Vec<ReadCurve>) -> Result<Placed, Diag> {
                 .help("give each line its face: `pressure` or `suction`"));
         };
         let key = Key { face: None, ..curve.key };
-        match sections.iter_mut().find(|s| s.0 == key) {
-            Some(section) => section.2[face] = Some(curve.points),
+        match sections.iter_mut().find(|s| s.key == key) {
+            Some(section) => section.faces[face] = Some(curve.points),
             None => {
-                let mut both = [None, None];
-                both[face] = Some(curve.points);
-                sections.push((key, curve.span_fraction, both, curve.begins));
+                let mut faces = [None, None];
+                faces[face] = Some(curve.points);
+                sections.push(ReadFaces { key, span_fraction: curve.span_fraction, faces, begins: curve.begins });
             }
         }
     }
-    let places = sections.iter().map(|s| s.3).collect();
-    let section = |(key, span, both, begins): (Key, _, [Option<Vec<_>>; 2], Span)| match both {
+    let places = sections.iter().map(|s| s.begins).collect();
+    let section = |ReadFaces { key, span_fraction: span, faces, begins }: ReadFaces| match faces {
         [Some(pressure), Some(suction)] => Ok(Section { span, form: SectionForm::Faces([pressure, suction]) }),
         _ => Err(Diag::error(codes::ENDS_EARLY, format!("section `{}` has only one face", printable(&key.section)))
             .label(begins, "its face begins here")

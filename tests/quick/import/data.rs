@@ -179,39 +179,44 @@ fn divided(imported: &Imported, blade: usize) -> Vec<Divided> {
     found
 }
 
-fn shown(name: &str, found: &[Divided]) {
+/// Prints the figures of a blade. Edges are half ellipses within a share of their width, and blades get thinner to the tip.
+fn shown(name: &str, found: &[Divided], residual: f64) {
     for (k, d) in found.iter().enumerate() {
         println!(
-            "{name} {}: thickness {:.3} turn {:.1} {:?} faces {:?}",
+            "{name} {}: thickness {:.3} mm, mean line turns by {:.1} deg",
             k + 1,
             d.thickness,
-            d.turn.to_degrees(),
-            d.pressure,
-            d.outline.faces.each_ref().map(Vec::len)
+            d.turn.to_degrees()
         );
         for e in &d.edges {
-            println!("   {e:?}");
+            println!(
+                "    {:?} radius {:.3} width {:.3} depth {:.3} residual {:.4}",
+                e.form, e.radius, e.width, e.depth, e.residual
+            );
+            assert!(e.form == EdgeForm::Rounded && e.residual < residual * e.width, "{name} {}: {e:?}", k + 1);
+            assert!(e.width < 0.7 * d.thickness && e.radius > 0.0, "{name} {}: {e:?}", k + 1);
         }
+        assert_eq!(d.pressure, found[0].pressure);
     }
+    assert!(found.windows(2).all(|w| w[1].thickness < w[0].thickness), "{name}");
 }
 
 #[test]
 fn sections_have_faces_and_edges() {
     if let Some(rotor) = rotor37() {
-        shown("rotor 37", &divided(&rotor, 0));
+        shown("rotor 37", &divided(&rotor, 0), 0.03);
     }
     if let Some(rotor) = hannover() {
-        shown("hannover", &divided(&rotor, 0));
+        shown("hannover", &divided(&rotor, 0), 0.15);
     }
     if let Some(hecc) = hecc() {
-        shown("hecc main", &divided(&hecc, 0));
-        shown("hecc splitter", &divided(&hecc, 1));
-        for set in [rotor37(), hannover(), Some(hecc)].into_iter().flatten() {
-            for (k, blade) in set.rows[0].blades.iter().enumerate() {
-                for d in doubtful(blade, &divided(&set, k)) {
-                    println!("{} {:?}", d.message, d.notes);
-                }
-            }
+        // Its edges are blunt with round corners, no ellipses.
+        let (main, splitter) = (divided(&hecc, 0), divided(&hecc, 1));
+        shown("hecc main", &main, 0.2);
+        shown("hecc splitter", &splitter, 0.2);
+        assert_eq!(main[0].pressure, splitter[0].pressure);
+        for (blade, divided) in hecc.rows[0].blades.iter().zip([&main, &splitter]) {
+            assert!(doubtful(blade, divided).is_empty());
         }
     }
 }

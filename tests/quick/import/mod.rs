@@ -1,7 +1,14 @@
 //! Readers of blade files: what they make of files of every format, of files with the traps of these formats, and of faulty
 //! ones.
 
+mod command;
 mod data;
+mod examples;
+mod geomturbo;
+mod ibl;
+mod mutations;
+mod rtzt;
+mod sections;
 mod table;
 mod turbogrid;
 

@@ -179,3 +179,15 @@ fn formats_are_told_by_their_endings() {
     assert_eq!(faults(&[("rotor.stp", &text)], 1, &options)[0].code.id(), "IMP1001");
     assert_eq!(faults(&[], 1, &inches())[0].code.id(), "IMP1001");
 }
+
+/// An example for other tests.
+pub fn example() -> Vec<(String, String)> {
+    let files = [
+        ("main_section_1.txt", nasa(50.0, 5)),
+        ("main_section_2.txt", nasa(70.0, 5)),
+        ("hub.txt", meridian(49.0, "\t")),
+        ("shroud.csv", meridian(71.0, ",")),
+        ("splitter_faces.csv", with_faces().replace("main;", "splitter;").replace(";", ",")),
+    ];
+    files.map(|(name, text)| (name.to_owned(), text)).to_vec()
+}

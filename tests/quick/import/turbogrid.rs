@@ -233,3 +233,8 @@ fn sections_from_the_shroud_are_refused() {
     });
     assert_eq!(line(&borrowed(&files), 1, &Options::default()).0, "IMP1005");
 }
+
+/// An example for other tests.
+pub fn example() -> Vec<(String, String)> {
+    files(INF, &profile(true)).to_vec()
+}

@@ -1,0 +1,178 @@
+//! `impellerc import`: blade files to a part in the language.
+
+use super::reading;
+use super::{Outcome, Stages, or_reported, shown_path};
+use crate::diag::codes::import as codes;
+use crate::diag::{Aborted, Diag, printable};
+use crate::import::outlines::{doubtful, outlines};
+use crate::import::part_text::{self, PartSource};
+use crate::import::{self, Imported, ImportedRow, Options, limits};
+use crate::output::Outputs;
+use crate::source::{SourceFile, SourceMap};
+use std::path::{Path, PathBuf};
+
+/// An import.
+#[derive(Clone, Debug, Default)]
+pub struct Import {
+    /// Blade files, or a folder with them.
+    pub files: Vec<PathBuf>,
+    /// File to write the part to. Tables of points are written beside it.
+    pub output: Option<PathBuf>,
+    /// Row of blades, where the files have several.
+    pub row: Option<String>,
+    /// Replace files that exist.
+    pub force: bool,
+    /// What the caller states of the files.
+    pub options: Options,
+}
+
+/// Reads blade files, says what they hold, and writes a part.
+pub fn import(options: &Import, stages: &mut Stages) -> Outcome {
+    let mut outcome = Outcome::default();
+    // The reason is in the sink.
+    let _ = run(options, stages, &mut outcome);
+    outcome
+}
+
+fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
+    let Outcome { sources, sink, emitted, .. } = outcome;
+    let names = or_reported(names(&options.files), sink)?;
+    let read = stages.run("read", || import::read(&names, &mut fetch, &options.options, sources));
+    let imported = read.map_err(|diags| {
+        diags.into_iter().for_each(|diag| sink.push(diag));
+        Aborted
+    })?;
+    let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
+    let divided = stages.run("divide", || outlines(row, imported.hub.as_deref(), &options.options));
+    let divided = or_reported(divided, sink)?;
+    for (blade, divided) in row.blades.iter().zip(&divided) {
+        doubtful(blade, divided).into_iter().for_each(|diag| sink.push(diag));
+    }
+    let read: Vec<String> = names.iter().map(|name| own_name(name)).collect();
+    let stem = options.output.as_ref().and_then(|path| path.file_stem()).map(|s| s.display().to_string());
+    let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
+    let source = PartSource { imported: &imported, row, divided: &divided, read: &read, name: &name };
+    let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
+    said.push_str(&notes(&imported, sources));
+    if let Some(path) = &options.output {
+        let written = stages.run("write", || write(path, &part_text::write(&source), options.force, sources));
+        said.push_str(&or_reported(written, sink)?);
+    } else {
+        said.push_str("nothing written: no `-o FILE`\n");
+    }
+    *emitted = Some(said);
+    Ok(())
+}
+
+/// File name of a path.
+fn own_name(name: &str) -> String {
+    let name = Path::new(name).file_name().map_or_else(|| name.to_owned(), |n| n.display().to_string());
+    printable(&name).into_owned()
+}
+
+/// What was found or taken for granted, with its place.
+fn notes(imported: &Imported, sources: &SourceMap) -> String {
+    let line = |note: &import::Note| {
+        let span = note.span?;
+        let file = sources.get(span.source)?;
+        Some(format!("  {}:{}: {}\n", own_name(&file.name), sources.line_column(span).0, note.text))
+    };
+    let lines: String = imported.notes.iter().filter_map(line).collect();
+    format!("\nfound and taken for granted\n{lines}\n")
+}
+
+/// The row of a name, or the only one.
+fn row<'a>(imported: &'a Imported, name: Option<&str>) -> Result<&'a ImportedRow, Diag> {
+    let rows = &imported.rows;
+    let known = || rows.iter().map(|row| format!("`{}`", printable(&row.name))).collect::<Vec<_>>().join(", ");
+    match (name, rows.as_slice()) {
+        (Some(name), _) => rows.iter().find(|row| row.name == name).ok_or_else(|| {
+            Diag::error(codes::NOT_STATED, format!("there is no row `{}`", printable(name)))
+                .help(format!("give `--row` one of {}", known()))
+        }),
+        (None, [row]) => Ok(row),
+        (None, rows) => {
+            Err(Diag::error(codes::NOT_STATED, format!("the files have {} rows of blades, not one", rows.len()))
+                .help(format!("state `--row`: {}", known())))
+        }
+    }
+}
+
+/// Names of the given files. Of a folder these are its files with an ending of a format; a file that names others is taken
+/// alone.
+fn names(given: &[PathBuf]) -> Result<Vec<String>, Diag> {
+    let mut names = Vec::new();
+    for path in given {
+        if !path.is_dir() {
+            names.push(path.display().to_string());
+            continue;
+        }
+        let entries = std::fs::read_dir(path)
+            .map_err(|e| reading::unreadable(path, &e, "a folder with blade files, or the files themselves"))?;
+        let mut inside: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|p| p.is_file()).collect();
+        inside.sort();
+        let ending = |p: &Path| p.extension().map(|e| e.display().to_string().to_ascii_lowercase()).unwrap_or_default();
+        let mut of_formats: Vec<PathBuf> = Vec::new();
+        for (_, endings) in import::formats() {
+            of_formats = inside.iter().filter(|p| endings.contains(&ending(p).as_str())).cloned().collect();
+            if !of_formats.is_empty() {
+                break;
+            }
+        }
+        if of_formats.is_empty() {
+            return Err(Diag::error(
+                codes::UNKNOWN_FORMAT,
+                format!("the folder {} has no blade files", path.display()),
+            )
+            .help("name the files; `impellerc explain IMP1001` lists their endings"));
+        }
+        names.extend(of_formats.iter().map(|p| p.display().to_string()));
+    }
+    Ok(names)
+}
+
+/// Reads a file.
+fn fetch(name: &str) -> Result<SourceFile, String> {
+    let path = Path::new(name);
+    let regular = std::fs::metadata(path).map_err(|e| reading::reason(&e))?.is_file();
+    if !regular {
+        return Err("it is not a regular file".to_owned());
+    }
+    let most = u64::try_from(limits::BYTES).unwrap_or(u64::MAX);
+    let bytes = reading::read(path, most).map_err(|e| reading::reason(&e))?;
+    let bytes = bytes.ok_or_else(|| format!("it is larger than {} MB, the limit", limits::BYTES >> 20))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|e| format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))?;
+    Ok(SourceFile { disk: path.canonicalize().ok(), ..SourceFile::text(printable(name), text) })
+}
+
+/// Writes the part and its tables, all or none.
+fn write(path: &Path, made: &part_text::PartFiles, force: bool, sources: &SourceMap) -> Result<String, Diag> {
+    let beside = |ending: &str| path.with_extension(ending);
+    let mut written: Vec<(PathBuf, &str)> = vec![
+        (path.to_path_buf(), &made.job),
+        (beside("curves.csv"), &made.curves),
+        (beside("sections.csv"), &made.sections),
+    ];
+    written.extend(made.meridian.iter().map(|text| (beside("meridian.csv"), text.as_str())));
+    let exists = written.iter().find(|(path, _)| !force && std::fs::symlink_metadata(path).is_ok());
+    if let Some((path, _)) = exists {
+        return Err(Diag::error(codes::EXISTS, format!("{} exists already", path.display()))
+            .note("nothing was written; no file was changed")
+            .help("give another name, or state `--force` to replace the part and its tables"));
+    }
+    let mut outputs = Outputs::default();
+    for file in sources.files() {
+        if let Some(path) = &file.disk {
+            outputs.protect(format!("`{}`", file.name), path);
+        }
+    }
+    for (path, _) in &written {
+        outputs.announce("-o", path)?;
+    }
+    for (path, text) in &written {
+        outputs.stage("-o", path, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    Ok(written.iter().map(|(path, _)| format!("wrote {}\n", shown_path(path))).collect())
+}

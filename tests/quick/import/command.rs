@@ -1,0 +1,118 @@
+//! The command `import`: the part that it writes, and when it writes nothing.
+
+use super::{table, turbogrid};
+use crate::support::bounded;
+use std::path::Path;
+use std::process::Output;
+
+fn folder(files: &[(String, String)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn import(arguments: &[&str], folder: &Path) -> Output {
+    bounded::program().current_dir(folder).arg("import").args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// The curves of the part are the first and the last section, and its sections read back are those of the file.
+#[test]
+fn a_part_and_its_tables_are_written() {
+    let folder = folder(&turbogrid::example());
+    let run = import(&["BladeGen.inf", "-o", "wheel.imp", "--pressure", "greater"], folder.path());
+    let said = text(&run.stdout);
+    assert!(run.status.success(), "{said}{}", text(&run.stderr));
+    for words in
+        ["12 main blades", "tip radius 70 mm", "3 rounded", "wrote wheel.imp", "hub.curve:7: the angle of the hub"]
+    {
+        assert!(said.contains(words), "{words} is not in\n{said}");
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let job = read("wheel.imp");
+    assert!(job.contains("part wheel {") && job.contains("vanes 12"), "{job}");
+    let curves = read("wheel.curves.csv");
+    for curve in ["main_tip_pressure", "main_root_pressure", "main_tip_suction", "main_root_suction"] {
+        assert!(job.contains(&format!("curve {curve} mm")), "{job}");
+        assert!(curves.contains(&format!("{curve},1,")), "{curves}");
+    }
+    // The front end misses only what is not the part.
+    let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "--emit", "job"]).output().unwrap();
+    let faults: Vec<String> = text(&run.stderr).lines().filter(|l| l.starts_with("IMP")).map(str::to_owned).collect();
+    assert!(!faults.is_empty() && faults.iter().all(|f| f == "IMP0201"), "{}", text(&run.stderr));
+    // The table is read back to the same sections. In the frame of the job, turned over about X, the pressure face is on the
+    // other side.
+    let arguments = "wheel.sections.csv wheel.meridian.csv --unit mm --axis z --blades 12 --pressure smaller -o b.imp";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let run = import(&arguments, folder.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    assert_eq!(read("b.sections.csv"), read("wheel.sections.csv"));
+    assert_eq!(read("b.curves.csv").lines().skip(1).collect::<Vec<_>>(), curves.lines().skip(1).collect::<Vec<_>>());
+}
+
+#[test]
+fn files_are_replaced_only_by_force() {
+    let folder = folder(&turbogrid::example());
+    std::fs::write(folder.path().join("wheel.curves.csv"), "old").unwrap();
+    let before = names(folder.path());
+    let run = import(&["BladeGen.inf", "-o", "wheel.imp", "--pressure", "greater"], folder.path());
+    assert_eq!(run.status.code(), Some(2));
+    assert!(text(&run.stderr).contains("IMP1010"), "{}", text(&run.stderr));
+    assert_eq!(names(folder.path()), before);
+    assert!(
+        import(&["BladeGen.inf", "-o", "wheel.imp", "--pressure", "greater", "--force"], folder.path())
+            .status
+            .success()
+    );
+    assert_ne!(std::fs::read_to_string(folder.path().join("wheel.curves.csv")).unwrap(), "old");
+    // Not even by force are the files that were read.
+    let run = import(&["BladeGen.inf", "-o", "BladeGen.inf", "--pressure", "greater", "--force"], folder.path());
+    assert!(text(&run.stderr).contains("IMP0904"), "{}", text(&run.stderr));
+    assert_eq!(std::fs::read_to_string(folder.path().join("BladeGen.inf")).unwrap(), turbogrid::example()[0].1);
+}
+
+#[test]
+fn a_folder_stands_for_its_files() {
+    let of_tables = folder(&table::example()[..4]);
+    let run = import(&[".", "--unit", "in", "--blades", "5", "--pressure", "greater"], of_tables.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).contains("5 main blades") && text(&run.stdout).contains("nothing written"));
+    assert_eq!(names(of_tables.path()).len(), 4);
+    let of_index = folder(&turbogrid::example());
+    assert!(import(&[".", "--pressure", "smaller"], of_index.path()).status.success());
+    // Without the side: the made-up blade turns like that of a turbine.
+    let run = import(&["."], of_index.path());
+    assert!(run.status.code() == Some(2) && text(&run.stderr).contains("IMP1008"), "{}", text(&run.stderr));
+    let empty = folder(&[]);
+    let run = import(&["."], empty.path());
+    assert!(run.status.code() == Some(2) && text(&run.stderr).contains("IMP1001"), "{}", text(&run.stderr));
+    let run = import(&["no.inf"], empty.path());
+    assert!(run.status.code() == Some(3) && text(&run.stderr).contains("IMP0901"), "{}", text(&run.stderr));
+}
+
+/// 100 MB of sections are refused with the limit, within the memory of [`bounded`].
+#[test]
+fn large_files_are_refused() {
+    let folder = folder(&turbogrid::example());
+    let line = "1.0000000 2.0000000 3.0000000\n";
+    for size in [100 << 20, 60 << 20] {
+        let text = format!("# Profile 1\n{}", line.repeat(size / line.len()));
+        std::fs::write(folder.path().join("profile.curve"), text).unwrap();
+        let run = import(&["BladeGen.inf"], folder.path());
+        let said = self::text(&run.stderr);
+        assert!(said.contains("64 MB, the limit") || said.contains("more than 10000 points of a curve"), "{said}");
+        assert!(!run.status.success() && !said.contains("panicked"));
+    }
+}
