@@ -409,7 +409,9 @@ impl BlockReader<'_> {
                 self.code(&code)
             }
             "N" => Err("a block number must be at the start of its block".to_owned()),
-            "A" | "B" | "C" => Err(format!("`{name}{}`: the machine has no axis {name}", shown(text, 20))),
+            "A" | "B" | "C" => {
+                Err(format!("`{name}{}` is not understood: the machine has no axis {name}", shown(text, 20)))
+            }
             _ => Err(format!("`{}{}` is not understood", shown(name, 20), shown(text, 20))),
         }
     }
