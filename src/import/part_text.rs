@@ -246,7 +246,7 @@ fn of_blade(divided: &[Divided]) -> Vec<String> {
     ];
     for (k, name) in ["Leading", "Trailing"].into_iter().enumerate() {
         let count = |form: EdgeForm| divided.iter().filter(|d| d.edges[k].form == form).count();
-        let forms = [(EdgeForm::Rounded, "rounded"), (EdgeForm::CutOff, "cut off"), (EdgeForm::Sharp, "sharp")];
+        let forms = [(EdgeForm::Round, "round"), (EdgeForm::CutOff, "cut off"), (EdgeForm::Sharp, "sharp")];
         let forms: Vec<String> = forms
             .into_iter()
             .map(|(form, word)| (count(form), word))

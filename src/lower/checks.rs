@@ -183,8 +183,8 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
     let before = sink.count();
     for id in part.blade_ids() {
         let blade = part.blade(id);
-        let sign = gap(blade, 0.5, 0.5).signum();
-        let Some((u, v)) = grid().find(|(u, v)| gap(blade, *u, *v) * sign <= 0.0) else { continue };
+        let rounded = blade.edges.iter().any(Option::is_some);
+        let Some((u, v)) = (if rounded { crossing(part, id) } else { crossing_by_azimuth(blade) }) else { continue };
         let [pressure, suction] = id.faces().map(|face| (face_text(spec, part, face), name_of(spec, part, face)));
         sink.push(
             Diag::error(codes::FACES_CROSS, format!("{} and suction face cross each other", pressure.1))
@@ -208,6 +208,27 @@ pub(super) fn faces(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(),
         }
     }
     done(sink, before)
+}
+
+/// A place of the pressure face at which the suction face lies on the other side, for faces with equal parameters at both ends.
+fn crossing_by_azimuth(blade: &Blade) -> Option<(f64, f64)> {
+    let sign = gap(blade, 0.5, 0.5).signum();
+    grid().find(|(u, v)| gap(blade, *u, *v) * sign <= 0.0)
+}
+
+/// A place of the suction face outside of the material behind the pressure face, by closest points: on a staggered blade the
+/// azimuths at equal parameters say nothing.
+fn crossing(part: &Part, id: BladeId) -> Option<(f64, f64)> {
+    /// Intervals along and up the face.
+    const PLACES: [usize; 2] = [16, 4];
+    let [pressure, suction] = id.faces().map(|face| part.face(face));
+    let share = |k: usize, n: usize| k as f64 / n as f64;
+    let places = (0..=PLACES[0]).flat_map(|i| (0..=PLACES[1]).map(move |j| (share(i, PLACES[0]), share(j, PLACES[1]))));
+    places.into_iter().find(|(u, v)| {
+        let p = suction.surface.point(*u, *v);
+        let foot = pressure.surface.closest(&p, Patch { u: [0.0, 1.0], v: [0.0, 1.0] });
+        (p - foot.point).dot(&pressure.normal(foot.u, foot.v)) >= 0.0
+    })
 }
 
 fn grid() -> impl Iterator<Item = (f64, f64)> {

@@ -33,10 +33,17 @@ pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
     let [hub, shroud] = generators.ok_or(Aborted)?;
     checks::own_meridians(spec, [&hub, &shroud], sink)?;
     let mut blades: Vec<Option<Blade>> = Vec::new();
+    let mut side = None;
     for (blade, faces) in spec.blades.iter().zip(given) {
         blades.push(match &blade.form {
             BladeForm::Faces(_) => from_faces(blade, faces, sink),
-            BladeForm::Sections(sections) => fitted(&SectionBlade { part: spec, blade, sections, hub: &hub }, sink),
+            BladeForm::Sections(sections) => {
+                let found = fitted(&SectionBlade { part: spec, blade, sections, hub: &hub, side }, sink);
+                found.map(|(made, found)| {
+                    side = side.or(Some(found));
+                    made
+                })
+            }
         });
     }
     let Some(blades) = blades.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };

@@ -5,14 +5,14 @@ use super::limits::{MAX_COORDINATE, MIN_RADIUS, SAME_POINT};
 use super::names::blade_name;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
-use crate::geom::{NurbsCurve, Revolution};
+use crate::geom::NurbsCurve;
 use crate::job::model::{BladeSpec, Looks, LoopSpec, PartSpec, SectionsSpec};
 use crate::part::{Blade, FaceSurface};
-use crate::sections::Outline;
-use crate::sections::divide::{DivideFault, divide};
 use crate::sections::loft::{LoftFault, LoftedBlade, loft};
+use crate::sections::outline::{self, Divided, Inlet, Known, Side, outline};
+use crate::sections::{EdgeForm, Outline, Section, SectionForm};
 use crate::units::length;
-use nalgebra::{Point3, Vector2};
+use nalgebra::Point3;
 
 /// A blade of sections in its part.
 pub(super) struct SectionBlade<'a> {
@@ -21,43 +21,23 @@ pub(super) struct SectionBlade<'a> {
     pub(super) sections: &'a SectionsSpec,
     /// Generating curve of the hub, from inlet to outlet.
     pub(super) hub: &'a NurbsCurve,
+    /// Side of the pressure face of the main blade: its splitters have the same, since all turn together.
+    pub(super) side: Option<Side>,
 }
-
-/// Change of azimuth from the leading to the trailing edge that tells the pressure face, at least, rad.
-const TOLD: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 
 const EDGES: [&str; 2] = ["leading edge", "trailing edge"];
 
-/// The blade through its sections; faults and what was found go to the sink.
-pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<Blade> {
+/// The blade through its sections, and the side of its pressure face; faults and what was found go to the sink.
+pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade, Side)> {
     let name = blade_name(given.part, &given.blade.name);
     let faulty = given.sections.loops.iter().filter(|section| !points_are_good(section, sink)).count();
     if faulty > 0 {
         return None;
     }
-    // Along the hub from inlet to outlet.
-    let hub = Revolution::new(given.hub.clone(), Vector2::new(0.0, 0.0));
-    let flow = |p: &Point3<f64>| hub.closest(Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
-    let divided = given.sections.loops.iter().map(|section| {
-        let points: Vec<Point3<f64>> = section.points.iter().map(|p| Point3::from(*p)).collect();
-        divide(&points, given.sections.edges, flow, None).map_err(|fault| (section, fault))
-    });
-    let (outlines, faults): (Vec<_>, Vec<_>) = divided.partition(Result::is_ok);
-    let mut faults = faults.into_iter().filter_map(Result::err);
-    if let Some((section, fault)) = faults.next() {
-        // The others mostly have the same cause.
-        let more = faults.count();
-        let diag = not_divided(&name, section, &fault, given.sections);
-        sink.push(if more > 0 { diag.note(format!("{more} more sections have a fault of this kind")) } else { diag });
-        return None;
-    }
-    let mut outlines: Vec<Outline> = outlines.into_iter().flatten().collect();
-    same_order(&mut outlines);
-    let looks = pressure_looks(given, &name, &outlines, sink)?;
-    // The face ahead of the other is the one with the greater azimuth.
-    let middle = &outlines[outlines.len() / 2];
-    let first_ahead = turn(&halfway(&middle.faces[1]), &halfway(&middle.faces[0])) > 0.0;
-    if first_ahead != (looks == Looks::CounterClockwise) {
+    let divided = divided(given, &name, sink)?;
+    let side = pressure_side(given, &name, &divided, sink)?;
+    let mut outlines: Vec<Outline> = divided.into_iter().map(|section| section.outline).collect();
+    if side == Side::Smaller {
         outlines.iter_mut().for_each(exchange);
     }
     let made = match loft(&outlines, given.sections.fit.get()) {
@@ -67,11 +47,11 @@ pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<Blade>
             return None;
         }
     };
-    told(given, &name, &made, looks, sink).then(|| {
+    told(given, &name, &made, looks(side), sink).then(|| {
         let LoftedBlade { faces: [pressure, suction], edges, .. } = made;
         let fillet = (given.blade.fillet.get() > 0.0).then_some(given.blade.fillet);
-        Blade::new(&given.blade.name, [pressure.into(), suction.into()], fillet)
-            .with_edges(edges.map(|edge| edge.map(FaceSurface::from)))
+        let blade = Blade::new(&given.blade.name, [pressure.into(), suction.into()], fillet);
+        (blade.with_edges(edges.map(|edge| edge.map(FaceSurface::from))), side)
     })
 }
 
@@ -111,11 +91,52 @@ fn points_are_good(section: &LoopSpec, sink: &mut Sink) -> bool {
     sink.count() == before
 }
 
-/// Lets the first faces of all sections lie on the same side: the points of a section may run in either sense.
-fn same_order(outlines: &mut [Outline]) {
-    let ahead = |o: &Outline| turn(&halfway(&o.faces[1]), &halfway(&o.faces[0])) > 0.0;
-    let first = ahead(&outlines[0]);
-    outlines.iter_mut().filter(|o| ahead(o) != first).for_each(exchange);
+/// The sections with their faces and edges, as if each pressure face were at the greater azimuth.
+fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<Divided>> {
+    /// Points of the hub that tell the leading edge.
+    const PLACES: u32 = 200;
+    let hub: Vec<[f64; 2]> = (0..=PLACES)
+        .map(|i| given.hub.point(f64::from(i) / f64::from(PLACES)))
+        .map(|p| [libm::hypot(p.x, p.y), p.z])
+        .collect();
+    let known = Known { inlet: Inlet::Meridian(&hub), pressure: Side::Greater };
+    let sections = given.sections.loops.iter().map(|section| {
+        let points = section.points.iter().map(|p| Point3::from(*p)).collect();
+        let found = outline(&Section { span: None, form: SectionForm::Loop(points) }, &known);
+        found
+            .map_err(|fault| fault.to_string())
+            .and_then(|found| with_forms(found, given.sections))
+            .map_err(|fault| (section, fault))
+    });
+    let (good, faults): (Vec<_>, Vec<_>) = sections.partition(Result::is_ok);
+    let mut faults = faults.into_iter().filter_map(Result::err);
+    let Some((section, fault)) = faults.next() else { return Some(good.into_iter().flatten().collect()) };
+    // The others mostly have the same cause.
+    let more = faults.count();
+    let diag = Diag::error(codes::SECTION, format!("section {} of {name} has no faces and edges", section.name))
+        .label(section.span, fault)
+        .help("give the points in order once round the blade, with both edges; state `leading-edge` or `trailing-edge` as round or cut-off where the wrong form is found");
+    sink.push(if more > 0 { diag.note(format!("{more} more sections have a fault of this kind")) } else { diag });
+    None
+}
+
+/// The section with edges of the stated forms. An edge that is cut off is straight between its corners.
+fn with_forms(mut found: Divided, spec: &SectionsSpec) -> Result<Divided, String> {
+    for (edge, name) in EDGES.iter().enumerate() {
+        let points = &mut found.outline.edges[edge];
+        match (found.edges[edge].form, spec.edges[edge]) {
+            (EdgeForm::Sharp, _) => {
+                return Err(format!("both faces meet in one point at its {name}: an edge needs a thickness"));
+            }
+            (EdgeForm::Round, Some(EdgeForm::CutOff)) => return Err(format!("its {name} has no two corners")),
+            (EdgeForm::CutOff, Some(EdgeForm::Round)) if points.len() < 3 => {
+                return Err(format!("its {name} has no point between its corners"));
+            }
+            (EdgeForm::CutOff, Some(EdgeForm::Round)) | (EdgeForm::Round, _) => {}
+            (EdgeForm::CutOff, _) => *points = points.first().into_iter().chain(points.last()).copied().collect(),
+        }
+    }
+    Ok(found)
 }
 
 fn exchange(outline: &mut Outline) {
@@ -123,68 +144,30 @@ fn exchange(outline: &mut Outline) {
     outline.edges.iter_mut().for_each(|edge| edge.reverse());
 }
 
-/// The point in the middle of the length of a face.
-fn halfway(points: &[Point3<f64>]) -> Point3<f64> {
-    let lengths: Vec<f64> = points
-        .windows(2)
-        .scan(0.0, |sum, pair| {
-            *sum += (pair[1] - pair[0]).norm();
-            Some(*sum)
-        })
-        .collect();
-    let whole = lengths.last().copied().unwrap_or(0.0);
-    let i = lengths.partition_point(|l| *l < 0.5 * whole).min(points.len() - 2);
-    let before = if i == 0 { 0.0 } else { lengths[i - 1] };
-    points[i] + (points[i + 1] - points[i]) * ((0.5 * whole - before) / (lengths[i] - before))
-}
-
-/// Angle about Z from one point to another, in (-pi, pi].
-fn turn(from: &Point3<f64>, to: &Point3<f64>) -> f64 {
-    libm::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y)
-}
-
-/// Where the pressure face looks: as stated, or away from the sense in which the blade falls back from inlet to outlet, as in
-/// compressors and pumps.
-fn pressure_looks(given: &SectionBlade<'_>, name: &str, outlines: &[Outline], sink: &mut Sink) -> Option<Looks> {
-    if let Some(stated) = given.sections.pressure {
-        return Some(stated);
+/// Where a pressure face at a side looks.
+fn looks(side: Side) -> Looks {
+    match side {
+        Side::Greater => Looks::CounterClockwise,
+        Side::Smaller => Looks::Clockwise,
     }
-    let falls = outlines.iter().map(|o| {
-        let face = &o.faces[0];
-        face.windows(2).map(|pair| turn(&pair[0], &pair[1])).sum::<f64>()
-    });
-    let mean = falls.sum::<f64>() / outlines.len() as f64;
-    if mean.abs() < TOLD {
+}
+
+/// Side of the pressure face: as stated, that of the main blade, or that of a blade that takes up work.
+fn pressure_side(given: &SectionBlade<'_>, name: &str, sections: &[Divided], sink: &mut Sink) -> Option<Side> {
+    let found = match given.sections.pressure {
+        Some(stated) => [Side::Greater, Side::Smaller].into_iter().find(|side| looks(*side) == stated),
+        None => given.side.or_else(|| outline::pressure_side(sections)),
+    };
+    if found.is_none() {
+        let mean = |value: fn(&Divided) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
+        let (wrap, turn) = (mean(|s| s.wrap).to_degrees(), mean(|s| s.turn).to_degrees());
         sink.push(
             Diag::error(codes::PRESSURE_SIDE, format!("the pressure face of {name} cannot be told"))
-                .label(given.sections.span, format!("the blade turns by only {:.2} deg about Z", mean.to_degrees()))
+                .label(given.sections.span, format!("the blade turns by {wrap:.1} deg about Z, and its mean line bends by {turn:.1} deg"))
                 .help("state it: `pressure counter-clockwise` when the pressure face looks counter-clockwise, seen from +Z; or `pressure clockwise`"),
         );
-        return None;
     }
-    Some(if mean < 0.0 { Looks::CounterClockwise } else { Looks::Clockwise })
-}
-
-fn not_divided(name: &str, section: &LoopSpec, fault: &DivideFault, spec: &SectionsSpec) -> Diag {
-    let message = format!("section {} of {name} has no faces and edges", section.name);
-    let at = |i: usize| section.spans.get(i).copied().unwrap_or(section.span);
-    let diag = Diag::error(codes::SECTION, message);
-    match fault {
-        DivideFault::TooFew(n) => diag
-            .label(section.span, format!("it has {n} points"))
-            .help("give at least 12 points round the blade; 100 and more describe its edges well"),
-        DivideFault::Repeated(i) => diag.label(at(*i), "this point stands twice").help("remove one of the two points"),
-        DivideFault::NoEdges => diag
-            .label(section.span, "no two parts of it turn by 130 deg")
-            .help("give the points in order once round the blade, with leading and trailing edge"),
-        DivideFault::Sharp(i) => diag
-            .label(at(*i), "both faces end in this point")
-            .help("give the edge a thickness: no tool leaves an edge without thickness"),
-        DivideFault::NoCorners(edge) => diag
-            .label(section.span, format!("its {} has no two corners", EDGES[*edge]))
-            .help(format!("write `{} round`, or remove the property", EDGES[*edge].replace(' ', "-")))
-            .label(spec.span, "the form of the edge is stated with these sections"),
-    }
+    found
 }
 
 fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {

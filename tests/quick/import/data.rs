@@ -193,7 +193,7 @@ fn shown(name: &str, found: &[Divided], residual: f64) {
                 "    {:?} radius {:.3} width {:.3} depth {:.3} residual {:.4}",
                 e.form, e.radius, e.width, e.depth, e.residual
             );
-            assert!(e.form == EdgeForm::Rounded && e.residual < residual * e.width, "{name} {}: {e:?}", k + 1);
+            assert!(e.form == EdgeForm::Round && e.residual < residual * e.width, "{name} {}: {e:?}", k + 1);
             assert!(e.width < 0.7 * d.thickness && e.radius > 0.0, "{name} {}: {e:?}", k + 1);
         }
         assert_eq!(d.pressure, found[0].pressure);

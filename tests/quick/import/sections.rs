@@ -40,7 +40,7 @@ fn round_edges_have_their_radius_from_any_start() {
         let d = divided(&points);
         // Where the mean line is along Z the edge is a half circle, within a step of 0.24 mm; at the other end it is sheared.
         let [edge, other] = d.edges;
-        assert_eq!((edge.form, other.form), (EdgeForm::Rounded, EdgeForm::Rounded));
+        assert_eq!((edge.form, other.form), (EdgeForm::Round, EdgeForm::Round));
         assert!((edge.radius - 1.0).abs() < 0.2 && (edge.width - 2.0).abs() < 0.1, "{edge:?}");
         assert!((edge.depth - 1.0).abs() < 0.25 && edge.residual < 0.15, "{edge:?}");
         assert!((d.thickness - 2.0).abs() < 0.05, "{}", d.thickness);
@@ -59,7 +59,7 @@ fn an_ellipse_and_a_cut_are_found() {
         let inlet = Inlet::Meridian(&[[1000.0, -1.0], [1000.0, 50.0]]);
         let d = outline(&section(&points), &Known { inlet, ..KNOWN }).unwrap();
         let [leading, trailing] = d.edges;
-        assert_eq!((leading.form, trailing.form), (EdgeForm::Rounded, EdgeForm::CutOff));
+        assert_eq!((leading.form, trailing.form), (EdgeForm::Round, EdgeForm::CutOff));
         assert!((leading.width - 2.0).abs() < 1e-9 && (leading.depth - depth).abs() < 1e-9, "{leading:?}");
         assert!((leading.radius - 1.0 / depth).abs() < 1e-9 && leading.residual < 1e-9, "{leading:?}");
         assert_eq!(leading.points, count + 1);
@@ -149,7 +149,7 @@ fn faces_that_are_given_keep_their_names() {
     assert_eq!(d.pressure, Side::Smaller);
     assert!(d.outline.faces[0].iter().all(|p| pressure.contains(p)));
     assert!(d.outline.faces[1].iter().all(|p| suction.contains(p)));
-    assert!(d.edges.iter().all(|e| e.form == EdgeForm::Rounded && (e.width - 2.0).abs() < 0.1));
+    assert!(d.edges.iter().all(|e| e.form == EdgeForm::Round && (e.width - 2.0).abs() < 0.1));
     // Without their ends they are cut off.
     let open = |face: &[Point3<f64>]| face[20..face.len() - 20].to_vec();
     let form = SectionForm::Faces([open(&pressure), open(&suction)]);
