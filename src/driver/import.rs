@@ -55,6 +55,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {
+        or_reported(placed(row), sink)?;
         let written = stages.run("write", || write(path, &part_text::write(&source), options.force, sources));
         said.push_str(&or_reported(written, sink)?);
     } else {
@@ -62,6 +63,16 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     }
     *emitted = Some(said);
     Ok(())
+}
+
+/// Refuses to write splitters of which it is not known where they stand: whether the angles of their sections hold the pitch
+/// fraction.
+fn placed(row: &ImportedRow) -> Result<(), Diag> {
+    let Some(blade) = row.blades.iter().find(|blade| blade.pitch_share.is_some()) else { return Ok(()) };
+    let at = blade.places.first().copied().unwrap_or_default();
+    Err(Diag::error(codes::NOT_READ, "a part with splitters is not written from this format")
+        .label(at, "it is not known whether these angles hold the pitch fraction of the splitter")
+        .help("export the blades as points, such as `.inf` with its curve files: they show where the splitters stand"))
 }
 
 /// File name of a path.

@@ -1,6 +1,6 @@
 //! The command `import`: the part that it writes, and when it writes nothing.
 
-use super::{table, turbogrid};
+use super::{rtzt, table, turbogrid};
 use crate::support::bounded;
 use std::path::Path;
 use std::process::Output;
@@ -100,6 +100,17 @@ fn a_folder_stands_for_its_files() {
     assert!(run.status.code() == Some(2) && text(&run.stderr).contains("IMP1001"), "{}", text(&run.stderr));
     let run = import(&["no.inf"], empty.path());
     assert!(run.status.code() == Some(3) && text(&run.stderr).contains("IMP0901"), "{}", text(&run.stderr));
+}
+
+/// Whether the angles of a splitter hold its pitch fraction is not known: what is read is told, and nothing is written.
+#[test]
+fn splitters_without_a_place_are_not_written() {
+    let folder = folder(&rtzt::example());
+    let arguments = ["a.rtzt", "--unit", "mm", "--start", "leading", "--pressure", "greater"];
+    assert!(import(&arguments, folder.path()).status.success());
+    let run = import(&[&arguments[..], &["-o", "wheel.imp"]].concat(), folder.path());
+    assert!(run.status.code() == Some(2) && text(&run.stderr).contains("IMP1007"), "{}", text(&run.stderr));
+    assert_eq!(names(folder.path()), ["a.rtzt"]);
 }
 
 /// 100 MB of sections are refused with the limit, within the memory of [`bounded`].
