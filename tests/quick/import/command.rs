@@ -36,7 +36,7 @@ fn a_part_and_its_tables_are_written() {
     let said = text(&run.stdout);
     assert!(run.status.success(), "{said}{}", text(&run.stderr));
     for words in
-        ["12 main blades", "tip radius 70 mm", "3 rounded", "wrote wheel.imp", "hub.curve:7: the angle of the hub"]
+        ["12 main blades", "tip radius 70 mm", "3 round", "wrote wheel.imp", "hub.curve:7: the angle of the hub"]
     {
         assert!(said.contains(words), "{words} is not in\n{said}");
     }
