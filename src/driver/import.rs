@@ -165,6 +165,7 @@ fn write(path: &Path, made: &part_text::PartFiles, force: bool, sources: &Source
         (beside("curves.csv"), &made.curves),
         (beside("sections.csv"), &made.sections),
     ];
+    written.extend(made.loops.iter().map(|(blade, text)| (beside(&format!("{blade}.csv")), text.as_str())));
     written.extend(made.meridian.iter().map(|text| (beside("meridian.csv"), text.as_str())));
     let exists = written.iter().find(|(path, _)| !force && std::fs::symlink_metadata(path).is_ok());
     if let Some((path, _)) = exists {

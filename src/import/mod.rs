@@ -23,6 +23,7 @@ mod rtzt;
 mod stated;
 mod table;
 mod turbogrid;
+mod wheel_ends;
 
 pub use frame::{Axis, Handedness, LengthUnit};
 pub use loader::Fetch;

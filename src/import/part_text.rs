@@ -3,7 +3,8 @@
 //! The language has the axis of rotation in Z with the inlet above the outlet. A blade whose flow goes towards +Z is turned
 //! over: about X by half a turn, which mirrors nothing.
 
-use super::{Imported, ImportedRow};
+use super::wheel_ends::{CutMeridian, cut};
+use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::SectionForm;
 use crate::sections::outline::{Divided, Side};
 use crate::sections::{EdgeForm, Outline};
@@ -16,8 +17,10 @@ use std::fmt::Write as _;
 pub struct PartFiles {
     /// The job with the part alone.
     pub job: String,
-    /// Curves of its faces, `curve,number,x,y,z` in mm.
+    /// Curves of its faces, or its hub and shroud where the blades have closed sections, `curve,number,x,y,z` in mm.
     pub curves: String,
+    /// Closed sections of each blade, `curve,number,x,y,z` in mm, with the name of the blade; none for ruled faces.
+    pub loops: Vec<(String, String)>,
     /// All sections, `blade,section,span,face,x,y,z` in mm, in the frame of the job.
     pub sections: String,
     /// Hub and shroud, `curve,r,z` in mm, in the frame of the job.
@@ -87,18 +90,35 @@ fn ends(divided: &[Divided]) -> Option<[(&'static str, &Outline); 2]> {
     Some([("tip", &divided.last()?.outline), ("root", &divided.first()?.outline)])
 }
 
-/// Writes the files of a part.
+/// Writes the files of a part. Where all sections are closed and hub and shroud are known, the blades have these sections;
+/// otherwise their faces are ruled from the first to the last section.
 pub fn write(source: &PartSource<'_>) -> PartFiles {
     let over = upward(source);
-    PartFiles {
-        job: job(source, over),
-        curves: curves(source, over),
-        sections: sections(source, over),
-        meridian: meridian(source.imported, over),
-    }
+    let ends = wheel(source);
+    let (loops, curves) = match &ends {
+        Some(ends) => (loops(source, over), meridians(ends, over)),
+        None => (Vec::new(), curves(source, over)),
+    };
+    let job = job(source, over, ends.as_ref());
+    PartFiles { job, curves, loops, sections: sections(source, over), meridian: meridian(source.imported, over) }
 }
 
-fn job(source: &PartSource<'_>, over: bool) -> String {
+/// Hub and shroud of the wheel, where all blades have closed sections.
+fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
+    let blades = &source.row.blades;
+    let closed = blades.iter().flat_map(|b| &b.sections).all(|s| matches!(s.form, SectionForm::Loop(_)));
+    let few = blades.iter().all(|b| b.sections.len() >= 2);
+    let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
+        let section = |divided: &Vec<Divided>| if last { divided.last().cloned() } else { divided.first().cloned() };
+        let outlines = source.divided.iter().filter_map(section).map(|d| d.outline);
+        let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
+        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]))
+    };
+    let ends = [of(&source.imported.hub, false)?, of(&source.imported.shroud, true)?];
+    (closed && few).then_some(ends)
+}
+
+fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> String {
     let mut text = String::new();
     for line in summary(source) {
         _ = writeln!(text, "// {line}");
@@ -108,9 +128,20 @@ fn job(source: &PartSource<'_>, over: bool) -> String {
             "// Turned over about X, so that the inlet is up: y and z have the other sign than in the file.\n",
         );
     }
-    text.push_str(
-        "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
-    );
+    if let Some([hub, shroud]) = ends {
+        for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
+            let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
+            _ = writeln!(
+                text,
+                "// The {name} is cut {ahead} mm ahead of the leading edges and {behind} mm behind the trailing edges: change it to the ends of the wheel."
+            );
+        }
+        text.push_str("// Add fillets, stock, tools, operations and contracts.\n");
+    } else {
+        text.push_str(
+            "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
+        );
+    }
     text.push_str("edition 2026\n\n");
     _ = writeln!(text, "part {} {{", word(source.name, "imported"));
     _ = writeln!(text, "  vanes {}", source.row.count);
@@ -118,16 +149,68 @@ fn job(source: &PartSource<'_>, over: bool) -> String {
     for (k, divided) in source.divided.iter().enumerate() {
         let name = blade_name(k);
         _ = writeln!(text, "  {} {name} {{", if k == 0 { "vane" } else { "splitter" });
-        for face in FACES {
-            _ = writeln!(text, "    {face} ruled {{");
-            for (end, _) in ends(divided).into_iter().flatten() {
-                _ = writeln!(text, "      {end} spline from \"{file}\" curve {name}_{end}_{face} mm");
-            }
-            text.push_str("    }\n");
+        if ends.is_some() {
+            _ = writeln!(text, "    sections loops from \"{}.{name}.csv\" mm", source.name);
+            _ = writeln!(text, "    pressure {}", looks(divided, over));
+        } else {
+            ruled_faces(&mut text, divided, &name, &file);
         }
         text.push_str("  }\n");
     }
-    text.push_str("  hub    revolve main.pressure.root\n  shroud revolve main.pressure.tip\n}\n");
+    text.push_str(&match ends {
+        Some(_) => ["hub   ", "shroud"]
+            .map(|name| format!("  {name} revolve spline from \"{file}\" curve {} mm\n", name.trim_end()))
+            .concat(),
+        None => "  hub    revolve main.pressure.root\n  shroud revolve main.pressure.tip\n".to_owned(),
+    });
+    text.push_str("}\n");
+    text
+}
+
+/// Where the pressure face looks in the frame of the job, seen from +Z.
+fn looks(divided: &[Divided], over: bool) -> &'static str {
+    let greater = divided.first().is_some_and(|d| d.pressure == Side::Greater);
+    if greater == over { "clockwise" } else { "counter-clockwise" }
+}
+
+fn ruled_faces(text: &mut String, divided: &[Divided], blade: &str, file: &str) {
+    for face in FACES {
+        _ = writeln!(text, "    {face} ruled {{");
+        for (end, _) in ends(divided).into_iter().flatten() {
+            _ = writeln!(text, "      {end} spline from \"{file}\" curve {blade}_{end}_{face} mm");
+        }
+        text.push_str("    }\n");
+    }
+}
+
+/// Closed sections of each blade.
+fn loops(source: &PartSource<'_>, over: bool) -> Vec<(String, String)> {
+    let of = |(k, blade): (usize, &ImportedBlade)| {
+        let mut text = format!(
+            "# Sections of {} of {} in mm, from hub to shroud. Z is the axis of rotation.\n# curve,number,x,y,z\n",
+            blade_name(k),
+            source.name
+        );
+        for (section, given) in blade.sections.iter().enumerate() {
+            let SectionForm::Loop(points) = &given.form else { continue };
+            for (number, p) in points.iter().enumerate() {
+                _ = writeln!(text, "section_{:02},{},{}", section + 1, number + 1, coordinates(p, over));
+            }
+        }
+        (blade_name(k), text)
+    };
+    source.row.blades.iter().enumerate().map(of).collect()
+}
+
+/// Hub and shroud of the wheel as curves.
+fn meridians(ends: &[CutMeridian; 2], over: bool) -> String {
+    let mut text =
+        String::from("# Hub and shroud of the wheel in mm from inlet to outlet: meridians.\n# curve,number,x,y,z\n");
+    for (name, line) in ["hub", "shroud"].iter().zip(ends) {
+        for (number, [r, z]) in line.points.iter().enumerate() {
+            _ = writeln!(text, "{name},{},{}", number + 1, coordinates(&Point3::new(*r, 0.0, *z), over));
+        }
+    }
     text
 }
 

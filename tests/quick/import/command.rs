@@ -1,6 +1,6 @@
 //! The command `import`: the part that it writes, and when it writes nothing.
 
-use super::{rtzt, table, turbogrid};
+use super::{data, rtzt, table, turbogrid};
 use crate::support::bounded;
 use std::path::Path;
 use std::process::Output;
@@ -28,7 +28,25 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The curves of the part are the first and the last section, and its sections read back are those of the file.
+/// What a part lacks to be a job.
+const REST: &str = "stock turned { over shroud 0 mm  bore 10 mm  back -200 mm }
+tool t1 = ball { diameter 2 mm  flutes 4  flute 12 mm  reach 25 mm  holder \"er16-mini\" }
+operation flank { tool t1  speed 12000 rpm  feed 250 mm/min  faces pressure, suction  sectors 1 }
+post siemens-840d
+";
+
+/// The part with stock, tool and operation is a program: its blades are modelled from the sections.
+fn is_modelled(folder: &Path, name: &str, extend: &str) -> String {
+    let job = std::fs::read_to_string(folder.join(name)).unwrap();
+    let job = job.replace("\n  vane main {", &format!("\n{extend}  vane main {{"));
+    let head = "edition 2026\nuse machine \"5mc850-c\"\nuse tools \"carbide\"\n";
+    std::fs::write(folder.join("whole.imp"), job.replace("edition 2026\n", head) + REST).unwrap();
+    let run = bounded::program().current_dir(folder).args(["whole.imp", "--emit", "ir"]).output().unwrap();
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    text(&run.stderr)
+}
+
+/// The blades of the part have the sections of the file, which read back are the same.
 #[test]
 fn a_part_and_its_tables_are_written() {
     let folder = folder(&turbogrid::example());
@@ -44,10 +62,14 @@ fn a_part_and_its_tables_are_written() {
     let job = read("wheel.imp");
     assert!(job.contains("part wheel {") && job.contains("vanes 12"), "{job}");
     let curves = read("wheel.curves.csv");
-    for curve in ["main_tip_pressure", "main_root_pressure", "main_tip_suction", "main_root_suction"] {
-        assert!(job.contains(&format!("curve {curve} mm")), "{job}");
+    for curve in ["hub", "shroud"] {
+        assert!(job.contains(&format!("revolve spline from \"wheel.curves.csv\" curve {curve} mm")), "{job}");
         assert!(curves.contains(&format!("{curve},1,")), "{curves}");
     }
+    assert!(job.contains("sections loops from \"wheel.main.csv\" mm"), "{job}");
+    // The sections of the example end 1 mm short of its hub and shroud.
+    let said = is_modelled(folder.path(), "wheel.imp", "  extend 1.01 mm\n");
+    assert!(said.contains("IMP0319"), "{said}");
     // The front end misses only what is not the part.
     let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "--emit", "job"]).output().unwrap();
     let faults: Vec<String> = text(&run.stderr).lines().filter(|l| l.starts_with("IMP")).map(str::to_owned).collect();
@@ -60,6 +82,27 @@ fn a_part_and_its_tables_are_written() {
     assert!(run.status.success(), "{}", text(&run.stderr));
     assert_eq!(read("b.sections.csv"), read("wheel.sections.csv"));
     assert_eq!(read("b.curves.csv").lines().skip(1).collect::<Vec<_>>(), curves.lines().skip(1).collect::<Vec<_>>());
+}
+
+/// The wheels of public data become parts whose surfaces go through their points within 5 um.
+#[test]
+fn public_wheels_are_modelled() {
+    for (set, stated) in
+        [("nasa_hecc/hot_design_intent", "--unit in --blades 15"), ("nasa_rotor37", ""), ("hannover_tfd4ac_rotor1", "")]
+    {
+        let Some(data) = data::folder(set) else { continue };
+        let folder = tempfile::tempdir().unwrap();
+        let given = data.display().to_string();
+        let arguments: Vec<&str> =
+            [given.as_str(), "-o", "wheel.imp"].into_iter().chain(stated.split_whitespace()).collect();
+        let run = import(&arguments, folder.path());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        let said = is_modelled(folder.path(), "wheel.imp", "");
+        let found = said.lines().filter_map(|line| line.split(" sections within ").nth(1));
+        let found: Vec<f64> = found.map(|rest| rest.split_whitespace().next().unwrap().parse().unwrap()).collect();
+        println!("{set}: {found:?} um");
+        assert!(!found.is_empty() && found.iter().all(|residual| *residual < 5.0), "{said}");
+    }
 }
 
 #[test]

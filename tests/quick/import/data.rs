@@ -11,7 +11,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The folder of a data set.
-fn folder(name: &str) -> Option<PathBuf> {
+pub fn folder(name: &str) -> Option<PathBuf> {
     let Some(root) = std::env::var_os("IMPELLERC_BLADE_DATA") else {
         let text = format!("skipped: IMPELLERC_BLADE_DATA does not name a folder with {name}\n");
         std::io::stderr().write_all(text.as_bytes()).unwrap();

@@ -1,0 +1,99 @@
+//! The part of a meridian that belongs to the wheel: from ahead of the leading edges to the trailing edges or behind them.
+
+use nalgebra::Vector2;
+
+/// Share of the length from leading to trailing edge by which a meridian goes on.
+const BEYOND: f64 = 0.1;
+
+/// Points nearer to a cut end than this share of the length are left out.
+const NEAR: f64 = 1e-3;
+
+/// A cut meridian.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct CutMeridian {
+    /// Points (r, z) from inlet to outlet, mm.
+    pub(super) points: Vec<[f64; 2]>,
+    /// Lengths ahead of the foremost and behind the last point of the blades, mm.
+    pub(super) beyond: [f64; 2],
+}
+
+/// Cuts a meridian, given from inlet to outlet, to the wheel with these points of its blades, (r, z). A meridian that is rather
+/// radial where the blades end is cut there, since an impeller ends with its blades; others go on by a tenth of the length of
+/// the blades, as at the inlet. No meridian is extended.
+///
+/// `None` for a meridian without length, or without blades.
+pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>) -> Option<CutMeridian> {
+    let points: Vec<Vector2<f64>> = line.iter().map(|p| Vector2::from(*p)).collect();
+    let mut lengths = vec![0.0];
+    for pair in points.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    let whole = *lengths.last()?;
+    let along = |p: [f64; 2]| {
+        let p = Vector2::from(p);
+        let nearest = points.windows(2).zip(&lengths).map(|(pair, before)| {
+            let way = pair[1] - pair[0];
+            let t = ((p - pair[0]).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            ((pair[0] + way * t - p).norm(), before + way.norm() * t)
+        });
+        nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |n| n.1)
+    };
+    let [first, last] =
+        blades.map(along).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)]);
+    let length = last - first;
+    if !(whole > 0.0 && length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let segment = |s: f64| lengths.partition_point(|l| *l < s).clamp(1, points.len() - 1);
+    let end = segment(last);
+    let way = points[end] - points[end - 1];
+    let behind = if way.x.abs() > way.y.abs() { 0.0 } else { BEYOND * length };
+    let (from, to) = ((first - BEYOND * length).max(0.0), (last + behind).min(whole));
+    let at = |s: f64| {
+        let k = segment(s);
+        let share = (s - lengths[k - 1]) / (lengths[k] - lengths[k - 1]).max(f64::MIN_POSITIVE);
+        points[k - 1] + (points[k] - points[k - 1]) * share
+    };
+    let between = points.iter().zip(&lengths).filter(|(_, s)| **s > from + NEAR * length && **s < to - NEAR * length);
+    let mut kept = vec![at(from)];
+    kept.extend(between.map(|(p, _)| *p));
+    kept.push(at(to));
+    Some(CutMeridian { points: kept.into_iter().map(Into::into).collect(), beyond: [first - from, to - last] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quarter of a circle from axial to radial, with straight lines before and behind.
+    fn line() -> Vec<[f64; 2]> {
+        let mut line = vec![[10.0, 40.0], [10.0, 30.0]];
+        line.extend(
+            (1..=30)
+                .map(|i| f64::from(i) * 3.0_f64.to_radians())
+                .map(|a| [40.0 - 30.0 * a.cos(), 30.0 - 30.0 * a.sin()]),
+        );
+        line.push([60.0, 0.0]);
+        line
+    }
+
+    #[test]
+    fn an_impeller_ends_with_its_blades() {
+        let blades = [[10.5, 28.0], [20.0, 8.0], [55.0, 0.3]];
+        let cut = cut(&line(), blades.into_iter()).expect("cut");
+        let [first, last] = [cut.points[0], cut.points[cut.points.len() - 1]];
+        assert!((last[0] - 55.0).abs() < 1e-9 && last[1].abs() < 1e-9, "{last:?}");
+        assert!(first[1] > 33.0 && first[1] < 36.0 && (first[0] - 10.0).abs() < 1e-9, "{first:?}");
+        assert!(cut.beyond[1].abs() < 1e-9 && cut.beyond[0] > 5.0, "{:?}", cut.beyond);
+        assert!(cut.points.windows(2).all(|pair| pair[0] != pair[1]));
+    }
+
+    #[test]
+    fn an_axial_wheel_goes_on_behind_its_blades_as_far_as_the_line() {
+        let line = [[20.0, 50.0], [21.0, 0.0], [21.5, -24.0]];
+        let cut = cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter()).expect("cut");
+        assert!((cut.beyond[0] - 4.0).abs() < 0.1 && (cut.beyond[1] - 4.0).abs() < 0.1, "{:?}", cut.beyond);
+        assert!(super::cut(&line, std::iter::empty()).is_none());
+        assert!(super::cut(&[[1.0, 1.0]], [[1.0, 1.0]].into_iter()).is_none());
+    }
+}
