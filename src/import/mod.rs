@@ -31,7 +31,7 @@ pub use loader::Fetch;
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::sections::outline::Side;
-use crate::sections::{Section, ThicknessDirection};
+use crate::sections::{EdgeForm, Section, ThicknessDirection};
 use crate::source::{SourceId, SourceMap, Span};
 use found::Found;
 use loader::Loader;
@@ -72,21 +72,12 @@ pub struct ImportedBlade {
     /// Place of each section in the files.
     pub places: Vec<Span>,
     /// Forms of the leading and of the trailing edge, where the file states them.
-    pub edges: [Option<EdgeKind>; 2],
+    pub edges: [Option<EdgeForm>; 2],
     /// Gap at the tip at the leading and at the trailing edge, mm, where the file states it.
     pub tip_gap: Option<[f64; 2]>,
     /// Angle from the main blade to this blade as a share of the pitch, where the file states it and the sections do not
     /// hold it.
     pub pitch_share: Option<f64>,
-}
-
-/// Form of an edge that a file states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeKind {
-    /// Half of an ellipse.
-    Ellipse,
-    /// Cut off.
-    CutOff,
 }
 
 /// What a reader found or took for granted.

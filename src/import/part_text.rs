@@ -151,6 +151,10 @@ fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> 
         _ = writeln!(text, "  {} {name} {{", if k == 0 { "vane" } else { "splitter" });
         if ends.is_some() {
             _ = writeln!(text, "    sections loops from \"{}.{name}.csv\" mm", source.name);
+            let stated = source.row.blades.get(k).map_or([None; 2], |blade| blade.edges);
+            for (edge, form) in ["leading", "trailing"].iter().zip(stated) {
+                form.map(|form| writeln!(text, "    {edge}-edge {}", form.name()));
+            }
             _ = writeln!(text, "    pressure {}", looks(divided, over));
         } else {
             ruled_faces(&mut text, divided, &name, &file);

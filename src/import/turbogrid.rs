@@ -9,9 +9,10 @@ use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
 use super::stated::Asked;
-use super::{EdgeKind, Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
+use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
+use crate::sections::EdgeForm;
 use crate::source::{SourceId, Span, Spanned};
 
 /// What an `.inf` file states.
@@ -26,7 +27,7 @@ struct Index {
     shroud: Option<Spanned<String>>,
     profile: Option<Spanned<String>>,
     /// Blade, end (leading, trailing), form.
-    edges: Vec<(usize, usize, EdgeKind)>,
+    edges: Vec<(usize, usize, EdgeForm)>,
 }
 
 pub(super) fn read(
@@ -117,8 +118,8 @@ fn entry(index: &mut Index, key: &str, value: &str, line: Line<'_>, found: &mut 
         other => match edge(other) {
             Some((blade, end)) => {
                 let kind = match value.to_ascii_lowercase().as_str() {
-                    "ellipseend" => EdgeKind::Ellipse,
-                    "cutoffend" => EdgeKind::CutOff,
+                    "ellipseend" => EdgeForm::Round,
+                    "cutoffend" => EdgeForm::CutOff,
                     _ => return Err(line.fault("there is no such edge", "EllipseEnd or CutOffEnd is expected")),
                 };
                 index.edges.push((blade, end, kind));

@@ -11,7 +11,7 @@ use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, FaceId, SurfaceKind};
 use impellerc::passes::pipeline::{self, Plan};
 use impellerc::units::Mm;
-use impellerc::verify::certify;
+use impellerc::verify::{certify, verify};
 use nalgebra::Point3;
 
 /// The paper's part with point milling of some surfaces of one vane.
@@ -151,6 +151,22 @@ fn ball_leaves_the_scallop_on_curved_faces() {
         assert!(report.excess_bound <= 0.02 && report.gouge_bound <= 0.001, "{report:?}");
         assert!(found[0] >= -report.gouge_bound && found[1] <= report.excess_bound, "{found:?}");
         assert!(found[1] > 0.9 * 0.02, "lines are as far apart as the scallop allows: {found:?}");
+    }
+}
+
+/// The shipped wheel with curved vanes keeps its contracts with all operations.
+#[test]
+fn curved_vanes_keep_their_contracts() {
+    let program = support::jobs::program("curved", None);
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).expect("a plan");
+    let (_, certificate) = verify(&program, plan.motion, &mut sink).expect("a motion that holds");
+    assert!(!certificate.contracts.is_empty() && certificate.contracts.iter().all(|c| c.holds));
+    let curved =
+        certificate.surfaces.iter().filter(|s| s.surface.starts_with("vane 1 ") && s.surface.ends_with(" face"));
+    for report in curved {
+        println!("{}: gouge at most {}, excess at most {}", report.surface, report.gouge_bound, report.excess_bound);
+        assert!(report.gouge_bound <= 0.002 && report.excess_bound <= 0.02, "{report:?}");
     }
 }
 

@@ -1,7 +1,8 @@
 //! TurboGrid files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, noted, points};
-use impellerc::import::{Axis, EdgeKind, LengthUnit, Options};
+use impellerc::import::{Axis, LengthUnit, Options};
+use impellerc::sections::EdgeForm;
 
 /// Points of lines of the profile, hub or shroud.
 fn lines(points: &[[f64; 3]], scale: f64) -> String {
@@ -121,8 +122,8 @@ fn a_second_block_is_a_splitter() {
     let read = good(&borrowed(&files(&inf, &both)), 1, &Options::default());
     let names: Vec<_> = read.rows[0].blades.iter().map(|b| (b.name.as_str(), b.sections.len())).collect();
     assert_eq!(names, [("Main Blade", 3), ("Splitter", 2)]);
-    assert_eq!(read.rows[0].blades[0].edges, [None, Some(EdgeKind::Ellipse)]);
-    assert_eq!(read.rows[0].blades[1].edges, [Some(EdgeKind::CutOff), None]);
+    assert_eq!(read.rows[0].blades[0].edges, [None, Some(EdgeForm::Round)]);
+    assert_eq!(read.rows[0].blades[1].edges, [Some(EdgeForm::CutOff), None]);
     // The number of blades in a set must be that of the blocks.
     let wrong = inf.replace("Per Set: 2", "Per Set: 1");
     assert_eq!(line(&borrowed(&files(&wrong, &both)), 1, &Options::default()).0, "IMP1005");
