@@ -112,13 +112,13 @@ fn halving(all: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
 }
 
 /// A fit with the errors of its points.
-struct Judged {
+struct JudgedFit {
     fit: RowFit,
     /// Parameter of the foot of each point, and the distance, by row.
     feet: Vec<Vec<(f64, f64)>>,
 }
 
-impl Judged {
+impl JudgedFit {
     /// Spans with a point out of tolerance.
     fn failing(&self, inner: &[f64], tolerance: f64) -> Vec<[f64; 2]> {
         let mut ends = vec![0.0];
@@ -135,7 +135,7 @@ impl Judged {
 }
 
 impl RowFit {
-    fn on(rows: &[Row], closed: bool, inner: &[f64]) -> Option<Judged> {
+    fn on(rows: &[Row], closed: bool, inner: &[f64]) -> Option<JudgedFit> {
         let knots = if closed { periodic(inner) } else { clamped(inner) };
         let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new() };
         let mut feet = Vec::new();
@@ -146,7 +146,7 @@ impl RowFit {
             fit.residuals.push(worst);
             feet.push(found);
         }
-        Some(Judged { fit, feet })
+        Some(JudgedFit { fit, feet })
     }
 
     /// Largest distance of a point to its spline, mm.

@@ -4,8 +4,8 @@ use super::{ImportedBlade, ImportedRow, Options, Start};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::sections::SectionForm;
-use crate::sections::facts::{Fact, facts};
-use crate::sections::outline::{Divided, Inlet, Known, OutlineFault, Side, outline, pressure_side};
+use crate::sections::facts::{SectionFact, facts};
+use crate::sections::outline::{DividedSection, Inlet, Known, OutlineFault, Side, outline, pressure_side};
 use crate::source::Span;
 
 /// Most facts of a section that are told.
@@ -16,14 +16,18 @@ const TOLD: usize = 5;
 ///
 /// # Errors
 /// A section without two faces and two edges, or a leading edge or a pressure face that nothing tells.
-pub fn outlines(row: &ImportedRow, hub: Option<&[[f64; 2]]>, options: &Options) -> Result<Vec<Vec<Divided>>, Diag> {
+pub fn outlines(
+    row: &ImportedRow,
+    hub: Option<&[[f64; 2]]>,
+    options: &Options,
+) -> Result<Vec<Vec<DividedSection>>, Diag> {
     let inlet = match (options.start, hub) {
         (Some(Start::LeadingEdge), _) => Inlet::BeginsThere,
         (Some(Start::TrailingEdge), _) => Inlet::BeginsAtOutlet,
         (None, Some(hub)) => Inlet::Meridian(hub),
         (None, None) => Inlet::Unknown,
     };
-    let all = |pressure: Side| -> Result<Vec<Vec<Divided>>, Diag> {
+    let all = |pressure: Side| -> Result<Vec<Vec<DividedSection>>, Diag> {
         let known = Known { inlet, pressure };
         row.blades.iter().map(|blade| of_blade(blade, &known)).collect()
     };
@@ -44,7 +48,7 @@ pub fn outlines(row: &ImportedRow, hub: Option<&[[f64; 2]]>, options: &Options) 
     }
 }
 
-fn of_blade(blade: &ImportedBlade, known: &Known<'_>) -> Result<Vec<Divided>, Diag> {
+fn of_blade(blade: &ImportedBlade, known: &Known<'_>) -> Result<Vec<DividedSection>, Diag> {
     let numbered = blade.sections.iter().enumerate();
     numbered.map(|(k, section)| outline(section, known).map_err(|fault| refused(blade, k, fault))).collect()
 }
@@ -68,7 +72,7 @@ fn place(blade: &ImportedBlade, section: usize) -> Span {
 }
 
 /// Warnings on doubtful points of a blade, one for each section.
-pub fn doubtful(blade: &ImportedBlade, divided: &[Divided]) -> Vec<Diag> {
+pub fn doubtful(blade: &ImportedBlade, divided: &[DividedSection]) -> Vec<Diag> {
     let mut found = Vec::new();
     for (k, section) in blade.sections.iter().enumerate() {
         let facts = facts(section, divided.get(k).map(|d| &d.outline));
@@ -89,11 +93,13 @@ pub fn doubtful(blade: &ImportedBlade, divided: &[Divided]) -> Vec<Diag> {
 }
 
 /// A fact in words. Points count from 1.
-fn text(fact: &Fact) -> String {
+fn text(fact: &SectionFact) -> String {
     match fact {
-        Fact::Repeated(k) => format!("points {k} and {} are at one place", k + 1),
-        Fact::Gap(k, length) => format!("the gap behind point {} is {length:.3} mm long", k + 1),
-        Fact::Beside(k, off) => format!("point {} lies {off:.4} mm beside the curve through its neighbours", k + 1),
-        Fact::Crossing(a, b) => format!("the section crosses itself behind points {} and {}", a + 1, b + 1),
+        SectionFact::Repeated(k) => format!("points {k} and {} are at one place", k + 1),
+        SectionFact::Gap(k, length) => format!("the gap behind point {} is {length:.3} mm long", k + 1),
+        SectionFact::Beside(k, off) => {
+            format!("point {} lies {off:.4} mm beside the curve through its neighbours", k + 1)
+        }
+        SectionFact::Crossing(a, b) => format!("the section crosses itself behind points {} and {}", a + 1, b + 1),
     }
 }

@@ -6,7 +6,7 @@
 use super::wheel_ends::{CutMeridian, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::SectionForm;
-use crate::sections::outline::{Divided, Side};
+use crate::sections::outline::{DividedSection, Side};
 use crate::sections::{EdgeForm, Outline};
 use crate::units::trim;
 use nalgebra::Point3;
@@ -35,7 +35,7 @@ pub struct PartSource<'a> {
     /// The row whose blades are written.
     pub row: &'a ImportedRow,
     /// Sections of each blade of the row, divided.
-    pub divided: &'a [Vec<Divided>],
+    pub divided: &'a [Vec<DividedSection>],
     /// Names of the files that were read.
     pub read: &'a [String],
     /// Name of the part and of its files, without an ending.
@@ -86,7 +86,7 @@ fn blade_name(k: usize) -> String {
 const FACES: [&str; 2] = ["pressure", "suction"];
 
 /// The ends of the rulings with their sections: the last section is the tip.
-fn ends(divided: &[Divided]) -> Option<[(&'static str, &Outline); 2]> {
+fn ends(divided: &[DividedSection]) -> Option<[(&'static str, &Outline); 2]> {
     Some([("tip", &divided.last()?.outline), ("root", &divided.first()?.outline)])
 }
 
@@ -109,7 +109,8 @@ fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
     let closed = blades.iter().flat_map(|b| &b.sections).all(|s| matches!(s.form, SectionForm::Loop(_)));
     let few = blades.iter().all(|b| b.sections.len() >= 2);
     let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
-        let section = |divided: &Vec<Divided>| if last { divided.last().cloned() } else { divided.first().cloned() };
+        let section =
+            |divided: &Vec<DividedSection>| if last { divided.last().cloned() } else { divided.first().cloned() };
         let outlines = source.divided.iter().filter_map(section).map(|d| d.outline);
         let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
         cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]))
@@ -172,12 +173,12 @@ fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> 
 }
 
 /// Where the pressure face looks in the frame of the job, seen from +Z.
-fn looks(divided: &[Divided], over: bool) -> &'static str {
+fn looks(divided: &[DividedSection], over: bool) -> &'static str {
     let greater = divided.first().is_some_and(|d| d.pressure == Side::Greater);
     if greater == over { "clockwise" } else { "counter-clockwise" }
 }
 
-fn ruled_faces(text: &mut String, divided: &[Divided], blade: &str, file: &str) {
+fn ruled_faces(text: &mut String, divided: &[DividedSection], blade: &str, file: &str) {
     for face in FACES {
         _ = writeln!(text, "    {face} ruled {{");
         for (end, _) in ends(divided).into_iter().flatten() {
@@ -307,8 +308,8 @@ fn radius<'a>(points: impl Iterator<Item = &'a Point3<f64>>) -> f64 {
 }
 
 /// Figures of a blade.
-fn of_blade(divided: &[Divided]) -> Vec<String> {
-    let range = |value: &dyn Fn(&Divided) -> f64| {
+fn of_blade(divided: &[DividedSection]) -> Vec<String> {
+    let range = |value: &dyn Fn(&DividedSection) -> f64| {
         let [low, high] =
             divided.iter().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
         if low == high { trim(low, 4) } else { format!("{} to {}", trim(low, 4), trim(high, 4)) }

@@ -9,20 +9,20 @@ use crate::source::{Span, Spanned};
 use std::fmt::Display;
 
 /// A kind of fact: its name, the option that states it, what the option takes.
-struct Fact {
+struct SectionFact {
     name: &'static str,
     option: &'static str,
     values: &'static str,
 }
 
-const UNIT: Fact = Fact { name: "unit of length", option: "--unit", values: "mm, cm, m, in or ft" };
-const AXIS: Fact = Fact { name: "axis of rotation", option: "--axis", values: "x, y or z" };
-const HANDEDNESS: Fact = Fact { name: "handedness", option: "--handedness", values: "right or left" };
-const COUNT: Fact = Fact { name: "number of main blades", option: "--blades", values: "a whole number" };
+const UNIT: SectionFact = SectionFact { name: "unit of length", option: "--unit", values: "mm, cm, m, in or ft" };
+const AXIS: SectionFact = SectionFact { name: "axis of rotation", option: "--axis", values: "x, y or z" };
+const HANDEDNESS: SectionFact = SectionFact { name: "handedness", option: "--handedness", values: "right or left" };
+const COUNT: SectionFact = SectionFact { name: "number of main blades", option: "--blades", values: "a whole number" };
 
 /// The value that file and caller state. A value that both state must be the same.
 fn one<T: PartialEq + Copy + Display>(
-    fact: &Fact,
+    fact: &SectionFact,
     file: Option<Spanned<T>>,
     given: Option<T>,
     found: &mut Found,
@@ -67,7 +67,7 @@ impl<'a> Asked<'a> {
 
     fn required<T: PartialEq + Copy + Display>(
         &mut self,
-        fact: &Fact,
+        fact: &SectionFact,
         file: Option<Spanned<T>>,
         given: Option<T>,
         stand_in: T,

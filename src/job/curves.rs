@@ -26,8 +26,7 @@ pub(super) fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> 
             (found.points, found.spans)
         }
     };
-    let (points, scale) = (few(points, spline.span, cx)?, scale?);
-    let points = points.into_iter().map(|p| p.map(|x| x * scale)).collect();
+    let points = scaled(points, scale, spline.span, cx)?;
     Some(CurveSpec { points, spans, span: spline.span })
 }
 
@@ -50,19 +49,18 @@ pub(super) fn closed_from(file: &Text, unit: Option<&Name>, span: Span, cx: &mut
         );
         return None;
     }
-    let scale = scale?;
-    let scaled = |curve: curve_file::FileCurve, cx: &mut Context<'_>| {
-        let points = few(curve.points, span, cx)?;
-        let points = points.into_iter().map(|p| p.map(|x| x * scale)).collect();
+    let closed = |curve: curve_file::FileCurve| {
+        let points = scaled(curve.points, scale, span, cx)?;
         Some(LoopSpec { name: curve.name, points, spans: curve.spans, span })
     };
-    found.into_iter().map(|curve| scaled(curve, cx)).collect()
+    found.into_iter().map(closed).collect()
 }
 
-/// Points, unless they are too many.
-fn few(points: Vec<[f64; 3]>, span: Span, cx: &mut Context<'_>) -> Option<Vec<[f64; 3]>> {
+/// Points in mm, unless they are too many; without a scale its fault is told already.
+fn scaled(points: Vec<[f64; 3]>, scale: Option<f64>, span: Span, cx: &mut Context<'_>) -> Option<Vec<[f64; 3]>> {
     if points.len() <= MAX_POINTS {
-        return Some(points);
+        let scale = scale?;
+        return Some(points.into_iter().map(|p| p.map(|x| x * scale)).collect());
     }
     cx.sink.push(
         Diag::error(geometry::POINTS, format!("the curve has more than {MAX_POINTS} points, the limit"))

@@ -9,7 +9,7 @@ use crate::geom::NurbsCurve;
 use crate::job::model::{BladeSpec, Looks, LoopSpec, PartSpec, SectionsSpec};
 use crate::part::{Blade, FaceSurface};
 use crate::sections::loft::{LoftFault, LoftedBlade, loft};
-use crate::sections::outline::{self, Divided, Inlet, Known, Side, outline};
+use crate::sections::outline::{self, DividedSection, Inlet, Known, Side, outline};
 use crate::sections::{EdgeForm, Outline, Section, SectionForm};
 use crate::units::length;
 use nalgebra::Point3;
@@ -92,7 +92,7 @@ fn points_are_good(section: &LoopSpec, sink: &mut Sink) -> bool {
 }
 
 /// The sections with their faces and edges, as if each pressure face were at the greater azimuth.
-fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<Divided>> {
+fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<DividedSection>> {
     /// Points of the hub that tell the leading edge.
     const PLACES: u32 = 200;
     let hub: Vec<[f64; 2]> = (0..=PLACES)
@@ -121,7 +121,7 @@ fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<
 }
 
 /// The section with edges of the stated forms. An edge that is cut off is straight between its corners.
-fn with_forms(mut found: Divided, spec: &SectionsSpec) -> Result<Divided, String> {
+fn with_forms(mut found: DividedSection, spec: &SectionsSpec) -> Result<DividedSection, String> {
     for (edge, name) in EDGES.iter().enumerate() {
         let points = &mut found.outline.edges[edge];
         match (found.edges[edge].form, spec.edges[edge]) {
@@ -153,13 +153,13 @@ fn looks(side: Side) -> Looks {
 }
 
 /// Side of the pressure face: as stated, that of the main blade, or that of a blade that takes up work.
-fn pressure_side(given: &SectionBlade<'_>, name: &str, sections: &[Divided], sink: &mut Sink) -> Option<Side> {
+fn pressure_side(given: &SectionBlade<'_>, name: &str, sections: &[DividedSection], sink: &mut Sink) -> Option<Side> {
     let found = match given.sections.pressure {
         Some(stated) => [Side::Greater, Side::Smaller].into_iter().find(|side| looks(*side) == stated),
         None => given.side.or_else(|| outline::pressure_side(sections)),
     };
     if found.is_none() {
-        let mean = |value: fn(&Divided) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
+        let mean = |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
         let (wrap, turn) = (mean(|s| s.wrap).to_degrees(), mean(|s| s.turn).to_degrees());
         sink.push(
             Diag::error(codes::PRESSURE_SIDE, format!("the pressure face of {name} cannot be told"))

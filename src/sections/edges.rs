@@ -48,7 +48,7 @@ impl EdgeForm {
 
 /// An edge as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edge {
+pub struct FoundEdge {
     /// Its form.
     pub form: EdgeForm,
     /// Distance between the ends of both faces, mm.
@@ -118,7 +118,7 @@ pub(super) fn ends(ring: &Ring, nose: usize, thickness: f64, of_faces: f64) -> [
 }
 
 /// Points of an edge, from which an edge that is cut off leaves out those between its corners, and what it is.
-pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>, Edge) {
+pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>, FoundEdge) {
     let points = ring.points_between(from, to);
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return (points, sharp(0));
@@ -135,7 +135,7 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
     let highest = points.iter().map(|p| beside(p).norm()).fold(0.0, f64::max);
     let corners = [from, to].iter().all(|k| ring.turns[*k] >= CORNER);
     if points.len() == 2 || (corners && highest <= STRAIGHT * width) {
-        let edge = Edge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
+        let edge = FoundEdge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
         return (vec![*first, *last], edge);
     }
     // The direction in which the edge stands out: that of the mean of its points.
@@ -154,12 +154,12 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
             libm::hypot(from_ellipse([x, y], [half, depth]), off)
         })
         .fold(0.0, f64::max);
-    let edge = Edge { form: EdgeForm::Round, width, depth, radius, residual, points: points.len() };
+    let edge = FoundEdge { form: EdgeForm::Round, width, depth, radius, residual, points: points.len() };
     (points, edge)
 }
 
-fn sharp(points: usize) -> Edge {
-    Edge { form: EdgeForm::Sharp, width: 0.0, depth: 0.0, radius: 0.0, residual: 0.0, points }
+fn sharp(points: usize) -> FoundEdge {
+    FoundEdge { form: EdgeForm::Sharp, width: 0.0, depth: 0.0, radius: 0.0, residual: 0.0, points }
 }
 
 /// Distance of a point from an ellipse about the origin with half axes along x and y, to first order: the value of its

@@ -19,7 +19,7 @@ const PATTERN: usize = 12;
 
 /// A fact about points of a section. Points count from 0, in the order of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fact {
+pub enum SectionFact {
     /// A point is at the place of the one before.
     Repeated(usize),
     /// The chord behind a point is much longer than its neighbours: its length, mm.
@@ -41,14 +41,14 @@ fn lines(section: &Section) -> (Vec<Vec<Point3<f64>>>, bool) {
 
 /// Facts of a section. The outline, where there is one, tells faces, on which points beside are looked for, and the mean
 /// line, with which crossings are found. The second face of a section counts on from the first.
-pub fn facts(section: &Section, outline: Option<&Outline>) -> Vec<Fact> {
+pub fn facts(section: &Section, outline: Option<&Outline>) -> Vec<SectionFact> {
     let mut found = Vec::new();
     let (lines, closed) = lines(section);
     let mut first = 0;
     for line in &lines {
         for (k, w) in line.windows(2).enumerate() {
             if w[0] == w[1] {
-                found.push(Fact::Repeated(first + k + 1));
+                found.push(SectionFact::Repeated(first + k + 1));
             }
         }
         gaps(line, closed, first, outline, &mut found);
@@ -64,7 +64,7 @@ pub fn facts(section: &Section, outline: Option<&Outline>) -> Vec<Fact> {
     found
 }
 
-fn gaps(line: &[Point3<f64>], closed: bool, first: usize, outline: Option<&Outline>, found: &mut Vec<Fact>) {
+fn gaps(line: &[Point3<f64>], closed: bool, first: usize, outline: Option<&Outline>, found: &mut Vec<SectionFact>) {
     let n = line.len();
     let chords = if closed { n } else { n.saturating_sub(1) };
     if chords < 3 {
@@ -82,7 +82,7 @@ fn gaps(line: &[Point3<f64>], closed: bool, first: usize, outline: Option<&Outli
             o.edges.iter().any(|edge| ends.iter().all(|p| edge.contains(p)))
         });
         if neighbours > 0.0 && chord(k) > GAP * neighbours && !is_edge {
-            found.push(Fact::Gap(first + k, chord(k)));
+            found.push(SectionFact::Gap(first + k, chord(k)));
         }
     }
 }
@@ -102,7 +102,7 @@ fn off_curve(w: &[Point3<f64>]) -> f64 {
     (w[2].coords - expected).norm()
 }
 
-fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<Fact>) {
+fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<SectionFact>) {
     if face.len() < PATTERN {
         return;
     }
@@ -120,13 +120,13 @@ fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<Fact>) {
             && *value > LEAST * length
             && let Some(at) = face.get(k + 2).and_then(|p| all.iter().position(|q| q == p))
         {
-            found.push(Fact::Beside(at, *value));
+            found.push(SectionFact::Beside(at, *value));
         }
     }
 }
 
 /// The first crossing of the loop with itself, seen on its stream surface: along the mean line and round the axis.
-fn crossing(outline: &Outline, all: &[Point3<f64>], found: &mut Vec<Fact>) {
+fn crossing(outline: &Outline, all: &[Point3<f64>], found: &mut Vec<SectionFact>) {
     let ring = loop_of(outline);
     let flat = stream::unrolled(&outline.faces, &ring.points);
     let n = flat.len();
@@ -143,7 +143,7 @@ fn crossing(outline: &Outline, all: &[Point3<f64>], found: &mut Vec<Fact>) {
             if apart > 1 && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
                 let index = |k: usize| all.iter().position(|p| *p == ring.points[k]).unwrap_or(k);
                 let (first, second) = (index(*i), index(*j));
-                found.push(Fact::Crossing(first.min(second), first.max(second)));
+                found.push(SectionFact::Crossing(first.min(second), first.max(second)));
                 return;
             }
         }

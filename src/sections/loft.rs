@@ -52,13 +52,13 @@ pub enum LoftFault {
 
 /// A part of the curve of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Piece {
+enum OutlinePiece {
     Face(usize),
     Edge(usize),
 }
 
 /// A piece and whether the curve runs through it from its end to its start.
-type Run = (Piece, bool);
+type Run = (OutlinePiece, bool);
 
 /// Faces and edges through outlines from hub to shroud; each point lies within `tolerance`, mm, of the curve of its section
 /// where the points allow it.
@@ -77,17 +77,30 @@ pub fn loft(outlines: &[Outline], tolerance: f64) -> Result<LoftedBlade, LoftFau
     }
     let chains: Vec<(Vec<Run>, bool)> = match [0, 1].map(|edge| cut(&outlines[0], edge)) {
         [false, false] => vec![(
-            vec![(Piece::Face(0), true), (Piece::Edge(0), false), (Piece::Face(1), false), (Piece::Edge(1), true)],
+            vec![
+                (OutlinePiece::Face(0), true),
+                (OutlinePiece::Edge(0), false),
+                (OutlinePiece::Face(1), false),
+                (OutlinePiece::Edge(1), true),
+            ],
             true,
         )],
-        [false, true] => vec![(vec![(Piece::Face(0), true), (Piece::Edge(0), false), (Piece::Face(1), false)], false)],
-        [true, false] => vec![(vec![(Piece::Face(0), false), (Piece::Edge(1), false), (Piece::Face(1), true)], false)],
-        [true, true] => vec![(vec![(Piece::Face(0), false)], false), (vec![(Piece::Face(1), false)], false)],
+        [false, true] => vec![(
+            vec![(OutlinePiece::Face(0), true), (OutlinePiece::Edge(0), false), (OutlinePiece::Face(1), false)],
+            false,
+        )],
+        [true, false] => vec![(
+            vec![(OutlinePiece::Face(0), false), (OutlinePiece::Edge(1), false), (OutlinePiece::Face(1), true)],
+            false,
+        )],
+        [true, true] => {
+            vec![(vec![(OutlinePiece::Face(0), false)], false), (vec![(OutlinePiece::Face(1), false)], false)]
+        }
     };
-    let mut curves: Vec<(Piece, Vec<NurbsCurve>)> = Vec::new();
+    let mut curves: Vec<(OutlinePiece, Vec<NurbsCurve>)> = Vec::new();
     let mut residual = Residual { distance: 0.0, section: 0, at: Point3::origin() };
     for (chain, closed) in chains {
-        let joined = Joined::new(outlines, &chain, closed)?;
+        let joined = JoinedSections::new(outlines, &chain, closed)?;
         let fit = fit_rows(&joined.rows, closed, tolerance).ok_or(LoftFault::Points { section: 0 })?;
         for (section, (distance, point)) in fit.residuals.iter().enumerate() {
             if *distance > residual.distance {
@@ -99,26 +112,26 @@ pub fn loft(outlines: &[Outline], tolerance: f64) -> Result<LoftedBlade, LoftFau
     surfaces(&curves, residual)
 }
 
-fn surfaces(curves: &[(Piece, Vec<NurbsCurve>)], residual: Residual) -> Result<LoftedBlade, LoftFault> {
-    let of = |piece: Piece| curves.iter().find(|(p, _)| *p == piece).map(|(_, curves)| curves);
-    let faces = [0, 1].map(|k| of(Piece::Face(k)).map_or(&[][..], Vec::as_slice));
+fn surfaces(curves: &[(OutlinePiece, Vec<NurbsCurve>)], residual: Residual) -> Result<LoftedBlade, LoftFault> {
+    let of = |piece: OutlinePiece| curves.iter().find(|(p, _)| *p == piece).map(|(_, curves)| curves);
+    let faces = [0, 1].map(|k| of(OutlinePiece::Face(k)).map_or(&[][..], Vec::as_slice));
     // One set of places for all pieces: neighbours share their border.
     let sections: Vec<Vec<&NurbsCurve>> = faces[0].iter().zip(faces[1]).map(|(p, s)| vec![p, s]).collect();
     let places = lofted::places(&sections).map_err(LoftFault::Surface)?;
     let through =
         |curves: &[NurbsCurve]| LoftedSurface::at(curves.to_vec(), places.clone()).map_err(LoftFault::Surface);
-    let [leading, trailing] = [0, 1].map(|k| of(Piece::Edge(k)).map(|curves| through(curves)).transpose());
+    let [leading, trailing] = [0, 1].map(|k| of(OutlinePiece::Edge(k)).map(|curves| through(curves)).transpose());
     Ok(LoftedBlade { faces: [through(faces[0])?, through(faces[1])?], edges: [leading?, trailing?], residual })
 }
 
 /// Points of a chain of pieces, section by section, with parameters that are equal at the joints of all sections.
-struct Joined {
+struct JoinedSections {
     rows: Vec<Row>,
     /// Parameters of the ends of the pieces, from 0 to 1.
     joints: Vec<f64>,
 }
 
-impl Joined {
+impl JoinedSections {
     fn new(outlines: &[Outline], chain: &[Run], closed: bool) -> Result<Self, LoftFault> {
         let mut lengths = Vec::new();
         let mut points = Vec::new();
@@ -140,7 +153,7 @@ impl Joined {
         Ok(Self { rows, joints })
     }
 
-    fn pieces(&self, chain: &[Run], fit: &RowFit, sections: usize) -> Vec<(Piece, Vec<NurbsCurve>)> {
+    fn pieces(&self, chain: &[Run], fit: &RowFit, sections: usize) -> Vec<(OutlinePiece, Vec<NurbsCurve>)> {
         let piece = |(j, (piece, back)): (usize, &Run)| {
             let between = [self.joints[j], self.joints[j + 1]];
             (*piece, (0..sections).map(|row| fit.piece(row, between, *back)).collect())
@@ -157,8 +170,8 @@ fn joined(outline: &Outline, chain: &[Run], closed: bool) -> Option<(Vec<(Point3
     let mut ends = vec![0.0];
     for (piece, back) in chain {
         let points = match piece {
-            Piece::Face(k) => &outline.faces[*k],
-            Piece::Edge(k) => &outline.edges[*k],
+            OutlinePiece::Face(k) => &outline.faces[*k],
+            OutlinePiece::Edge(k) => &outline.edges[*k],
         };
         if points.len() < 2 {
             return None;

@@ -14,7 +14,7 @@ pub mod outline;
 mod ring;
 mod stream;
 
-pub use edges::{Edge, EdgeForm};
+pub use edges::{EdgeForm, FoundEdge};
 
 use nalgebra::Point3;
 

@@ -7,7 +7,7 @@
 //! - The pressure face is that of a section given as faces, or the one that the caller states by its side of the blade.
 //!   [`pressure_side`] finds the side for a blade that takes up work.
 
-use super::edges::{self, Edge};
+use super::edges::{self, FoundEdge};
 use super::fold::{Fold, fold};
 use super::ring::{Ring, from_chords};
 use super::stream::{self, Camber};
@@ -54,11 +54,11 @@ pub struct Known<'a> {
 
 /// A section with its faces and edges.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Divided {
+pub struct DividedSection {
     /// Faces and edges.
     pub outline: Outline,
     /// Leading and trailing edge.
-    pub edges: [Edge; 2],
+    pub edges: [FoundEdge; 2],
     /// Largest distance from one face to the other, mm.
     pub thickness: f64,
     /// Turn of the mean line, rad; positive towards greater angles about +Z.
@@ -109,8 +109,9 @@ impl std::error::Error for OutlineFault {}
 ///   turns by 3 deg or more on the mean. On a radial blade the face that is concave in space may be another one.
 ///
 /// The blades of turbines contradict the first rule.
-pub fn pressure_side(sections: &[Divided]) -> Option<Side> {
-    let mean = |value: fn(&Divided) -> f64| sections.iter().map(value).sum::<f64>() / sections.len().max(1) as f64;
+pub fn pressure_side(sections: &[DividedSection]) -> Option<Side> {
+    let mean =
+        |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len().max(1) as f64;
     let (wrap, turn) = (mean(|d| d.wrap), mean(|d| d.turn));
     let ahead = if wrap < 0.0 { Side::Greater } else { Side::Smaller };
     let concave = if turn > 0.0 { Side::Greater } else { Side::Smaller };
@@ -121,7 +122,7 @@ pub fn pressure_side(sections: &[Divided]) -> Option<Side> {
 ///
 /// # Errors
 /// [`OutlineFault`].
-pub fn outline(section: &Section, known: &Known<'_>) -> Result<Divided, OutlineFault> {
+pub fn outline(section: &Section, known: &Known<'_>) -> Result<DividedSection, OutlineFault> {
     match &section.form {
         SectionForm::Loop(points) => of_loop(points, section.span, known),
         SectionForm::Faces([pressure, suction]) => of_faces([pressure, suction], section.span),
@@ -140,7 +141,7 @@ fn checked(points: &[Point3<f64>], fewest: usize) -> Result<Ring, OutlineFault> 
     if ring.length() > 0.0 && ring.length().is_finite() { Ok(ring) } else { Err(OutlineFault::NoLength) }
 }
 
-fn of_loop(points: &[Point3<f64>], span: Option<f64>, known: &Known<'_>) -> Result<Divided, OutlineFault> {
+fn of_loop(points: &[Point3<f64>], span: Option<f64>, known: &Known<'_>) -> Result<DividedSection, OutlineFault> {
     let ring = checked(points, FEWEST)?;
     let Fold { noses, thickness } = fold(&ring);
     let noses = from_inlet(&ring, noses, known.inlet)?;
@@ -198,7 +199,7 @@ fn divided(
     [leading, trailing]: [[usize; 2]; 2],
     span: Option<f64>,
     sides: Sides,
-) -> Result<Divided, OutlineFault> {
+) -> Result<DividedSection, OutlineFault> {
     let (forth, back) = ([leading[1], trailing[0]], [trailing[1], leading[0]]);
     // Once round the loop, or twice where the edges overlap.
     let in_order = [forth[0], forth[1], back[0], back[1], forth[0]];
@@ -232,11 +233,11 @@ fn divided(
     };
     let thickness = thickness([&faces[0], &faces[1]]);
     let outline = Outline { span, faces, edges };
-    Ok(Divided { outline, edges: [leading_edge, trailing_edge], thickness, turn, wrap, pressure })
+    Ok(DividedSection { outline, edges: [leading_edge, trailing_edge], thickness, turn, wrap, pressure })
 }
 
 /// Joins two faces to a loop. Where they meet, the edge is searched for; where they do not, it is cut off.
-fn of_faces([pressure, suction]: [&[Point3<f64>]; 2], span: Option<f64>) -> Result<Divided, OutlineFault> {
+fn of_faces([pressure, suction]: [&[Point3<f64>]; 2], span: Option<f64>) -> Result<DividedSection, OutlineFault> {
     let [mut back, mut forth] = [pressure, suction].map(<[Point3<f64>]>::to_vec);
     back.dedup();
     forth.dedup();
@@ -259,7 +260,7 @@ fn of_mean_line(
     direction: ThicknessDirection,
     span: Option<f64>,
     known: &Known<'_>,
-) -> Result<Divided, OutlineFault> {
+) -> Result<DividedSection, OutlineFault> {
     if points.len() < 2 {
         return Err(OutlineFault::TooFewPoints(points.len()));
     }
@@ -273,11 +274,11 @@ fn of_mean_line(
         let width = ends.map_or(0.0, |(a, b)| nalgebra::distance(a, b));
         let form = if width > 0.0 { edges::EdgeForm::CutOff } else { edges::EdgeForm::Sharp };
         let points = if width > 0.0 { points } else { points.into_iter().take(1).collect() };
-        let edge = Edge { form, width, depth: 0.0, radius: 0.0, residual: 0.0, points: points.len() };
+        let edge = FoundEdge { form, width, depth: 0.0, radius: 0.0, residual: 0.0, points: points.len() };
         (points, edge)
     };
     let [(le, leading), (te, trailing)] =
         [cut(faces[0].first().zip(faces[1].first())), cut(faces[0].last().zip(faces[1].last()))];
     let outline = Outline { span, faces, edges: [le, te] };
-    Ok(Divided { outline, edges: [leading, trailing], thickness, turn, wrap, pressure })
+    Ok(DividedSection { outline, edges: [leading, trailing], thickness, turn, wrap, pressure })
 }

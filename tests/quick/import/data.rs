@@ -4,7 +4,7 @@
 use super::points;
 use impellerc::import::outlines::{doubtful, outlines};
 use impellerc::import::{self, Imported, LengthUnit, Options};
-use impellerc::sections::outline::Divided;
+use impellerc::sections::outline::DividedSection;
 use impellerc::sections::{EdgeForm, Outline};
 use impellerc::source::{SourceFile, SourceMap};
 use std::io::Write as _;
@@ -151,7 +151,7 @@ fn hecc_has_15_blades_and_15_splitters_in_inches() {
 }
 
 /// Faces and edges of all sections of a set.
-fn divided(imported: &Imported, blade: usize) -> Vec<Divided> {
+fn divided(imported: &Imported, blade: usize) -> Vec<DividedSection> {
     let row = &imported.rows[0];
     let all = outlines(row, imported.hub.as_deref(), &Options::default()).unwrap_or_else(|d| panic!("{d:?}"));
     let (blade, found) = (&row.blades[blade], all.into_iter().nth(blade).unwrap());
@@ -180,7 +180,7 @@ fn divided(imported: &Imported, blade: usize) -> Vec<Divided> {
 }
 
 /// Prints the figures of a blade. Edges are half ellipses within a share of their width, and blades get thinner to the tip.
-fn shown(name: &str, found: &[Divided], residual: f64) {
+fn shown(name: &str, found: &[DividedSection], residual: f64) {
     for (k, d) in found.iter().enumerate() {
         println!(
             "{name} {}: thickness {:.3} mm, mean line turns by {:.1} deg",

@@ -1,8 +1,8 @@
 //! Sections against shapes whose faces and edges are known.
 
 use super::axial_loop;
-use impellerc::sections::facts::{Fact, facts};
-use impellerc::sections::outline::{Divided, Inlet, Known, OutlineFault, Side, outline, pressure_side};
+use impellerc::sections::facts::{SectionFact, facts};
+use impellerc::sections::outline::{DividedSection, Inlet, Known, OutlineFault, Side, outline, pressure_side};
 use impellerc::sections::{EdgeForm, MeanPoint, Section, SectionForm, ThicknessDirection};
 use nalgebra::Point3;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn section(points: &[[f64; 3]]) -> Section {
     Section { span: None, form: SectionForm::Loop(points.iter().map(|p| Point3::from(*p)).collect()) }
 }
 
-fn divided(points: &[[f64; 3]]) -> Divided {
+fn divided(points: &[[f64; 3]]) -> DividedSection {
     outline(&section(points), &KNOWN).unwrap()
 }
 
@@ -96,7 +96,7 @@ fn a_lens_has_sharp_edges() {
 fn the_inlet_tells_the_leading_edge() {
     let points = axial_loop(50.0, 200, 0);
     let with = |inlet| outline(&section(&points), &Known { inlet, ..KNOWN });
-    let first = |d: &Divided| d.outline.faces[0][0].z;
+    let first = |d: &DividedSection| d.outline.faces[0][0].z;
     assert!(first(&with(Inlet::Meridian(&[[50.0, 25.0], [50.0, -5.0]])).unwrap()) > 18.0);
     assert!(first(&with(Inlet::BeginsThere).unwrap()) < 2.0);
     assert!(first(&with(Inlet::BeginsAtOutlet).unwrap()) > 18.0);
@@ -197,21 +197,21 @@ fn facts_name_their_points() {
     assert_eq!(found(&clean), []);
     let mut twice = clean.clone();
     twice.insert(30, twice[29]);
-    assert_eq!(found(&twice), [Fact::Repeated(30)]);
+    assert_eq!(found(&twice), [SectionFact::Repeated(30)]);
     let mut bump = clean.clone();
     bump[40][0] += 0.05;
     assert!(
-        matches!(found(&bump).as_slice(), [Fact::Beside(40, off)] if (off - 0.05).abs() < 0.01),
+        matches!(found(&bump).as_slice(), [SectionFact::Beside(40, off)] if (off - 0.05).abs() < 0.01),
         "{:?}",
         found(&bump)
     );
     let mut gap = clean.clone();
     gap.drain(41..49);
-    assert!(matches!(found(&gap)[..], [Fact::Gap(40, length)] if length > 1.5), "{:?}", found(&gap));
+    assert!(matches!(found(&gap)[..], [SectionFact::Gap(40, length)] if length > 1.5), "{:?}", found(&gap));
     let mut crossing = clean;
     crossing.swap(50, 53);
     assert!(
-        found(&crossing).iter().any(|f| matches!(f, Fact::Crossing(a, b) if *a >= 48 && *b <= 55)),
+        found(&crossing).iter().any(|f| matches!(f, SectionFact::Crossing(a, b) if *a >= 48 && *b <= 55)),
         "{:?}",
         found(&crossing)
     );
