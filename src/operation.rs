@@ -1,7 +1,7 @@
 //! What an operation does: one type from the job to the paths, and its words in the job language.
 
 use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Slots, Spacing};
-use crate::part::{BladeId, FaceId, SurfaceKind};
+use crate::part::{BladeId, FaceId, Part, SurfaceKind};
 use crate::units::Mm;
 
 /// Stock that roughing leaves on vanes and fillets. It grows evenly over the height, from the tip to the root, so that a
@@ -231,6 +231,18 @@ impl OperationKind {
         }
     }
 
+    /// The blades that the operation works at: those of its surfaces, or all.
+    pub fn blades(&self, part: &Part) -> impl Iterator<Item = BladeId> {
+        let all = || part.blade_ids().collect();
+        let mut blades: Vec<BladeId> = match self {
+            Self::Flank { faces, .. } => faces.iter().map(|face| face.blade).collect(),
+            Self::Point { surfaces, .. } => surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2).collect(),
+            _ => all(),
+        };
+        blades.dedup();
+        blades.into_iter()
+    }
+
     /// Method for the tool axes, where the operation has this choice.
     pub fn axis_method(&self) -> Option<AxisMethod> {
         match self {
@@ -262,5 +274,11 @@ pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str, BladeId
         SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade,
         _ => return None,
     };
+    // The fillet round an edge belongs to the operation on the fillets of both faces.
+    if let SurfaceKind::Fillet(edge) = surface
+        && edge.edge_end().is_some()
+    {
+        return Some(("fillet", edge.name(), blade));
+    }
     by_lines(blade).into_iter().find(|entry| entry.0 == surface).map(|entry| (entry.1, entry.2, blade))
 }

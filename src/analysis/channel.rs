@@ -1,6 +1,6 @@
-//! The lower corners of the channel, where a rounded tool corner touches wall and hub together.
+//! The lower corners of a passage, where a rounded tool corner touches wall and hub together.
 
-use crate::part::{Face, Part, Surface};
+use crate::part::{Face, Part, Passage, Surface};
 use nalgebra::Point3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,10 +16,12 @@ pub(crate) fn turn_between(from: f64, to: f64) -> f64 {
     if turn > PI { turn - TAU } else { turn }
 }
 
-/// The walls of channel 0.
+/// The walls of a passage of sector 0.
 pub(crate) struct Channel<'a> {
     part: &'a Part,
     walls: [Face; 2],
+    /// Angle from the sector of the first wall to that of the second.
+    turn: f64,
 }
 
 /// Free space between the walls at given distances from walls and hub.
@@ -49,13 +51,12 @@ fn station(i: usize) -> f64 {
 }
 
 impl<'a> Channel<'a> {
-    pub(crate) fn new(part: &'a Part) -> Self {
-        let first = part.first_passage().walls[0];
-        let (opposite, turn) = part.opposite(first);
-        let second = part.face(opposite);
+    pub(crate) fn new(part: &'a Part, passage: &Passage) -> Self {
+        let [first, second] = passage.walls.map(|wall| part.face(wall));
+        let turn = part.turn(passage);
         let surface = second.surface.rotated(turn);
-        let walls = [part.face(first).clone(), Face { surface, orientation: second.orientation }];
-        Self { part, walls }
+        let walls = [first.clone(), Face { surface, orientation: second.orientation }];
+        Self { part, walls, turn }
     }
 
     /// The point over a ruling at the distance `wall` from the wall and `floor` from the hub. `None` where the ruling
@@ -141,12 +142,16 @@ impl<'a> Channel<'a> {
         for (i, p) in a.iter().enumerate() {
             // The other curve at the same station of the meridian.
             let s = along(p);
+            // A splitter begins behind the inlet.
+            let (Some(first), Some(last)) = (stations.first(), stations.last()) else { continue };
+            if s < *first || s > *last {
+                continue;
+            }
             let k = stations.partition_point(|t| *t < s).clamp(1, stations.len() - 1);
             let t = (s - stations[k - 1]) / (stations[k] - stations[k - 1]);
             let q = b[k - 1] + (b[k] - b[k - 1]) * t;
-            // The gap is measured from one pitch on, so that the angle is unambiguous for few vanes as well.
-            let pitch = self.part.pitch();
-            let gap = pitch + turn_between(libm::atan2(p.y, p.x) + pitch, libm::atan2(q.y, q.x));
+            // The gap is measured from the sector of the second wall on, so that the angle is unambiguous for few vanes as well.
+            let gap = self.turn + turn_between(libm::atan2(p.y, p.x) + self.turn, libm::atan2(q.y, q.x));
             let width = gap * libm::hypot(p.x, p.y);
             if width < 0.0 && worst.is_none_or(|w| width < w.width) {
                 worst = Some(FreeWidth { width, u: station(20 + i), point: nalgebra::center(p, &q) });

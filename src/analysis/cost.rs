@@ -208,7 +208,7 @@ impl Sizes {
         };
         let linked = |method: &AxisMethod| if *method == AxisMethod::Corridor { NOT_JOINED } else { 1.0 };
         match kind {
-            OperationKind::Groove { depth, .. } => of(layers(depth), length, 1.0),
+            OperationKind::Groove { depth, .. } => of(layers(depth) * program.part.blades.len() as f64, length, 1.0),
             OperationKind::Expand { depth, residual, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);

@@ -8,7 +8,7 @@ use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program};
 use crate::operation::VaneAllowance;
-use crate::part::{Part, Surface};
+use crate::part::{FaceId, FaceSurface, Part, Passage, Surface};
 use crate::units::trim;
 
 /// Reach of the tool of one operation.
@@ -83,11 +83,19 @@ const STATIONS: usize = 40;
 /// Finds the reach of tools.
 struct Finder<'a> {
     part: &'a Part,
+    /// Walls of the passage.
+    walls: [FaceId; 2],
     channel: Channel<'a>,
     throat: &'a Throat,
 }
 
 impl Finder<'_> {
+    /// The pressure face of the passage, along which its levels are measured.
+    fn pressure(&self) -> &FaceSurface {
+        let [first, second] = self.walls;
+        &self.part.face(if first.index() == 0 { first } else { second }).surface
+    }
+
     /// Free space for the flat of an end with this corner radius, whose lowest point is `hub` over the hub.
     ///
     /// The centre of the corner stays corner + vane off the wall and corner + hub off the hub. A fillet of radius r is
@@ -96,10 +104,12 @@ impl Finder<'_> {
     /// allowance.
     fn free_width(&self, corner: f64, vane: VaneAllowance, hub: f64) -> Option<FreeWidth> {
         // The share of the height is largest where the vane is lowest, so that no tool is refused that fits.
-        let heights = (0..=STATIONS).map(|i| self.part.main().faces[0].surface.height(i as f64 / STATIONS as f64));
+        let surface = self.pressure();
+        let heights = (0..=STATIONS).map(|i| surface.height(i as f64 / STATIONS as f64));
         let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
         let plain = self.channel.free_width(corner + vane, corner + hub)?;
-        let Some(fillet) = self.part.main().fillet.map(|f| f.get()) else { return Some(plain) };
+        let radii = self.walls.iter().filter_map(|wall| self.part.fillet(*wall));
+        let Some(fillet) = radii.map(|radius| radius.get()).reduce(f64::max) else { return Some(plain) };
         let hollow = fillet - vane - corner;
         let below = fillet - corner - hub;
         if hollow <= 0.0 || below <= 0.0 {
@@ -114,7 +124,7 @@ impl Finder<'_> {
     /// that height, and with the allowance there.
     fn fits_above(&self, cutter: &Cutter, vane: VaneAllowance, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
-            let face = &self.part.main().faces[0].surface;
+            let face = self.pressure();
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
             // A tool without taper has its full radius at every height; the radius of a taper or barrel grows with the
             // height.
@@ -153,27 +163,38 @@ impl Finder<'_> {
     }
 }
 
-/// Measures these operations, and reports tools that cannot do their work.
-pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> {
-    let finder = Finder { part: &program.part, channel: Channel::new(&program.part), throat };
+/// Measures these operations in all passages, and reports tools that cannot do their work.
+pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) -> Vec<Reach> {
+    let part = &program.part;
+    let finders: Vec<Finder<'_>> = throats
+        .iter()
+        .map(|(passage, throat)| Finder { part, walls: passage.walls, channel: Channel::new(part, passage), throat })
+        .collect();
     let reaches: Vec<Reach> = program
         .operations
         .iter()
         .filter_map(|(id, operation)| {
             let cutter = &program.tools[operation.tool].solid.cutter;
             let (vane, hub) = allowances(&operation.kind)?;
+            let widths = finders.iter().map(|finder| finder.free_width(end(cutter).corner, vane, hub));
+            // The narrowest passage; none where one of them has no such place.
+            let free_width = widths.reduce(|a, b| Some(if b?.width < a?.width { b? } else { a? })).flatten();
             Some(Reach {
                 operation: id,
                 allowance_vane: vane,
                 allowance_hub: hub,
-                free_width: finder.free_width(end(cutter).corner, vane, hub),
-                fits: finder.fits(cutter, vane, hub),
-                largest: finder.largest(cutter, vane, hub),
-                fits_top: finder.fits_above(cutter, vane, 1.0),
+                free_width,
+                fits: finders.iter().all(|finder| finder.fits(cutter, vane, hub)),
+                largest: finders.iter().map(|f| f.largest(cutter, vane, hub)).fold(f64::INFINITY, f64::min),
+                fits_top: finders.iter().all(|finder| finder.fits_above(cutter, vane, 1.0)),
             })
         })
         .collect();
-    roughing(program, &finder, &reaches, sink);
+    let narrowest = throats.iter().map(|(_, throat)| throat);
+    let Some(throat) = narrowest.min_by(|a, b| a.narrowest.distance.total_cmp(&b.narrowest.distance)) else {
+        return reaches;
+    };
+    roughing(program, (&finders, throat), &reaches, sink);
     // A larger ball of the floor leaves to the next one what it does not reach.
     let must_fit = |r: &&Reach| {
         let kind = &program.operations[r.operation].kind;
@@ -187,20 +208,20 @@ pub fn check(program: &Program, throat: &Throat, sink: &mut Sink) -> Vec<Reach> 
 
 /// Roughing may leave the lower layers to a later, thinner tool. At least one tool has to reach the floor, or the rest
 /// that the job allows before finishing.
-fn roughing(program: &Program, finder: &Finder<'_>, reaches: &[Reach], sink: &mut Sink) {
+fn roughing(program: &Program, (finders, throat): (&[Finder<'_>], &Throat), reaches: &[Reach], sink: &mut Sink) {
     let rough: Vec<&Reach> = reaches.iter().filter(|r| !program.operations[r.operation].kind.finishes()).collect();
     let whole = |c: &&Contract| c.kind == ContractKind::Rest && c.scope.is_whole();
     let rest = program.contracts.iter().find(whole).map_or(0.0, |c| c.bound.value());
     let reaches_floor = |r: &&Reach| {
         let cutter = &program.tools[program.operations[r.operation].tool].solid.cutter;
-        r.fits || (rest > r.allowance_hub && finder.fits(cutter, r.allowance_vane, rest))
+        r.fits || (rest > r.allowance_hub && finders.iter().all(|finder| finder.fits(cutter, r.allowance_vane, rest)))
     };
     if !rough.is_empty() && !rough.iter().any(reaches_floor) {
-        sink.push(too_large(program, finder.throat, &rough, "reach the hub"));
+        sink.push(too_large(program, throat, &rough, "reach the hub"));
         return;
     }
     for reach in rough.iter().filter(|r| !r.fits_top) {
-        sink.push(too_large(program, finder.throat, &[reach], "enter the channel"));
+        sink.push(too_large(program, throat, &[reach], "enter the channel"));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::geom::proximity::Patch;
 use crate::ir::DataCurve;
-use crate::part::{BladeId, FaceId, FaceSurface, Part, RulingEnd, Surface};
+use crate::part::{BladeId, FaceId, FaceSurface, Part, Passage, RulingEnd, Surface};
 use nalgebra::Point3;
 
 /// Share of the height within which a place is at root or tip.
@@ -65,9 +65,11 @@ const STATIONS: usize = 80;
 /// Levels v at which the narrowest place is measured.
 const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Measures the channel.
-pub fn measure(part: &Part, data: &[DataCurve]) -> Throat {
-    let [from, _] = BladeId::MAIN.faces();
+/// Measures a passage.
+pub fn measure(part: &Part, passage: &Passage, data: &[DataCurve]) -> Throat {
+    // Every passage has a pressure face on one side.
+    let [first, second] = passage.walls;
+    let from = if first.index() == 0 { first } else { second };
     let surface = &part.face(from).surface;
     // The wall opposite to the first face of the vane.
     let (opposite, turn) = part.opposite(from);

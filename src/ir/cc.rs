@@ -2,7 +2,7 @@
 
 use crate::geom::DualCurve;
 use crate::ir::program::OperationId;
-use crate::part::{FaceId, SurfaceKind};
+use crate::part::{BladeId, FaceId, PassageId, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 
 /// Passes of all operations, in sector 0; their cutter locations are copied to the other sectors.
@@ -49,14 +49,14 @@ pub enum Drive {
         /// Strip.
         strip: u32,
     },
-    /// The hub, under a ball.
-    Hub,
-    /// The hub, under a bull nose: its axis leans ahead of the normal by this angle, radians, along the channel.
-    HubWithLead(f64),
+    /// The hub in a passage, under a ball.
+    Hub(PassageId),
+    /// The hub in a passage, under a bull nose: its axis leans ahead of the normal by this angle, radians, along the channel.
+    HubWithLead(PassageId, f64),
     /// A face, fillet or edge of a vane, by its contact points.
     Contact(SurfaceKind),
-    /// A vane, by contact points round it.
-    Round,
+    /// A blade, by contact points round it.
+    Round(BladeId),
 }
 
 /// One station.

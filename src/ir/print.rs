@@ -3,7 +3,8 @@
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
 use crate::kin::{Carries, Machine};
 use crate::method::LengthTo;
-use crate::part::{Blade, BladeId, Part, SurfaceKind};
+use crate::operation;
+use crate::part::{Blade, BladeId, Part};
 use nalgebra::Point3;
 use std::fmt::Write as _;
 
@@ -166,10 +167,12 @@ fn kind(kind: &OperationKind) -> String {
             format!("plunge stepover {stepover} vane {allowance_vane} hub {allowance_hub}")
         }
         OperationKind::Flank { faces, flank } => {
-            let faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
+            let blades = of_blades(faces.iter().map(|face| face.blade));
+            let mut faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
+            faces.dedup();
             let (method, strips) = (flank.method.name(), flank.strips_text());
             let (milling, order) = (flank.milling.name(), flank.order.name());
-            format!("flank {method} {} strips {strips} {milling} order {order}", faces.join(" "))
+            format!("flank {method} {}{blades} strips {strips} {milling} order {order}", faces.join(" "))
         }
         OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
             let (spacing, lines, method) = (spacing.name(), lines.name(), method.name());
@@ -177,26 +180,34 @@ fn kind(kind: &OperationKind) -> String {
             format!("channel {spacing} scallop {scallop} {lines} axes {method}{vane}")
         }
         OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
-            let names: Vec<&str> = surfaces
-                .iter()
-                .map(|s| match s {
-                    SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side.name(),
-                    SurfaceKind::InletEdge(_) => "inlet",
-                    SurfaceKind::OutletEdge(_) => "outlet",
-                    // No operation makes these surfaces.
-                    _ => "",
-                })
-                .collect();
+            let blades = of_blades(surfaces.iter().filter_map(|s| operation::word(*s)).map(|w| w.2));
+            let mut names: Vec<&str> = Vec::new();
+            for (_, name, _) in surfaces.iter().filter_map(|s| operation::word(*s)) {
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
             let (lines, axes) = (lines.name(), method.name());
             let levels = levels.map_or_else(String::new, |height| format!(" levels {height}"));
             let milling = milling.map_or_else(String::new, |milling| format!(" {}", milling.name()));
             format!(
-                "{} {} scallop {scallop} lines {lines}{milling}{levels} axes {axes}",
+                "{} {}{blades} scallop {scallop} lines {lines}{milling}{levels} axes {axes}",
                 kind.keyword(),
                 names.join(" ")
             )
         }
     }
+}
+
+/// The blades of surfaces, where these are others than the main blade.
+fn of_blades(blades: impl Iterator<Item = BladeId>) -> String {
+    let mut blades: Vec<BladeId> = blades.collect();
+    blades.dedup();
+    if blades == [BladeId::MAIN] {
+        return String::new();
+    }
+    let numbers: Vec<String> = blades.iter().map(|blade| blade.index().to_string()).collect();
+    format!(" of blades {}", numbers.join(" "))
 }
 
 /// Indices of the printed points of a run.

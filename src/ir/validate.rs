@@ -107,8 +107,8 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
                     | OperationKind::Plunge { .. },
                     Drive::Channel,
                 )
-                | (OperationKind::Channel { .. }, Drive::Hub | Drive::HubWithLead(_))
-                | (OperationKind::Point { .. }, Drive::Round) => true,
+                | (OperationKind::Channel { .. }, Drive::Hub(_) | Drive::HubWithLead(..))
+                | (OperationKind::Point { .. }, Drive::Round(_)) => true,
                 (OperationKind::Flank { faces, .. }, Drive::Face { side, .. }) => faces.contains(&side),
                 (OperationKind::Point { surfaces, .. }, Drive::Contact(kind)) => surfaces.contains(&kind),
                 _ => false,

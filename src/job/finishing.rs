@@ -105,6 +105,35 @@ pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> 
     Some(None)
 }
 
+/// The named blades, by their places among the blades of a sector; all where none is named.
+pub(super) fn blades(names: &[String], p: &mut Properties<'_, '_>) -> Option<Vec<BladeId>> {
+    if !p.has("blades") {
+        return Some((0..names.len().max(1)).map(BladeId::new).collect());
+    }
+    let mut chosen = Vec::new();
+    for word in p.words("blades", "blades main")? {
+        let Some(blade) = names.iter().position(|name| *name == word.text).map(BladeId::new) else {
+            // Without a part nothing is known about its blades.
+            if !names.is_empty() {
+                let known: Vec<&str> = names.iter().map(String::as_str).collect();
+                let diag = Diag::error(codes::UNKNOWN_NAME, format!("no blade is called `{}`", word.text));
+                p.sink.push(suggest(diag, &word.text, word.span, "blade", &known));
+            }
+            return None;
+        };
+        if chosen.contains(&blade) {
+            p.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("blade `{}` is given twice", word.text))
+                    .label(word.span, "given again")
+                    .help("name each blade once"),
+            );
+            return None;
+        }
+        chosen.push(blade);
+    }
+    Some(chosen)
+}
+
 /// The named faces; both where none is named.
 pub(super) fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
     chosen(p, "faces", "face", FaceId::NAMES)
@@ -140,9 +169,10 @@ pub(super) fn chosen(
     Some(named)
 }
 
-pub(super) fn flank(p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<OperationKind> {
+    let blades = blades(names, p)?;
     let given = faces(p)?;
-    let faces = BladeId::MAIN.faces().into_iter().filter(|face| given.contains(&face.name())).collect();
+    let faces = blades.into_iter().flat_map(BladeId::faces).filter(|face| given.contains(&face.name())).collect();
     let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
     let optimised = method == FlankMethod::Minimax;
     for property in ["side", "conflict"] {

@@ -2,7 +2,7 @@
 
 use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
-use super::finishing::{chosen, faces, flank, levels, milling_of, point_axes};
+use super::finishing::{blades, chosen, faces, flank, levels, milling_of, point_axes};
 use super::limits;
 use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
 pub(super) use super::properties::named;
@@ -14,7 +14,7 @@ use crate::diag::codes::job as codes;
 use crate::material::Material;
 use crate::method::{AxisMethod, Lines, Spacing};
 use crate::operation::{VaneAllowance, by_lines};
-use crate::part::{BladeId, SurfaceKind};
+use crate::part::SurfaceKind;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, File, Item, ItemKind, Name};
 use crate::units::{Mm, MmPerMin, Rpm, length, trim};
@@ -50,6 +50,8 @@ const FEED: Range = Range::Between(limits::LEAST_FEED, limits::LARGEST_FEED);
 pub(super) struct Workpiece {
     /// Number of vanes, where the part is readable.
     pub(super) vanes: Option<u32>,
+    /// Names of the blades of a sector, the main blade first; none where the part is not readable.
+    pub(super) blades: Vec<String>,
     /// True where a file states what is left of the blank.
     pub(super) cut_before: bool,
     /// Material of the stock.
@@ -181,10 +183,10 @@ impl OperationReader<'_> {
             "plunge" => &["stepover", "allowance"],
             "groove" => &["depth", "allowance"],
             "expand" => &["depth", "allowance", "residual"],
-            "flank" => &["faces", "method", "strips", "side", "conflict", "milling", "order"],
-            "point" => &["faces", "scallop", "lines", "milling", "order", "depth", "method"],
-            "fillet" => &["faces", "scallop", "lines", "milling", "method"],
-            "edge" => &["edges", "scallop", "lines", "method"],
+            "flank" => &["faces", "blades", "method", "strips", "side", "conflict", "milling", "order"],
+            "point" => &["faces", "blades", "scallop", "lines", "milling", "order", "depth", "method"],
+            "fillet" => &["faces", "blades", "scallop", "lines", "milling", "method"],
+            "edge" => &["edges", "blades", "scallop", "lines", "method"],
             _ => &OF_CHANNEL,
         };
         let known = [&COMMON, own].concat();
@@ -486,20 +488,22 @@ impl OperationReader<'_> {
                 Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: Mm(residual?.0) })
             }
             "plunge" => self.plunge(tool, p),
-            "flank" => flank(p),
+            "flank" => flank(&self.workpiece.blades, p),
             "point" | "fillet" | "edge" => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
-                let of_kind = by_lines(BladeId::MAIN).into_iter().filter(|s| s.1 == kind.text);
+                let blades = blades(&self.workpiece.blades, p)?;
                 let given = match kind.text.as_str() {
                     "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
                     _ => faces(p),
                 };
+                let of_kind = blades.into_iter().flat_map(by_lines).filter(|s| s.1 == kind.text);
+                let faces = given.as_ref().map_or(0, Vec::len);
                 let surfaces = given.map(|given| of_kind.filter(|s| given.contains(&s.2)).map(|s| s.0).collect());
                 let all: &[Lines] = if kind.text == "point" { &Lines::ROUND } else { &Lines::ALL };
                 let spiral = p.is_word("lines", "spiral");
                 let lines = named(p, "lines", all, Lines::name);
-                if spiral && surfaces.as_ref().is_some_and(|s: &Vec<SurfaceKind>| s.len() < 2) {
+                if spiral && faces == 1 {
                     p.sink.push(
                         Diag::error(codes::WRONG_FORM, format!("`lines spiral` of {} needs both faces", self.name))
                             .label(kind.span, "this operation finishes one face only")
@@ -509,8 +513,8 @@ impl OperationReader<'_> {
                 }
                 let milling = if kind.text == "edge" { Some(None) } else { milling_of(lines?, p) };
                 let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
-                let (surfaces, lines, milling) = (surfaces?, lines?, milling?);
-                let levels = if kind.text == "point" { levels(lines, surfaces.len(), p)? } else { None };
+                let (surfaces, lines, milling): (Vec<SurfaceKind>, _, _) = (surfaces?, lines?, milling?);
+                let levels = if kind.text == "point" { levels(lines, faces, p)? } else { None };
                 Some(OperationKind::Point { surfaces, scallop, lines, milling, levels, method })
             }
             _ => {

@@ -7,7 +7,7 @@ use super::model::{
 use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
 use crate::operation::{Allowances, word};
-use crate::part::FaceId;
+use crate::part::{BladeId, FaceId};
 use crate::post_file::{PostFile, Sectors};
 use crate::sections::EdgeForm;
 use crate::units::{Rad, trim};
@@ -198,6 +198,21 @@ fn tools(out: &mut String, job: &Job) {
     }
 }
 
+/// The blades of surfaces, for a job whose sectors have several.
+fn blades(out: &mut String, job: &Job, of_surfaces: impl Iterator<Item = BladeId>) {
+    if job.part.blades.len() > 1 {
+        let names = of_surfaces.filter_map(|blade| job.part.blades.get(blade.index())).map(|blade| blade.name.as_str());
+        let _ = writeln!(out, "  blades {}", distinct(names).join(", "));
+    }
+}
+
+/// Names in their order, each once.
+fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    names.for_each(|name| if !all.contains(&name) { all.push(name) });
+    all
+}
+
 fn operations(out: &mut String, job: &Job) {
     for o in &job.operations {
         let tool = job.tools.get(o.tool).map_or("?", |t| t.name.as_str());
@@ -233,7 +248,8 @@ fn operations(out: &mut String, job: &Job) {
                 let _ = writeln!(out, "  stepover {stepover}");
             }
             OperationKind::Flank { faces, flank } => {
-                let faces: Vec<_> = faces.iter().map(|face| face.name()).collect();
+                blades(out, job, faces.iter().map(|face| face.blade));
+                let faces = distinct(faces.iter().map(|face| face.name()));
                 let (method, strips) = (flank.method.name(), flank.strips_text());
                 let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
                 if flank.method == FlankMethod::Minimax {
@@ -249,7 +265,8 @@ fn operations(out: &mut String, job: &Job) {
                 }
             }
             OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
-                let names: Vec<_> = surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1).collect();
+                blades(out, job, surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
+                let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
                 let property = if o.kind.keyword() == "edge" { "edges" } else { "faces" };
                 let _ = writeln!(out, "  {property} {}\n  scallop {scallop}", names.join(", "));
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());

@@ -15,12 +15,14 @@ use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::ir::program::DEFAULT_MEMORY;
-use crate::ir::{Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, Program, Tolerances, Tool, ToolId};
-use crate::job::model::{self, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, RotarySpec, ToolSpec};
+use crate::ir::{Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId};
+use crate::job::model::{
+    self, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, PartSpec, RotarySpec, ToolSpec,
+};
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::material::Material;
-use crate::part::{BladeId, Clamping, RulingEnd, Stock};
+use crate::part::{BladeId, Clamping, FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::units::Mm;
 use nalgebra::{Point3, Unit, Vector3};
 use std::sync::Arc;
@@ -53,7 +55,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     }
     let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
     for spec in &job.operations {
-        operations.push(operation(spec));
+        operations.push(Operation { kind: kind(&spec.kind, &job.part, &part), ..operation(spec) });
     }
     let machine = machine(&job.machine, chain(&job.machine, sink)?);
     let program = Program {
@@ -134,6 +136,39 @@ fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
         solid: ToolSolid { cutter, flute_length: flute, shank, holder },
         span: spec.span,
     }
+}
+
+/// The kind of an operation with the blades in the order of the part, and with the fillets round edges.
+fn kind(spec: &OperationKind, given: &PartSpec, part: &Part) -> OperationKind {
+    let blade = |id: BladeId| {
+        let name = given.blades.get(id.index()).map(|blade| &blade.name);
+        part.blade_ids().find(|id| Some(&part.blade(*id).name) == name).unwrap_or(id)
+    };
+    let face = |id: FaceId| blade(id.blade).faces()[id.index() % FaceId::NAMES.len()];
+    let mut kind = spec.clone();
+    match &mut kind {
+        OperationKind::Flank { faces, .. } => faces.iter_mut().for_each(|id| *id = face(*id)),
+        OperationKind::Point { surfaces, .. } => {
+            for surface in surfaces.iter_mut() {
+                *surface = match *surface {
+                    SurfaceKind::Face(id) => SurfaceKind::Face(face(id)),
+                    SurfaceKind::Fillet(id) => SurfaceKind::Fillet(face(id)),
+                    SurfaceKind::InletEdge(id) => SurfaceKind::InletEdge(blade(id)),
+                    SurfaceKind::OutletEdge(id) => SurfaceKind::OutletEdge(blade(id)),
+                    other => other,
+                };
+            }
+            // Who names the fillets of both faces means the fillet round the blade.
+            for blade in part.blade_ids() {
+                let fillets = blade.faces().map(SurfaceKind::Fillet);
+                if fillets.iter().all(|fillet| surfaces.contains(fillet)) {
+                    surfaces.extend([0, 1].into_iter().filter_map(|end| part.edge(blade, end)).map(SurfaceKind::Fillet));
+                }
+            }
+        }
+        _ => {}
+    }
+    kind
 }
 
 fn operation(spec: &model::OperationSpec) -> Operation {

@@ -19,25 +19,69 @@ struct Wall {
     border: Vec<[f64; 2]>,
     /// Shares of the whole opening at which one passage ends and the next begins, before and behind a splitter.
     beyond: Option<[f64; 2]>,
+    /// How far before and behind a splitter its border goes straight on, in parameters of the hub.
+    straight: [f64; 2],
 }
 
 /// Parameters of the hub that differ by less count as equal: rounding of the ends of a border.
 const SAME: f64 = 1e-9;
 
+/// A ball that rolls along a wall over the hub.
+#[derive(Clone, Copy, Debug)]
+pub struct Rolling {
+    /// Distance of its centre from the face, mm.
+    pub wall: f64,
+    /// Distance of its centre from the hub, mm.
+    pub floor: f64,
+    /// Largest v of the place beside the face.
+    pub top: f64,
+}
+
+impl Rolling {
+    /// The ball of the fillet of a face.
+    fn in_fillet(part: &Part, id: FaceId) -> Option<Self> {
+        part.fillet(id).map(|radius| Self { wall: radius.get(), floor: radius.get(), top: 1.0 })
+    }
+}
+
+impl Part {
+    /// Azimuths on the hub of both borders of a passage, at places along the hub: where a ball that rolls along its walls
+    /// touches the hub, also round edges that are surfaces of their own. Before and behind a splitter the border is shared with
+    /// the next passage. Sector 0, each border in the sector of its blade. `None` where no ball has a place.
+    pub fn floor_borders(&self, passage: &Passage, rolling: Rolling, places: &[f64]) -> Option<[Vec<f64>; 2]> {
+        let mut opening = Opening::rolled(self, passage, |_| Some(rolling));
+        // An edge without a surface of its own has no fillet: the ball stays in front of it.
+        for (wall, face) in opening.walls.iter_mut().zip(passage.walls) {
+            let ends = [wall.border.first(), wall.border.last()].map(|end| end.map_or(0.0, |p| p[0]));
+            let blunt = |end: usize| self.ends_inside(face.blade, end) && self.edge(face.blade, end).is_none();
+            let before = |end: usize| rolling.wall / self.hub.meridian(ends[end]).first.norm();
+            wall.straight = [0, 1].map(|end: usize| if blunt(end) { before(end) } else { 0.0 });
+        }
+        let at = places.iter().map(|u| opening.at(*u)).collect::<Option<Vec<_>>>()?;
+        let second = |[from, angle]: &[f64; 2]| from + angle - self.turn(passage);
+        Some([at.iter().map(|at| at[0]).collect(), at.iter().map(second).collect()])
+    }
+}
+
 impl Opening {
     pub(super) fn of(part: &Part, passage: &Passage) -> Self {
+        Self::rolled(part, passage, |id| Rolling::in_fillet(part, id))
+    }
+
+    fn rolled(part: &Part, passage: &Passage, rolling: impl Fn(FaceId) -> Option<Rolling>) -> Self {
+        let hub_border = |wall: FaceId| hub_border(part, wall, rolling(wall));
         let whole = (part.blades.len() > 1).then(|| {
             let ahead = part.face_ahead(BladeId::MAIN);
-            let walls = [ahead, ahead.other()].map(|wall| Wall { border: hub_border(part, wall), beyond: None });
+            let walls = [ahead, ahead.other()].map(|wall| Wall { border: hub_border(wall), beyond: None, straight: [0.0; 2] });
             Box::new(Self { walls, turn: part.pitch(), whole: None })
         });
         let walls = passage.walls.map(|wall| {
-            let border = hub_border(part, wall);
+            let border = hub_border(wall);
             let whole = whole.as_ref().filter(|_| wall.blade != BladeId::MAIN);
-            let beyond = whole.and_then(|whole| shares(whole, &border, &hub_border(part, wall.other())));
-            Wall { border, beyond }
+            let beyond = whole.and_then(|whole| shares(whole, &border, &hub_border(wall.other())));
+            Wall { border, beyond, straight: [0.0; 2] }
         });
-        Self { walls, turn: part.pitch() * f64::from(passage.sectors), whole }
+        Self { walls, turn: part.turn(passage), whole }
     }
 
     /// Azimuth of the first wall and the angle from it to the second wall, at a parameter of the hub.
@@ -49,8 +93,8 @@ impl Opening {
 
     fn azimuth(&self, wall: &Wall, u: f64) -> Option<f64> {
         let end = match wall.border.as_slice() {
-            [first, ..] if u < first[0] - SAME => Some(0),
-            [.., last] if u > last[0] + SAME => Some(1),
+            [first, ..] if u < first[0] - wall.straight[0] - SAME => Some(0),
+            [.., last] if u > last[0] + wall.straight[1] + SAME => Some(1),
             _ => None,
         };
         match (end, wall.beyond, &self.whole) {
@@ -73,14 +117,14 @@ fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64;
     Some([share(own.first()?, other.first()?)?, share(own.last()?, other.last()?)?])
 }
 
-/// Centre of the ball that touches a face at u and the hub, or the end of the face on the hub. The contact on the hub lies on
+/// Centre of the rolling ball beside a face at u, or the end of the face on the hub. The contact on the hub lies on
 /// the normal through the centre and has the same azimuth.
-fn contact(part: &Part, id: FaceId, u: f64) -> Option<Point3<f64>> {
+fn contact(part: &Part, id: FaceId, u: f64, rolling: Option<Rolling>) -> Option<Point3<f64>> {
     let face = part.face(id);
-    match part.fillet(id) {
-        Some(radius) => {
-            let v = part.fillet_tangent(id, u, radius.get())?;
-            Some(face.surface.point(u, v) + face.normal(u, v) * radius.get())
+    match rolling {
+        Some(Rolling { wall, floor, top }) => {
+            let v = part.beside_centre(id, u, [wall, floor], top)?;
+            Some(face.surface.point(u, v) + face.normal(u, v) * wall)
         }
         None => Some(face.surface.point(u, part.ruling_meets(id, u, &part.hub, 0.0))),
     }
@@ -92,29 +136,28 @@ fn hub_parameter(part: &Part, at: &Point3<f64>) -> f64 {
 }
 
 /// u of an edge at which its border on the hub is farthest out: there the borders of both faces meet.
-fn nose(part: &Part, blade: BladeId, end: usize) -> f64 {
+fn nose(part: &Part, blade: BladeId, end: usize, rolling: Option<Rolling>) -> f64 {
     /// Places along an edge: a nose of a millimetre has one every twentieth of a millimetre.
     const PLACES: usize = 64;
     let Some(edge) = part.edge(blade, end) else { return 0.5 };
     let outward = if end == 0 { -1.0 } else { 1.0 };
     let at = |i: usize| {
         let u = i as f64 / PLACES as f64;
-        contact(part, edge, u).map(|p| (u, outward * hub_parameter(part, &p)))
+        contact(part, edge, u, rolling).map(|p| (u, outward * hub_parameter(part, &p)))
     };
     (0..=PLACES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
-fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
+fn hub_border(part: &Part, id: FaceId, rolling: Option<Rolling>) -> Vec<[f64; 2]> {
     /// Rows along a face, and along half an edge.
     const ROWS: [usize; 2] = [400, 60];
-    let fillet = part.fillet(id);
-    let mut ends = fillet.map_or([0.0, 1.0], |radius| part.fillet_ends(id, radius.get()));
+    let mut ends = rolling.map_or([0.0, 1.0], |ball| part.fillet_ends(id, ball.wall));
     if id.blade != BladeId::MAIN {
         let extent = part.extent(id.blade);
         let foot = |u: f64| {
-            let centre = contact(part, id, u)?;
-            Some(centre - hub_normal(part, &centre) * fillet.map_or(0.0, |radius| radius.get()))
+            let centre = contact(part, id, u, rolling)?;
+            Some(centre - hub_normal(part, &centre) * rolling.map_or(0.0, |ball| ball.floor))
         };
         let own = [0, 1].map(|end| part.edge(id.blade, end).is_some());
         ends = [0, 1].map(|end| {
@@ -122,11 +165,11 @@ fn hub_border(part: &Part, id: FaceId) -> Vec<[f64; 2]> {
         });
     }
     let mut border: Vec<[f64; 2]> = Vec::new();
-    for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end))) {
+    for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end, rolling))) {
         let ([from, to], rows) = if surface == id { (ends, ROWS[0]) } else { (range, ROWS[1]) };
         for i in 0..=rows {
             let u = from + (to - from) * i as f64 / rows as f64;
-            let Some(at) = contact(part, surface, u) else { continue };
+            let Some(at) = contact(part, surface, u, rolling) else { continue };
             let hub_u = hub_parameter(part, &at);
             let mut azimuth = libm::atan2(at.y, at.x);
             if let Some(last) = border.last() {

@@ -76,6 +76,16 @@ impl Part {
         })
     }
 
+    /// True where a blade ends inside of the part at its inlet (`end` 0) or outlet (1): at an edge that is a surface of its
+    /// own, or at the edge of a splitter that is shorter than the main blades.
+    pub fn ends_inside(&self, blade: BladeId, end: usize) -> bool {
+        /// Distance of the ends that is rounding of the curves, mm.
+        const SAME: f64 = 0.05;
+        let [u, v] = [end as f64, 0.5];
+        let inside = || self.extent(BladeId::MAIN).beyond(u, &self.blade(blade).faces[0].surface.point(u, v)) < -SAME;
+        self.edge(blade, end).is_some() || (blade != BladeId::MAIN && inside())
+    }
+
     /// True when the outlet lies rather in the direction of the axis: blisks of axial machines.
     pub fn axial_outlet(&self) -> bool {
         let [hub, shroud] = self.end_line(BladeId::MAIN, 1.0);

@@ -7,7 +7,9 @@
 //! |---|---|
 //! | `surface` | common interface of the surfaces of blades; ruled and lofted surfaces |
 //! | `blade` | a blade with its two faces and their names |
-//! | `row` | the part: main blade and splitters between hub and shroud; passages between neighbours |
+//! | `row` | the part: main blade and splitters between hub and shroud |
+//! | `passage` | the space between neighbouring blades |
+//! | `continued` | walls of passages from inlet to outlet, where a blade is shorter |
 //! | `names` | every surface of the finished part by kind and sector |
 //! | `stock` | the turned blank and what holds it |
 //! | `rolling_ball` | the ball that touches face and hub: fillets |
@@ -23,9 +25,11 @@ mod blade;
 mod borders;
 pub mod chart;
 mod chart_table;
+mod continued;
 mod extent;
 pub mod kept;
 mod names;
+mod passage;
 mod rolling_ball;
 mod row;
 pub mod sample;
@@ -33,11 +37,13 @@ pub mod solid;
 mod stock;
 pub mod surface;
 
+pub use borders::Rolling;
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use extent::Extent;
 pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
+pub use passage::{Across, Passage};
 pub use rolling_ball::hub_normal;
-pub use row::{BladeRow, Part, Passage};
+pub use row::{BladeRow, Part};
 pub use sample::{Sample, sample};
 pub use stock::{Clamping, Stock, profile_distance};
 pub use surface::{FaceLine, FaceSurface, Surface};

@@ -10,6 +10,16 @@ impl PassageId {
     /// The passage that follows the main blade counter-clockwise.
     pub const FIRST: Self = Self(0);
 
+    /// The passage that follows a blade, by the index of the blade.
+    pub(super) fn new(index: usize) -> Self {
+        Self(u16::try_from(index).unwrap_or(u16::MAX))
+    }
+
+    /// Its index: that of the blade which it follows.
+    pub fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
     /// Suffix to the number of its sector, empty for the first passage: `channel 3`, `channel 3.1`.
     fn suffix(self) -> String {
         if self == Self::FIRST { String::new() } else { format!(".{}", self.0) }

@@ -3,6 +3,7 @@
 use super::blade::{Blade, BladeId, Face, FaceId, Guides};
 use super::chart_table::ChartTables;
 use super::names::PassageId;
+use super::passage::{Passage, WholeWall};
 use super::surface::{FaceSurface, Surface};
 use crate::geom::{NurbsCurve, Revolution};
 use crate::units::Mm;
@@ -15,6 +16,7 @@ use std::sync::OnceLock;
 pub struct Part {
     row: BladeRow,
     charts: OnceLock<ChartTables>,
+    walls: OnceLock<Vec<[WholeWall; 2]>>,
 }
 
 /// Blades of a sector between hub and shroud.
@@ -28,17 +30,6 @@ pub struct BladeRow {
     pub hub: Revolution,
     /// Surface of the blade tips.
     pub shroud: Revolution,
-}
-
-/// The space between two neighbouring blades.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Passage {
-    /// Identifier of the passage.
-    pub id: PassageId,
-    /// Faces of its walls, the clockwise wall first.
-    pub walls: [FaceId; 2],
-    /// Sectors from the first wall to the second: 1 behind the last blade of a sector, else 0.
-    pub sectors: u32,
 }
 
 impl std::ops::Deref for Part {
@@ -88,7 +79,7 @@ impl Part {
             shroud: Revolution::new(shroud, beyond),
             blades: std::iter::once(main).chain(splitters).collect(),
         };
-        Self { row, charts: OnceLock::new() }
+        Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
     }
 
     /// The same part with another fillet of the main blade.
@@ -96,7 +87,7 @@ impl Part {
     pub fn with_fillet(&self, fillet: Option<Mm>) -> Self {
         let mut row = self.row.clone();
         row.blades[0].fillet = fillet;
-        Self { row, charts: OnceLock::new() }
+        Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
     }
 
     /// Tables of the charts of sector 0. `make` makes them at the first call; it must not wait for other threads.
@@ -207,22 +198,38 @@ impl Part {
 
     /// Passages of a sector, counter-clockwise from the main blade.
     pub fn passages(&self) -> impl Iterator<Item = Passage> + '_ {
-        (0..self.blades.len()).map(|k| self.passage(k))
+        (0..self.blades.len()).map(|k| self.passage(PassageId::new(k)))
     }
 
     /// The passage that follows the main blade.
     pub fn first_passage(&self) -> Passage {
-        self.passage(0)
+        self.passage(PassageId::FIRST)
     }
 
-    /// The passage that follows a blade.
-    fn passage(&self, k: usize) -> Passage {
-        let next = (k + 1) % self.blades.len();
+    /// A passage of a sector: it follows the blade with its index.
+    pub fn passage(&self, id: PassageId) -> Passage {
+        let next = (id.index() + 1) % self.blades.len();
         Passage {
-            id: PassageId(u16::try_from(k).unwrap_or(u16::MAX)),
-            walls: [self.face_ahead(BladeId::new(k)), self.face_ahead(BladeId::new(next)).other()],
+            id,
+            walls: [self.face_ahead(BladeId::new(id.index())), self.face_ahead(BladeId::new(next)).other()],
             sectors: u32::from(next == 0),
         }
+    }
+
+    /// The angle from the sector of the first wall of a passage to that of the second.
+    pub fn turn(&self, passage: &Passage) -> f64 {
+        self.pitch() * f64::from(passage.sectors)
+    }
+
+    /// The passage and the side (0 for the clockwise wall) of a face.
+    pub fn passage_of(&self, face: FaceId) -> (PassageId, usize) {
+        let found = self.passages().find_map(|p| Some((p.id, p.walls.iter().position(|wall| *wall == face)?)));
+        found.unwrap_or((PassageId::FIRST, 0))
+    }
+
+    /// Walls of all passages from inlet to outlet. `make` makes them at the first call; it must not wait for other threads.
+    pub(super) fn whole_walls(&self, make: impl FnOnce(&Self) -> Vec<[WholeWall; 2]>) -> &[[WholeWall; 2]] {
+        self.walls.get_or_init(|| make(self))
     }
 
     /// The wall on the other side of the passage of a face, and the angle about Z from its place in sector 0.

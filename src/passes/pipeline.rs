@@ -96,24 +96,15 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 /// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
 /// kind reached.
 fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'_>) -> Result<CcPlan, Aborted> {
-    let (mut groove_level, mut expand_level) = (1.0, 1.0);
+    let passages = cx.program.part.passages().count();
+    let [mut groove_levels, mut expand_levels] = [1.0, 1.0].map(|shroud| vec![shroud; passages]);
     let mut cc = CcPlan::default();
     let mut failed = false;
     for (id, operation) in cx.program.operations.iter() {
         cx.go_on()?;
         let planned = match operation.kind {
-            OperationKind::Groove { .. } => {
-                groove::plan(cx, roughings, (id, operation), groove_level).map(|(plan, level)| {
-                    groove_level = level;
-                    plan
-                })
-            }
-            OperationKind::Expand { .. } => {
-                expand::plan(cx, roughings, (id, operation), expand_level).map(|(plan, level)| {
-                    expand_level = level;
-                    plan
-                })
-            }
+            OperationKind::Groove { .. } => groove::plan(cx, roughings, (id, operation), &mut groove_levels),
+            OperationKind::Expand { .. } => expand::plan(cx, roughings, (id, operation), &mut expand_levels),
             OperationKind::Rough { .. } => channel_levels::plan(cx, roughings, (id, operation)),
             OperationKind::Plunge { .. } => plunge::plan(cx, id, operation),
             OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),

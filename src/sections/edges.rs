@@ -12,6 +12,9 @@ use nalgebra::{Point3, Vector3};
 /// Turn of a corner, rad: 30 deg. Points of a round edge turn less from one to the next, where it has six or more.
 const CORNER: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
+/// Turn of the blunter corner of an edge that is cut off at a slant, rad: 15 deg.
+const OBTUSE: f64 = 0.5 * CORNER;
+
 /// An edge that is cut off is straight within this share of its width.
 const STRAIGHT: f64 = 0.02;
 
@@ -89,7 +92,7 @@ pub(super) fn of_faces(ring: &Ring) -> f64 {
 pub(super) fn ends(ring: &Ring, nose: usize, thickness: f64, of_faces: f64) -> [usize; 2] {
     let thickness = thickness.max(THINNEST * ring.length());
     let threshold = threshold(ring, nose, thickness, of_faces);
-    [-1, 1].map(|way: isize| {
+    let found = [-1, 1].map(|way: isize| {
         let mut end = nose;
         let (mut gone, mut since) = (0.0, 0.0);
         let mut found = ring.curvature(nose) > threshold;
@@ -114,7 +117,35 @@ pub(super) fn ends(ring: &Ring, nose: usize, thickness: f64, of_faces: f64) -> [
             }
         }
         end
-    })
+    });
+    if found == [nose; 2] { slanting(ring, nose, thickness) } else { found }
+}
+
+/// Ends of an edge that is cut off at a slant, from its sharper corner: the other corner is a straight line away, which is
+/// longer than the blade is thick. The sharper corner alone where there is no other.
+fn slanting(ring: &Ring, nose: usize, thickness: f64) -> [usize; 2] {
+    /// Longest edge, in thicknesses: a slant of 75 deg.
+    const LONGEST: f64 = 4.0;
+    let other = |way: isize| {
+        let mut gone = 0.0;
+        for step in 1..ring.len() as isize / 2 {
+            let k = ring.on(nose, way * step);
+            gone += if way > 0 { ring.chord(ring.on(k, -1)) } else { ring.chord(k) };
+            if gone > LONGEST * thickness {
+                return None;
+            }
+            if ring.turns[k] >= OBTUSE {
+                return Some((gone, k));
+            }
+        }
+        None
+    };
+    match (other(-1), other(1)) {
+        (Some(before), Some(behind)) if before.0 <= behind.0 => [before.1, nose],
+        (Some(before), None) => [before.1, nose],
+        (_, Some(behind)) => [nose, behind.1],
+        (None, None) => [nose; 2],
+    }
 }
 
 /// Points of an edge, from which an edge that is cut off leaves out those between its corners, and what it is.
@@ -133,7 +164,8 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
         d - chord * d.dot(&chord)
     };
     let highest = points.iter().map(|p| beside(p).norm()).fold(0.0, f64::max);
-    let corners = [from, to].iter().all(|k| ring.turns[*k] >= CORNER);
+    let turns = [from, to].map(|k| ring.turns[k]);
+    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER);
     if points.len() == 2 || (corners && highest <= STRAIGHT * width) {
         let edge = FoundEdge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
         return (vec![*first, *last], edge);

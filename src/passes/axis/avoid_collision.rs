@@ -76,7 +76,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
 /// True when a pass tilts away from walls as far as necessary.
 fn tilts_away(operation: &Operation, cc: &CcPass) -> bool {
     let along = operation.kind.axis_method() == Some(AxisMethod::Ruling);
-    matches!(cc.drive, Drive::Hub | Drive::Contact(_) | Drive::Round) && !along
+    matches!(cc.drive, Drive::Hub(_) | Drive::Contact(_) | Drive::Round(_)) && !along
 }
 
 /// Chooses clear axes for all passes of an operation.
@@ -173,13 +173,17 @@ fn clearing_tilt(
 ) -> Result<f64, Miss> {
     let solid = &program.tools[operation.tool].solid;
     let tilts_away_here = tilts_away(operation, cc);
-    let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round);
+    let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round(_));
     let violation = |p: &ClPoint| {
         let ball = solid.cutter.ends_in_ball();
-        // A ball on an edge: nothing of the part is near the side of the cutter.
-        let edge = matches!(cc.drive, Drive::Contact(SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)));
+        // A ball on an edge that the lathe makes: nothing of the part is near the side of the cutter.
+        let edge = match cc.drive {
+            Drive::Contact(SurfaceKind::InletEdge(blade)) => program.part.edge(blade, 0).is_none(),
+            Drive::Contact(SurfaceKind::OutletEdge(blade)) => program.part.edge(blade, 1).is_none(),
+            _ => false,
+        };
         let beside = on_vane && !(ball && edge);
-        let inside = if beside || matches!(cc.drive, Drive::HubWithLead(_)) {
+        let inside = if beside || matches!(cc.drive, Drive::HubWithLead(..)) {
             obstacles.cutter_inside(solid, &p.tip, &p.axis)
         } else {
             None

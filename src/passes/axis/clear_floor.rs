@@ -13,6 +13,7 @@ use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{ClPoint, Operation};
 use crate::method::AxisMethod;
 use crate::operation::VaneAllowance;
+use crate::part::Passage;
 use crate::passes::context::{AxisTilt, Keep, PassContext};
 use crate::units::Mm;
 use rayon::prelude::*;
@@ -30,20 +31,29 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
     for (id, operation) in program.operations.iter() {
         let Some(allowance) = operation.kind.of_larger_tool() else { continue };
         cx.go_on()?;
-        let middle = widest(cx, operation, allowance).map(|middle| with_room(cx, operation, (middle, allowance)));
-        if !middle.as_ref().is_some_and(Middle::fits) {
+        let mut fits = false;
+        for passage in program.part.passages() {
+            let widest = widest(cx, operation, (passage, allowance));
+            let Some(middle) = widest.map(|middle| with_room(cx, operation, (middle, allowance))) else { continue };
+            fits |= middle.fits();
+            middles.insert((id, passage.id), middle);
+        }
+        if !fits {
             let diag = fits_nowhere(cx, operation, allowance);
             cx.sink.push(diag);
         }
-        middles.extend(middle.map(|middle| (id, middle)));
     }
     Ok(middles)
 }
 
 /// The middle of the floor between the outer lines that leave most room: each tool on its line keeps its distances.
-fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, allowance: Mm) -> Option<Middle<'a>> {
+fn widest<'a>(
+    cx: &PassContext<'a>,
+    operation: &Operation,
+    (passage, allowance): (Passage, Mm),
+) -> Option<Middle<'a>> {
     let program = cx.program;
-    let mut all = Middle::all(program, operation);
+    let mut all = Middle::all(program, operation, passage);
     if all.len() < 2 {
         return all.pop();
     }

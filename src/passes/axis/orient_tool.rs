@@ -47,7 +47,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                     Some(path) => path_points(path, pass),
                     None => flank_points(program, operation, pass, side),
                 },
-                Drive::Hub | Drive::HubWithLead(_) | Drive::Contact(_) | Drive::Round => {
+                Drive::Hub(_) | Drive::HubWithLead(..) | Drive::Contact(_) | Drive::Round(_) => {
                     tilted_points(program, operation, pass, tilt(operation))
                 }
             },
@@ -73,7 +73,9 @@ const FIRST_TILT: f64 = 0.25;
 pub(crate) fn tilted_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
     match pass.drive {
         Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, tilt)),
-        Drive::Round => vane_points(program, operation, pass, |axes, p| axes.round(p.w, p.u, p.v, tilt)),
+        Drive::Round(blade) => {
+            vane_points(program, operation, pass, |axes, p| axes.round(blade, p.w, [p.u, p.v], tilt))
+        }
         _ => hub_points(program, operation, pass, tilt),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::lead;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, Program};
+use crate::part::PassageId;
 use crate::passes::context::{AxisTilt, ChannelChart};
 use nalgebra::{Point3, Vector3};
 
@@ -10,13 +11,17 @@ use nalgebra::{Point3, Vector3};
 pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
     let part = &program.part;
     let cutter = &program.tools[operation.tool].solid.cutter;
-    let chart = ChannelChart::new(part);
+    let passage = match pass.drive {
+        Drive::Hub(passage) | Drive::HubWithLead(passage, _) => passage,
+        _ => PassageId::FIRST,
+    };
+    let chart = ChannelChart::new(part, passage);
     let at = |p: &CcPoint| {
         // On the leads the axis is constant, so that the tool moves straight along the tangent of the hub.
         let u = p.u.clamp(0.0, 1.0);
         let at = if u == p.u { p.position } else { edge(program, pass, u) };
         let axis = match pass.drive {
-            Drive::HubWithLead(angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
+            Drive::HubWithLead(_, angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
             _ => hub_axis(&chart, u, p.w, &at, tilt),
         };
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;

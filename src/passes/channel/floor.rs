@@ -1,20 +1,22 @@
-//! The floor of channel 0: the hub between the two lines where a ball leaves the walls.
+//! The floor of a passage: the hub between the two lines where a ball leaves the walls.
 
 use super::finished::{Finished, edges};
 use crate::geom::BandMetric;
 use crate::geom::angle::nearest_turn;
 use crate::ir::CcPoint;
-use crate::part::{FaceId, Part, Surface};
+use crate::part::{BladeId, FaceId, Part, Passage, Rolling, Surface};
 use crate::passes::context::STATIONS;
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, scallop};
 use nalgebra::Vector2;
+use rayon::prelude::*;
 
 /// Contacts with the hub of a ball that rolls along a wall: (u of the hub, azimuth), ascending in u.
 pub(super) type Contact = Vec<[f64; 2]>;
 
-/// The machined surface: the hub of channel 0 between two contact lines.
+/// The machined surface: the hub of a passage of sector 0 between two contact lines.
 pub(super) struct ChannelFloor<'a> {
     pub(super) part: &'a Part,
+    pub(super) passage: Passage,
     /// Radius of the tool.
     pub(super) radius: f64,
     pub(super) walls: [Contact; 2],
@@ -27,7 +29,7 @@ impl ChannelFloor<'_> {
     pub(super) fn walls(&self, u: f64) -> (f64, f64) {
         let a = azimuth(&self.walls[0], u);
         let ahead = azimuth(&self.walls[1], u) - a;
-        (a, nearest_turn(ahead, 0.0) + self.part.pitch())
+        (a, nearest_turn(ahead, 0.0) + self.part.turn(&self.passage))
     }
 
     pub(super) fn point(&self, u: f64, w: f64, azimuth: f64) -> CcPoint {
@@ -109,9 +111,61 @@ impl DriveSurface for ChannelFloor<'_> {
     }
 }
 
+/// Contact lines of both walls of a passage with the hub. Where a blade begins or ends inside of the passage, they run round
+/// its edges, and go on before and behind them.
+pub(super) fn contacts(part: &Part, passage: &Passage, [wall, floor]: [f64; 2], top: f64) -> Option<[Contact; 2]> {
+    let ends_inside =
+        |side: &FaceId| side.blade != BladeId::MAIN || [0, 1].iter().any(|end| part.edge(side.blade, *end).is_some());
+    if !passage.walls.iter().any(ends_inside) {
+        let [first, second] = passage.walls.map(|side| contact(part, side, [wall, floor], top));
+        return Some([first?, second?]);
+    }
+    let places: Vec<f64> = (0..=FINE).map(|i| i as f64 / FINE as f64).collect();
+    let borders = part.floor_borders(passage, Rolling { wall, floor, top }, &places)?;
+    let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
+        let at = part.hub.meridian(*u).point;
+        *sum += last.map_or(0.0, |last: Vector2<f64>| (at - last).norm());
+        *last = Some(at);
+        Some([*sum, at.x])
+    });
+    let lengths: Vec<[f64; 2]> = lengths.collect();
+    let line = |side: usize| -> Contact {
+        let outward = if side == 0 { 1.0 } else { -1.0 };
+        let border: Vec<f64> = borders[side].iter().map(|azimuth| outward * azimuth).collect();
+        let smooth = rounded(&lengths, &border, ROUNDING * wall);
+        places.iter().zip(smooth).map(|(u, azimuth)| [*u, outward * azimuth]).collect()
+    };
+    Some([line(0), line(1)])
+}
+
+/// Places along the hub at which borders round an edge are known, minus one: a few hundredths of a millimetre apart.
+const FINE: usize = 4000;
+
+/// Radius with which a line turns off before an edge, as a share of the distance from the wall. Up to this radius the tool
+/// leaves a place before the edge to the lines of the fillet round the edge, less than half a step wide.
+const ROUNDING: f64 = 0.4;
+
+/// The least line above a border, as azimuths, on which a disc of a radius rolls: without the corners that the disc does not
+/// reach from above. `along` has the length of the meridian and the radius about Z at each place, mm.
+fn rounded(along: &[[f64; 2]], border: &[f64], radius: f64) -> Vec<f64> {
+    // Half of the height of the disc at a distance from its centre, as an angle.
+    let over = |i: usize, j: usize| {
+        let d = along[j][0] - along[i][0];
+        (radius * radius - d * d).max(0.0).sqrt() / along[i][1]
+    };
+    let near = |i: usize| {
+        let from = along.partition_point(|p| p[0] < along[i][0] - radius);
+        from..along.partition_point(|p| p[0] <= along[i][0] + radius)
+    };
+    let centre = |i: usize| near(i).map(|j| border[j] + over(i, j)).fold(f64::NEG_INFINITY, f64::max);
+    let centres: Vec<f64> = (0..border.len()).into_par_iter().map(centre).collect();
+    let below = |i: usize| near(i).map(|j| centres[j] - over(i, j)).fold(f64::INFINITY, f64::min);
+    (0..border.len()).into_par_iter().map(below).collect()
+}
+
 /// Contact line with the hub of a ball whose centre keeps distances from a face of sector 0 and from the hub, while its
 /// place beside the face is at most `top` high. `None` when a ruling has no such place.
-pub(super) fn contact(part: &Part, side: FaceId, [wall, floor]: [f64; 2], top: f64) -> Option<Contact> {
+fn contact(part: &Part, side: FaceId, [wall, floor]: [f64; 2], top: f64) -> Option<Contact> {
     let face = part.face(side);
     let mut line: Contact = Vec::with_capacity(STATIONS + 1);
     // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.

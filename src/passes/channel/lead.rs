@@ -5,7 +5,6 @@
 
 use crate::collide::Cutter;
 use crate::ir::CcPoint;
-use crate::part::Part;
 use crate::passes::context::{ChannelChart, LEAST_OUTWARD};
 use crate::passes::lines::CutterPose;
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2, Vector3};
@@ -41,9 +40,9 @@ pub(super) struct BullNose {
 }
 
 impl BullNose {
-    /// A cutter with the least lead angle that keeps its end out of the hub; `None` where there is none.
-    pub(super) fn new(part: &Part, cutter: Cutter) -> Option<Self> {
-        least(part, &cutter).map(|lead| Self { cutter, lead })
+    /// A cutter in a passage with the least lead angle that keeps its end out of the hub; `None` where there is none.
+    pub(super) fn new(chart: &ChannelChart<'_>, cutter: Cutter) -> Option<Self> {
+        least(chart, &cutter).map(|lead| Self { cutter, lead })
     }
 
     /// Tool on the hub at (u, w) and an azimuth.
@@ -101,22 +100,21 @@ pub(super) fn axis(chart: &ChannelChart<'_>, (u, w, azimuth): (f64, f64, f64), l
 }
 
 /// The least lead angle with which no part of the end of a bull nose cuts into the hub; `None` where there is none.
-fn least(part: &Part, cutter: &Cutter) -> Option<f64> {
-    let chart = ChannelChart::new(part);
+fn least(chart: &ChannelChart<'_>, cutter: &Cutter) -> Option<f64> {
     // With less, the axis would come near the pole of the table where the floor lies flat.
     let from = libm::asin(LEAST_OUTWARD);
     let at = |step: usize| from + (MOST_LEAD - from) * step as f64 / LEADS as f64;
     // A larger lead angle lifts the heel.
     let (mut low, mut high) = (0, LEADS);
-    if !clears(&chart, cutter, at(LEADS)) {
+    if !clears(chart, cutter, at(LEADS)) {
         return None;
     }
-    if clears(&chart, cutter, from) {
+    if clears(chart, cutter, from) {
         return Some(from);
     }
     while high - low > 1 {
         let middle = low.midpoint(high);
-        if clears(&chart, cutter, at(middle)) { high = middle } else { low = middle }
+        if clears(chart, cutter, at(middle)) { high = middle } else { low = middle }
     }
     Some(at(high))
 }

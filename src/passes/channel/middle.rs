@@ -5,12 +5,13 @@
 
 use super::axes::hub_points;
 use super::finished::{Finished, edges};
-use super::floor::{ChannelFloor, contact};
+use super::floor::{ChannelFloor, contacts};
 use super::lead::BullNose;
 use crate::collide::{Cutter, ToolSolid};
 use crate::geom::BandMetric;
 use crate::geom::angle::nearest_turn;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, OperationId, Program};
+use crate::part::{Passage, PassageId};
 use crate::passes::context::{AxisTilt, ChannelChart, Obstacles, maximal_ranges};
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine, arc_radius, both_walls, highest_ridge};
 use crate::units::Mm;
@@ -55,8 +56,8 @@ pub(crate) struct Middle<'a> {
 /// the side of the tool does not lean with the walls as that of a ball does. The least one is for the errors of samples.
 const BESIDE_CORNER: [f64; 11] = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// The larger tools of a program, by operation. One that touches vane and hub nowhere is missing.
-pub(crate) type Middles<'a> = BTreeMap<OperationId, Middle<'a>>;
+/// The larger tools of a program, by operation and passage. One that touches vane and hub nowhere is missing.
+pub(crate) type Middles<'a> = BTreeMap<(OperationId, PassageId), Middle<'a>>;
 
 /// The operations of larger tools that come before an operation in its item, the last first.
 pub(super) fn before(program: &Program, id: OperationId) -> impl Iterator<Item = OperationId> {
@@ -68,24 +69,23 @@ impl<'a> Middle<'a> {
     /// The floor between the outer lines of the tool, without stretches, with the outer lines at each of the distances that
     /// come into question. Nothing for operations without a larger tool, and where a ruling has no place for the tool or no
     /// lead keeps its heel out of the hub.
-    pub(crate) fn all(program: &'a Program, operation: &Operation) -> Vec<Self> {
+    pub(crate) fn all(program: &'a Program, operation: &Operation, passage: Passage) -> Vec<Self> {
         let cutter = program.tools[operation.tool].solid.cutter;
         let (part, radius) = (&program.part, cutter.nominal_radius());
         let Some(allowance) = operation.kind.of_larger_tool().map(Mm::get) else { return Vec::new() };
         // A rounding smaller than the fillet stands where the fillet ends.
         let rolling = part.main().fillet.map_or(cutter.tip_radius(), |f| f.get().max(cutter.tip_radius()));
-        let bull_nose = if cutter.ends_in_ball() { None } else { Some(BullNose::new(part, cutter)) };
+        let chart = ChannelChart::new(part, passage.id);
+        let bull_nose = if cutter.ends_in_ball() { None } else { Some(BullNose::new(&chart, cutter)) };
         let beyond = match bull_nose {
             None => vec![0.0],
             Some(None) => Vec::new(),
             Some(Some(_)) => BESIDE_CORNER.map(|share| radius - cutter.tip_radius() + share * radius).to_vec(),
         };
         let at = |beyond: f64| {
-            let side = |side| contact(part, side, [rolling + beyond + allowance, rolling], TOP);
-            let [first, second] = part.first_passage().walls.map(side);
-            let floor = ChannelFloor { part, radius, walls: [first?, second?], finished: Vec::new() };
-            let (stretches, chart) = (Vec::new(), ChannelChart::new(part));
-            Some(Self { floor, stretches, chart, bull_nose: bull_nose.flatten() })
+            let walls = contacts(part, &passage, [rolling + beyond + allowance, rolling], TOP)?;
+            let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
+            Some(Self { floor, stretches: Vec::new(), chart, bull_nose: bull_nose.flatten() })
         };
         beyond.into_iter().filter_map(at).collect()
     }
@@ -97,7 +97,8 @@ impl<'a> Middle<'a> {
 
     /// What drives the tool of lines in the middle.
     pub(super) fn drive(&self) -> Drive {
-        self.bull_nose.map_or(Drive::Hub, |tool| Drive::HubWithLead(tool.lead))
+        let passage = self.floor.passage.id;
+        self.bull_nose.map_or(Drive::Hub(passage), |tool| Drive::HubWithLead(passage, tool.lead))
     }
 
     /// Places along the floor and its leads where the tool has to fit.

@@ -7,14 +7,14 @@
 //! the exact law with the curvature of the hub across the line.
 
 use super::finished::Finished;
-use super::floor::{ChannelFloor, azimuth, contact};
+use super::floor::{ChannelFloor, azimuth, contacts};
 use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::{Lines, Spacing};
-use crate::part::{Part, Surface};
+use crate::part::{Part, Passage, Surface};
 use crate::passes::context::{
-    PassContext, STATIONS,
+    PassContext, STATIONS, in_passage,
     limits::{check_fillet, check_points},
 };
 use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
@@ -32,47 +32,55 @@ pub(crate) fn plan(
     let OperationKind::Channel { scallop: height, spacing, lines: order, allowance_vane, .. } = operation.kind else {
         return Err(Aborted);
     };
-    let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
     let cutter = &cx.program.tools[operation.tool].solid.cutter;
+    let radius = cutter.tip_radius();
     // The lead angle of a bull nose is looked for where its room is.
     if cutter.ends_in_ball() {
         check_hollow(cx, operation, radius)?;
     }
-    let drive = middles.get(&id).map_or(Drive::Hub, Middle::drive);
     let ridges = left_to_ridges(cx, height.get());
-    let larger = before(cx.program, id).filter_map(|id| middles.get(&id));
-    let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
-    let LaidLines { lines, notes } = match allowance_vane {
-        Some(allowance) => middle_lines(cx, operation, middles.get(&id), (&finished, allowance.get(), height.get()))?,
-        None => {
-            let floor = whole_floor(cx, operation, radius, finished)?;
-            let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
-            let directions = lines::directions(operation, radius, speed, (order, false));
-            match spacing {
-                Spacing::EqualDivision => {
-                    let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
-                    lines::turn_back(&mut laid.lines, order);
-                    laid
+    let (mut passes, mut all_notes) = (Vec::new(), Vec::new());
+    for passage in cx.program.part.passages() {
+        let middle = middles.get(&(id, passage.id));
+        let larger = before(cx.program, id).filter_map(|id| middles.get(&(id, passage.id)));
+        let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
+        let LaidLines { lines, notes } = match allowance_vane {
+            Some(allowance) => middle_lines(cx, operation, middle, (&finished, allowance.get(), height.get()))?,
+            None => {
+                let floor = whole_floor(cx, operation, (passage, radius), finished)?;
+                let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
+                let directions = lines::directions(operation, radius, speed, (order, false));
+                match spacing {
+                    Spacing::EqualDivision => {
+                        let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
+                        lines::turn_back(&mut laid.lines, order);
+                        laid
+                    }
+                    Spacing::ConstantScallop => {
+                        constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?
+                    }
                 }
-                Spacing::ConstantScallop => constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?,
             }
-        }
-    };
-    let pass = |(j, points)| CcPass { path: None, label: format!("line {}", j + 1), drive, points };
-    Ok(CcOperation { operation: id, passes: lines.into_iter().enumerate().map(pass).collect(), notes })
+        };
+        let drive = middle.map_or(Drive::Hub(passage.id), Middle::drive);
+        let of_passage = |text| in_passage(&cx.program.part, passage.id, text);
+        let pass = |(j, points)| CcPass { path: None, label: of_passage(format!("line {}", j + 1)), drive, points };
+        passes.extend(lines.into_iter().enumerate().map(pass));
+        all_notes.extend(notes.into_iter().map(of_passage));
+    }
+    Ok(CcOperation { operation: id, passes, notes: all_notes })
 }
 
 /// The floor up to the fillets.
 fn whole_floor<'a>(
     cx: &mut PassContext<'a>,
     operation: &Operation,
-    radius: f64,
+    (passage, radius): (Passage, f64),
     finished: Vec<Finished>,
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
     let rolling = part.main().fillet.map_or(radius, |f| f.get());
-    let [ahead, behind] = part.first_passage().walls.map(|side| contact(part, side, [rolling; 2], 1.0));
-    let (Some(first), Some(second)) = (ahead, behind) else {
+    let Some(walls) = contacts(part, &passage, [rolling; 2], 1.0) else {
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
@@ -83,7 +91,7 @@ fn whole_floor<'a>(
         );
         return Err(Aborted);
     };
-    let floor = ChannelFloor { part, radius, walls: [first, second], finished };
+    let floor = ChannelFloor { part, passage, radius, walls, finished };
     check_fit(cx, operation, &floor)?;
     Ok(floor)
 }
@@ -103,7 +111,7 @@ fn middle_lines(
     };
     all.notes.push(middle.note(allowance));
     // In the other direction the heel would cut first.
-    let order = if matches!(middle.drive(), Drive::Hub) { order } else { Lines::OneWay };
+    let order = if matches!(middle.drive(), Drive::Hub(_)) { order } else { Lines::OneWay };
     let radius = middle.floor.radius;
     for stretch in &middle.stretches {
         let surface = StretchFloor { middle, stretch: *stretch, finished };
@@ -200,10 +208,11 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let over_hollow = hollow(part).map_or(f64::INFINITY, |(_, hollow)| hollow);
     let fits = |radius: f64| {
-        let [ahead, behind] = part.first_passage().walls.map(|side| contact(part, side, [radius; 2], 1.0));
-        ahead.zip(behind).is_some_and(|(first, second)| {
-            let floor = ChannelFloor { part, radius, walls: [first, second], finished: Vec::new() };
-            radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
+        part.passages().all(|passage| {
+            contacts(part, &passage, [radius; 2], 1.0).is_some_and(|walls| {
+                let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
+                radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
+            })
         })
     };
     // A smaller ball fits wherever a bigger ball fits, so that bisection finds the largest step.

@@ -1,8 +1,8 @@
 //! Coordinates of a channel: u from inlet to outlet, v from hub to shroud, w from its first wall to its second.
 
 use crate::geom::angle::nearest_turn;
-use crate::part::{Face, FaceLine, Part, Surface as _};
-use nalgebra::{Point3, Vector3};
+use crate::part::{Across, FaceLine, FaceSurface, Part, PassageId, Surface as _};
+use nalgebra::{Point3, Rotation3, Vector3};
 use std::cell::OnceCell;
 
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
@@ -17,27 +17,22 @@ const AWAY_FROM_WALL: f64 = 0.12;
 /// Width over which the outward tilt sets in, so that the axes remain smooth.
 const TILT_SOFTNESS: f64 = 0.05;
 
-/// Channel of sector 0 as a map from (u, v, w) to points. Its walls are the facing faces of vane 0 and vane 1. Between
-/// them points lie on arcs about Z, so that the map keeps the walls and the symmetry of the part.
+/// A passage of sector 0 as a map from (u, v, w) to points. Its walls are the facing faces of two neighbouring blades; a
+/// splitter's is continued to inlet and outlet. Between them points lie on arcs about Z, so that the map keeps the walls and
+/// the symmetry of the part.
 #[derive(Clone, Copy)]
 pub(crate) struct ChannelChart<'a> {
     part: &'a Part,
-    first: &'a Face,
-    second: &'a Face,
-}
-
-/// Cylindrical coordinates.
-#[derive(Clone, Copy)]
-struct Cylindrical {
-    r: f64,
-    azimuth: f64,
-    z: f64,
+    first: &'a FaceSurface,
+    second: &'a FaceSurface,
+    /// Angle from the sector of the first wall to that of the second.
+    turn: f64,
 }
 
 impl<'a> ChannelChart<'a> {
-    pub(crate) fn new(part: &'a Part) -> Self {
-        let [first, second] = part.first_passage().walls.map(|wall| part.face(wall));
-        Self { part, first, second }
+    pub(crate) fn new(part: &'a Part, passage: PassageId) -> Self {
+        let [first, second] = part.walls(passage);
+        Self { part, first, second, turn: part.turn(&part.passage(passage)) }
     }
 
     /// The part.
@@ -47,7 +42,7 @@ impl<'a> ChannelChart<'a> {
 
     /// The channel at u.
     pub(crate) fn crossing(&self, u: f64) -> Crossing<'a> {
-        let lines = [self.first, self.second].map(|wall| wall.surface.line(u));
+        let lines = [self.first, self.second].map(|wall| wall.line(u));
         Crossing { chart: *self, u, lines, middle: OnceCell::new() }
     }
 
@@ -92,7 +87,12 @@ impl<'a> ChannelChart<'a> {
 
     /// Rulings of both walls.
     fn rulings(&self, u: f64) -> [Vector3<f64>; 2] {
-        [self.first.surface.ruling(u), self.part.sector_rotation(1) * self.second.surface.ruling(u)]
+        [self.first.ruling(u), self.to_second() * self.second.ruling(u)]
+    }
+
+    /// The turn from the sector of the first wall to that of the second.
+    pub(crate) fn to_second(&self) -> Rotation3<f64> {
+        Rotation3::from_axis_angle(&Vector3::z_axis(), self.turn)
     }
 
     /// Blended ruling with an outward tilt, see [`Crossing::axis`].
@@ -104,7 +104,7 @@ impl<'a> ChannelChart<'a> {
     pub(crate) fn height(&self) -> f64 {
         (0..=40)
             .map(|i| f64::from(i) / 40.0)
-            .flat_map(|u| [self.first, self.second].map(|f| (f.surface.point(u, 1.0) - f.surface.point(u, 0.0)).norm()))
+            .flat_map(|u| [self.first, self.second].map(|f| (f.point(u, 1.0) - f.point(u, 0.0)).norm()))
             .fold(0.0, f64::max)
     }
 
@@ -127,9 +127,9 @@ pub(crate) struct Crossing<'a> {
 /// What the tool axes at one u depend on.
 struct MiddleHeight {
     /// Walls at half height here, and a step before and behind.
-    walls: Walls,
-    before: Walls,
-    behind: Walls,
+    walls: Across,
+    before: Across,
+    behind: Across,
     rulings: [Vector3<f64>; 2],
 }
 
@@ -152,12 +152,11 @@ impl Crossing<'_> {
 
     /// Length of the arc between the walls at v.
     pub(crate) fn width(&self, v: f64) -> f64 {
-        let Walls([a, b]) = self.walls(v);
-        0.5 * (a.r + b.r) * (b.azimuth - a.azimuth)
+        self.walls(v).length()
     }
 
-    fn walls(&self, v: f64) -> Walls {
-        Walls::facing(self.lines.map(|line| line.point(v)), self.chart.part.pitch())
+    fn walls(&self, v: f64) -> Across {
+        Across::between(self.lines.map(|line| line.point(v)), self.chart.turn)
     }
 
     fn middle(&self) -> &MiddleHeight {
@@ -201,27 +200,4 @@ impl Crossing<'_> {
 
 fn blended([first, second]: &[Vector3<f64>; 2], blend: f64) -> Vector3<f64> {
     (first * (1.0 - blend) + second * blend).normalize()
-}
-
-/// Points on both walls at the same (u, v). Their azimuths are such that the second wall follows the first.
-#[derive(Clone, Copy)]
-struct Walls([Cylindrical; 2]);
-
-impl Walls {
-    fn facing(points: [Point3<f64>; 2], pitch: f64) -> Self {
-        let [first, mut second] =
-            points.map(|p| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z });
-        // The second wall lies one pitch on, less the thickness of a vane: take the turn nearest to one pitch.
-        let ahead = nearest_turn(second.azimuth - first.azimuth, 0.0);
-        second.azimuth = first.azimuth + ahead + pitch;
-        Self([first, second])
-    }
-
-    /// Point between the walls.
-    fn point(&self, w: f64) -> Point3<f64> {
-        let Self([a, b]) = self;
-        let mix = |x: f64, y: f64| x + (y - x) * w;
-        let (r, azimuth) = (mix(a.r, b.r), mix(a.azimuth, b.azimuth));
-        Point3::new(r * libm::cos(azimuth), r * libm::sin(azimuth), mix(a.z, b.z))
-    }
 }

@@ -22,11 +22,17 @@ use crate::diag::{Aborted, Diag, Sink, codes::files};
 use crate::ir::validate::Malformed;
 use crate::ir::{Operation, Program};
 use crate::progress::Progress;
+use crate::part::{BladeId, Part, PassageId};
 use nalgebra::Point3;
 
 /// Number of stations along a face: a dense set that `sample-to-tolerance` thins. With 400 stations, neighbours lie
 /// about 0.15 mm apart, so that the chord between them is below 0.1 um for the radii of a vane.
 pub(crate) const STATIONS: usize = 400;
+
+/// A text about a passage, with the blade that the passage follows where a sector has several passages.
+pub(crate) fn in_passage(part: &Part, passage: PassageId, text: String) -> String {
+    if part.blades.len() == 1 { text } else { format!("after {}, {text}", part.blade(BladeId::new(passage.index())).name) }
+}
 
 /// What a pass may read, and where it reports.
 pub(crate) struct PassContext<'a> {

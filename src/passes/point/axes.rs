@@ -8,15 +8,19 @@ use nalgebra::Vector3;
 /// Least tilt off an edge, radians: the space in front of an edge is free, so that the tool need not lie along it.
 const EDGE_TILT: f64 = 0.5;
 
+/// The same for an edge that is a surface of its own: other blades stand before it, and the hub rises there.
+const ROUND_EDGE_TILT: f64 = 0.2;
+
 /// Directions along the vane of sector 0.
 pub(crate) struct VaneAxis<'a> {
     part: &'a Part,
-    channel: ChannelChart<'a>,
+    /// Passages of a sector.
+    channels: Vec<ChannelChart<'a>>,
 }
 
 impl<'a> VaneAxis<'a> {
     pub(crate) fn new(part: &'a Part) -> Self {
-        Self { part, channel: ChannelChart::new(part) }
+        Self { part, channels: part.passages().map(|passage| ChannelChart::new(part, passage.id)).collect() }
     }
 
     /// Tool axis at the parameters of a contact: along the ruling of its face, tilted outward as far as the pole of the
@@ -25,9 +29,16 @@ impl<'a> VaneAxis<'a> {
     pub(crate) fn axis(&self, surface: SurfaceKind, u: f64, v: f64, tilt: AxisTilt) -> Vector3<f64> {
         let (side, v) = match surface {
             SurfaceKind::Face(side) => (side, v),
+            SurfaceKind::Fillet(side) if side.edge_end().is_some() => return self.round_edge(side, [u, 0.0], tilt),
             SurfaceKind::Fillet(side) => (side, 0.0),
-            SurfaceKind::InletEdge(_) => return self.off_edge(0.0, tilt),
-            _ => return self.off_edge(1.0, tilt),
+            SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => {
+                let end = usize::from(matches!(surface, SurfaceKind::OutletEdge(_)));
+                return match self.part.edge(blade, end) {
+                    Some(edge) => self.round_edge(edge, [u, v], tilt),
+                    None => self.off_edge(blade, end as f64, tilt),
+                };
+            }
+            _ => return Vector3::z(),
         };
         let u = u.clamp(0.0, 1.0);
         let face = self.part.face(side);
@@ -36,26 +47,28 @@ impl<'a> VaneAxis<'a> {
             AxisTilt::Along => return face.surface.ruling(u),
             AxisTilt::Away(tilt) => tilt,
         };
-        let along = if self.part.looks_ahead(side) {
-            self.channel.tilted_ruling(u, 0.0, 0.0)
+        let (passage, wall) = self.part.passage_of(side);
+        let (channel, along) = (&self.channels[passage.index()], self.part.along_channel(side, u));
+        let along = if wall == 0 {
+            channel.tilted_ruling(along, 0.0, 0.0)
         } else {
-            self.part.sector_rotation(1).inverse() * self.channel.tilted_ruling(u, 1.0, 1.0)
+            channel.to_second().inverse() * channel.tilted_ruling(along, 1.0, 1.0)
         };
         let along = (along - normal * along.dot(&normal)).normalize();
         along * libm::cos(tilt) + normal * libm::sin(tilt)
     }
 
-    /// Tool axis round a vane: on the first face (`round` 0), over the inlet edge (0 to 2), on the other face (2), over
+    /// Tool axis round a blade at (u, v): on the first face (`round` 0), over the inlet edge (0 to 2), on the other face (2), over
     /// the outlet edge (2 to 4) back.
-    pub(crate) fn round(&self, round: f64, u: f64, v: f64, tilt: AxisTilt) -> Vector3<f64> {
-        let [first, second] = BladeId::MAIN.faces().map(SurfaceKind::Face);
+    pub(crate) fn round(&self, blade: BladeId, round: f64, [u, v]: [f64; 2], tilt: AxisTilt) -> Vector3<f64> {
+        let [first, second] = blade.faces().map(SurfaceKind::Face);
         if round == 0.0 || round == 2.0 {
             return self.axis(if round < 1.0 { first } else { second }, u, v, tilt);
         }
         let (end, from, to) = if round < 2.0 { (0.0, first, second) } else { (1.0, second, first) };
         // From face to face the axis turns over the edge.
         let share = 0.5 * round - end;
-        let edge = self.off_edge(end, tilt);
+        let edge = self.off_edge(blade, end, tilt);
         if share < 0.5 {
             self.axis(from, end, v, tilt).slerp(&edge, 2.0 * share)
         } else {
@@ -67,9 +80,30 @@ impl<'a> VaneAxis<'a> {
         self.part.looks_ahead(face)
     }
 
-    /// Axis at an edge, between the ruling and the direction away from the vane, at inlet (u = 0) or outlet (u = 1).
-    fn off_edge(&self, u: f64, tilt: AxisTilt) -> Vector3<f64> {
-        let faces = BladeId::MAIN.faces().map(|side| &self.part.face(side).surface);
+    /// True at an end of a blade, inlet and outlet, beyond which nothing of the part is.
+    pub(crate) fn free_ends(&self, blade: BladeId) -> [bool; 2] {
+        [0, 1].map(|end| !self.part.ends_inside(blade, end))
+    }
+
+    /// A text about a surface of a blade, with the name of the blade where a sector has several.
+    pub(crate) fn of_blade(&self, blade: BladeId, text: String) -> String {
+        if self.part.blades.len() == 1 { text } else { format!("{} {text}", self.part.blade(blade).name) }
+    }
+
+    /// Axis at (u, v) of an edge that is a surface of its own: along the line of equal u in its middle, away from the blade,
+    /// and tilted off the surface by `tilt`.
+    fn round_edge(&self, edge: FaceId, [u, v]: [f64; 2], tilt: AxisTilt) -> Vector3<f64> {
+        let face = self.part.face(edge);
+        let ruling = face.surface.ruling(0.5);
+        let AxisTilt::Away(tilt) = tilt else { return ruling };
+        let square = |d: Vector3<f64>| (d - ruling * d.dot(&ruling)).normalize();
+        let (normal, away) = (square(face.normal(u.clamp(0.0, 1.0), v)), square(face.normal(0.5, 0.5)));
+        (ruling + normal * libm::tan(tilt) + away * libm::tan(ROUND_EDGE_TILT)).normalize()
+    }
+
+    /// Axis at an edge of a blade, between the ruling and the direction away from the vane, at inlet (u = 0) or outlet (u = 1).
+    fn off_edge(&self, blade: BladeId, u: f64, tilt: AxisTilt) -> Vector3<f64> {
+        let faces = blade.faces().map(|side| &self.part.face(side).surface);
         let ruling = (faces[0].ruling(u) + faces[1].ruling(u)).normalize();
         let AxisTilt::Away(tilt) = tilt else { return ruling };
         let (_, along, _) = faces[0].tangents(u, 0.5);

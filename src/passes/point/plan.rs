@@ -56,11 +56,17 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
         let side = match kind {
             SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
+            SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade.faces()[0],
             _ => BladeId::MAIN.faces()[0],
         };
         let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
-        let hollow = part.main().fillet.filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
-        let mut surface = VaneSurface { chart, side, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
+        let hollow = part.fillet(side).filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
+        let round_edge = match kind {
+            SurfaceKind::InletEdge(blade) => part.edge(blade, 0).is_some(),
+            SurfaceKind::OutletEdge(blade) => part.edge(blade, 1).is_some(),
+            _ => side.edge_end().is_some(),
+        };
+        let mut surface = VaneSurface { chart, side, round_edge, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
         if matches!(kind, SurfaceKind::Face(_)) {
             surface.low = lowest(cx, operation, &surface);
         }
@@ -68,15 +74,18 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         Ok(surface)
     };
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
-    let faces = BladeId::MAIN.faces().map(SurfaceKind::Face);
-    let round = order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f));
-    if round {
-        let pair = [surface_of(cx, faces[0])?, surface_of(cx, faces[1])?];
-        let (points, decisions) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
-        notes.extend(decisions);
-        laid.push((Drive::Round, "spiral".to_owned(), vec![points]));
+    let mut round = Vec::new();
+    for blade in part.blade_ids() {
+        let faces = blade.faces().map(SurfaceKind::Face);
+        if order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f)) {
+            let pair = [surface_of(cx, faces[0])?, surface_of(cx, faces[1])?];
+            let (points, decisions) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
+            notes.extend(decisions);
+            laid.push((Drive::Round(blade), axes.of_blade(blade, "spiral".to_owned()), vec![points]));
+            round.extend(faces);
+        }
     }
-    for kind in surfaces.iter().filter(|kind| !(round && faces.contains(kind))) {
+    for kind in surfaces.iter().filter(|kind| !round.contains(kind)) {
         let surface = surface_of(cx, *kind)?;
         let speed = [0.0, 1.0]
             .map(|x| [0.0, 0.5, 1.0].map(|y| surface.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
@@ -104,11 +113,16 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     if let Some(height) = levels {
         // The lines of a face stay in their order, and the faces in theirs within a level.
         let level = |pass: &CcPass| (deepest(part, pass) / height.get()).ceil() as u32;
-        passes.sort_by_cached_key(level);
-        let last = passes.last().map_or(0, level);
+        passes.sort_by_cached_key(|pass| (blade_of(pass), level(pass)));
+        let last = passes.iter().map(level).max().unwrap_or(0);
         notes.push(format!("{last} levels of {height}, each on all faces before the next one"));
     }
     Ok(CcOperation { operation: id, passes, notes })
+}
+
+/// The blade of a pass along a face.
+fn blade_of(pass: &CcPass) -> BladeId {
+    if let Drive::Contact(SurfaceKind::Face(side)) = pass.drive { side.blade } else { BladeId::MAIN }
 }
 
 /// Largest depth of a line of a face below the tip of the blade, along the rulings, mm.
@@ -126,10 +140,11 @@ fn spiral(
     pair: [&VaneSurface<'_>; 2],
     height: f64,
 ) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
-    let edges = edges_of(&cx.program.part, BladeId::MAIN);
+    let blade = pair[0].side.blade;
+    let edges = edges_of(&cx.program.part, blade);
     let low = pair.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
     let OperationKind::Point { milling, .. } = operation.kind else { return Err(Aborted) };
-    let [first, _] = BladeId::MAIN.faces();
+    let [first, _] = blade.faces();
     // Without a sense the spiral runs to the inlet on the first face.
     let other_way = milling.is_some_and(|milling| !from_outlet(&cx.program.part, first, milling));
     let around = Around { faces: [pair[0], pair[1]], edges: &edges, low, other_way };
@@ -213,7 +228,7 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
             Some(((v - low) / (high - low)).clamp(0.0, 1.0))
         };
         // With a fillet the chart begins where any ball that fits the fillet may stand.
-        return if part.main().fillet.is_some() {
+        return if part.fillet(surface.side).is_some() {
             vec![0.0; 2]
         } else {
             stations.map(|x| height(x).unwrap_or(0.0)).collect()

@@ -33,6 +33,8 @@ pub(crate) struct VaneSurface<'a> {
     pub(crate) chart: &'a Chart<'a>,
     /// Its face; for a fillet the face above it, for an edge either face.
     pub(crate) side: FaceId,
+    /// True for an edge that is a surface of its own, and for the fillet round it: x goes round the edge.
+    pub(crate) round_edge: bool,
     /// Radius of the fillet; `None` for other surfaces.
     pub(crate) hollow: Option<f64>,
     pub(crate) cutter: Cutter,
@@ -143,12 +145,13 @@ pub(crate) fn nominal_tilt(cutter: &Cutter) -> f64 {
 
 impl DriveSurface for VaneSurface<'_> {
     fn name(&self) -> String {
-        match self.chart.kind {
+        let name = match self.chart.kind {
             SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),
             SurfaceKind::OutletEdge(_) => "outlet edge".to_owned(),
             SurfaceKind::Fillet(side) => format!("{} fillet", side.name()),
             _ => format!("{} face", self.side.name()),
-        }
+        };
+        self.axes.of_blade(self.side.blade, name)
     }
 
     fn walls(&self, x: f64) -> (f64, f64) {
@@ -164,18 +167,23 @@ impl DriveSurface for VaneSurface<'_> {
         let [u, v] = place.parameters;
         let off = x - inside;
         let (u, w) = match self.chart.kind {
-            // Along an edge u is constant.
-            SurfaceKind::InletEdge(_) => (0.0, y),
-            SurfaceKind::OutletEdge(_) => (1.0, y),
+            // Along an edge that the lathe makes u is constant.
+            SurfaceKind::InletEdge(_) if !self.round_edge => (0.0, y),
+            SurfaceKind::OutletEdge(_) if !self.round_edge => (1.0, y),
             _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
         };
         let position = if off == 0.0 { place.position } else { place.position + self.local(inside, y).px * off };
         CcPoint { u, v, w, position, normal: place.normal }
     }
 
-    /// Below an edge is the hub, beside an edge free space.
+    /// Below an edge is the hub, beside an edge free space. Where a blade ends inside of the part, the surface goes on round
+    /// its edge.
     fn open(&self) -> [bool; 2] {
-        [!matches!(self.chart.kind, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_)), true]
+        match self.chart.kind {
+            _ if self.round_edge => [false; 2],
+            SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_) => [false, true],
+            _ => self.axes.free_ends(self.side.blade),
+        }
     }
 
     fn speed(&self, x: f64, y: f64, slope: f64) -> f64 {

@@ -16,9 +16,9 @@ use super::levels::{LevelRun, RoughLevel};
 use super::trochoid::{OpenedSlot, Trochoid};
 use crate::analysis::cost;
 use crate::diag::Aborted;
-use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
+use crate::ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::{Milling, Slots};
-use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
+use crate::passes::context::{PassContext, in_passage, limits::check_points, maximal_ranges};
 use crate::progress::Work;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -32,11 +32,27 @@ pub(crate) fn plan(
     roughings: &Roughings<'_>,
     (id, operation): (OperationId, &Operation),
 ) -> Result<CcOperation, Aborted> {
+    let (mut passes, mut notes) = (Vec::new(), Vec::new());
+    for roughing in super::roughing(cx, roughings, id)? {
+        let (found, said) = plan_passage(cx, roughing, operation)?;
+        passes.extend(found);
+        notes.extend(said.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
+    }
+    if passes.is_empty() {
+        return Err(fits_nowhere(cx, operation));
+    }
+    Ok(CcOperation { operation: id, passes, notes })
+}
+
+fn plan_passage(
+    cx: &mut PassContext<'_>,
+    roughing: &Roughing<'_>,
+    operation: &Operation,
+) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
     let OperationKind::Rough { stepover, levels: form, .. } = operation.kind else { return Err(Aborted) };
-    let roughing = super::roughing(cx, roughings, id)?;
     let levels = roughing.levels(form, &operation.name, cx.progress);
     if levels.iter().all(|level| level.runs.is_empty()) {
-        return Err(fits_nowhere(cx, operation));
+        return Ok((Vec::new(), vec!["the tool fits on no level".to_owned()]));
     }
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
     let free = |run: &LevelRun| run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max);
@@ -46,7 +62,7 @@ pub(crate) fn plan(
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
     let lines = lines(roughing, &levels, operation, &work);
     let notes = notes(&levels, &lines, operation);
-    Ok(CcOperation { operation: id, passes: passes(lines.named), notes })
+    Ok((passes(roughing, lines.named), notes))
 }
 
 /// The lines of an operation.

@@ -8,11 +8,11 @@ use super::Roughings;
 use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Level, Roughing};
 use crate::diag::Aborted;
-use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind};
-use crate::passes::context::{PassContext, limits::check_points};
+use crate::ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
+use crate::passes::context::{PassContext, in_passage, limits::check_points};
 use crate::passes::lines::scallop;
 
-/// Plans an expand operation from the level of earlier expanding; returns the level that it reaches.
+/// Plans an expand operation from the levels of earlier expanding in each passage; sets the levels that it reaches.
 ///
 /// # Errors
 /// The tool does not fit into the first layer; the sink holds the diagnostic.
@@ -20,12 +20,27 @@ pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'_>,
     (id, operation): (OperationId, &Operation),
-    top: f64,
-) -> Result<(CcOperation, f64), Aborted> {
+    levels: &mut [f64],
+) -> Result<CcOperation, Aborted> {
+    let (mut all, mut notes) = (Vec::new(), Vec::new());
+    for (roughing, level) in super::roughing(cx, roughings, id)?.iter().zip(levels) {
+        let (passes, found) = plan_passage(cx, roughing, operation, level)?;
+        all.extend(passes);
+        notes.extend(found.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
+    }
+    Ok(CcOperation { operation: id, passes: all, notes })
+}
+
+fn plan_passage(
+    cx: &mut PassContext<'_>,
+    roughing: &Roughing<'_>,
+    operation: &Operation,
+    level: &mut f64,
+) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
     let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
-    let roughing = super::roughing(cx, roughings, id)?;
+    let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
-    let reached = check_room(cx, operation, &layers, &end, top)?;
+    *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
     let solid = &cx.program.tools[operation.tool].solid;
     let step = scallop::formula_9_step(solid.radius(), residual.get());
     let mut notes = vec![describe(&layers, &end, top)];
@@ -45,7 +60,7 @@ pub(crate) fn plan(
             ));
         }
     }
-    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
+    Ok((passes(roughing, lines), notes))
 }
 
 /// Adds the V lines of a layer, the innermost first; returns their number.

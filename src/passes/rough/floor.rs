@@ -30,10 +30,14 @@ pub(super) fn positions(
     obstacles: &Obstacles,
 ) -> Vec<(String, Vec<ClPoint>)> {
     let OperationKind::Rough { levels: form, .. } = operation.kind else { return Vec::new() };
-    let Some(roughing) = Roughing::new(program, operation, obstacles) else { return Vec::new() };
-    let progress = Progress::default();
-    let levels = roughing.levels(form, &operation.name, &progress);
-    let work = progress.begin("lines", levels.len());
-    let lines = passes(lines(&roughing, &levels, operation, &work).named);
-    lines.into_par_iter().map(|pass| (pass.label.clone(), channel_points(&pass))).collect()
+    let mut all = Vec::new();
+    for passage in program.part.passages() {
+        let Some(roughing) = Roughing::new(program, operation, (passage.id, obstacles)) else { return all };
+        let progress = Progress::default();
+        let levels = roughing.levels(form, &operation.name, &progress);
+        let work = progress.begin("lines", levels.len());
+        let lines = passes(&roughing, lines(&roughing, &levels, operation, &work).named);
+        all.par_extend(lines.into_par_iter().map(|pass| (pass.label.clone(), channel_points(&pass))));
+    }
+    all
 }

@@ -9,15 +9,14 @@ use super::step;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::interpolate;
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId};
-use crate::part::Surface;
-use crate::passes::context::PassContext;
+use crate::passes::context::{PassContext, in_passage};
 use nalgebra::Point3;
 
 /// Longest step of a roughing line, mm. The tool axis turns along the line, which the law of the curvature does not
 /// consider.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Plans a groove operation from the level of earlier roughing (`top`); returns the level that it reaches.
+/// Plans a groove operation from the levels of earlier roughing in each passage; sets the levels that it reaches.
 ///
 /// # Errors
 /// The tool does not fit into the first layer; the sink holds the diagnostic.
@@ -25,11 +24,26 @@ pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'_>,
     (id, operation): (OperationId, &Operation),
-    top: f64,
-) -> Result<(CcOperation, f64), Aborted> {
-    let roughing = super::roughing(cx, roughings, id)?;
+    levels: &mut [f64],
+) -> Result<CcOperation, Aborted> {
+    let (mut all, mut notes) = (Vec::new(), Vec::new());
+    for (roughing, level) in super::roughing(cx, roughings, id)?.iter().zip(levels) {
+        let (passes, found) = plan_passage(cx, roughing, operation, level)?;
+        all.extend(passes);
+        notes.extend(found.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
+    }
+    Ok(CcOperation { operation: id, passes: all, notes })
+}
+
+fn plan_passage(
+    cx: &mut PassContext<'_>,
+    roughing: &Roughing<'_>,
+    operation: &Operation,
+    level: &mut f64,
+) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
+    let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
-    let reached = check_room(cx, operation, &layers, &end, top)?;
+    *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
     let mut notes = vec![describe(&layers, &end, top)];
     let mut line_lengths = 0;
     let mut lines = Vec::new();
@@ -42,13 +56,13 @@ pub(crate) fn plan(
         lines.push((format!("layer {}", layer.number), work.step(points)));
     }
     notes.push(format!("{line_lengths} stations per channel by the step law (6), {} lines", lines.len()));
-    Ok((CcOperation { operation: id, passes: passes(lines), notes }, reached))
+    Ok((passes(roughing, lines), notes))
 }
 
 /// The level that the layers reach; an error when there are no layers.
 pub(crate) fn check_room(
     cx: &mut PassContext<'_>,
-    operation: &Operation,
+    (roughing, operation): (&Roughing<'_>, &Operation),
     layers: &[Layer],
     end: &LayersEnd,
     top: f64,
@@ -56,7 +70,7 @@ pub(crate) fn check_room(
     let Some(last) = layers.last() else {
         if let LayersEnd::Narrow { level, u } = end {
             let tool = &cx.program.tools[operation.tool];
-            let place = cx.program.part.face(cx.program.part.first_passage().walls[0]).surface.point(*u, *level);
+            let place = roughing.chart.point(*u, *level, 0.0);
             cx.sink.push(
                 Diag::error(
                     planning::NO_ROOM,
@@ -122,7 +136,9 @@ pub(crate) fn restep(roughing: &Roughing<'_>, level: Level, points: &[CcPoint], 
         .collect()
 }
 
-/// Turns named lines in a channel into passes.
-pub(crate) fn passes(lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
-    lines.into_iter().map(|(label, points)| CcPass { path: None, label, drive: Drive::Channel, points }).collect()
+/// Turns named lines in a passage into passes.
+pub(crate) fn passes(roughing: &Roughing<'_>, lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
+    let label = |label: String| in_passage(roughing.chart.part(), roughing.passage, label);
+    let pass = |(name, points)| CcPass { path: None, label: label(name), drive: Drive::Channel, points };
+    lines.into_iter().map(pass).collect()
 }

@@ -5,7 +5,7 @@ use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, Program};
 use crate::operation::Allowances;
-use crate::part::Stock;
+use crate::part::{PassageId, Stock};
 use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
@@ -22,12 +22,16 @@ const STATION_SPACING: f64 = 0.7;
 /// Shares of the way between two stations at which the distances are checked.
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 
+/// Most that a border of the free space moves across the channel beside an edge, as a multiple of the way along it (60 deg).
+const EASY: f64 = 1.73;
+
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
 const BISECTIONS: u32 = 10;
 
 /// Data and limits of a roughing operation.
 pub(crate) struct Roughing<'a> {
     pub(crate) chart: ChannelChart<'a>,
+    pub(super) passage: PassageId,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
     /// The turned blank.
@@ -174,23 +178,28 @@ pub(crate) enum LayersEnd {
 
 impl<'a> Roughing<'a> {
     /// `None` for an operation without levels.
-    pub(crate) fn new(program: &'a Program, operation: &Operation, obstacles: &'a Obstacles) -> Option<Self> {
+    pub(crate) fn new(
+        program: &'a Program,
+        operation: &Operation,
+        within: (PassageId, &'a Obstacles),
+    ) -> Option<Self> {
         let depth = operation.kind.step_down()?.get();
-        Self::with_depth(program, operation, obstacles, depth)
+        Self::with_depth(program, operation, within, depth)
     }
 
     /// As [`Self::new`], with levels that lie `depth` apart, mm, whatever the operation says; `None` for finishing.
     pub(super) fn with_depth(
         program: &'a Program,
         operation: &Operation,
-        obstacles: &'a Obstacles,
+        (passage, obstacles): (PassageId, &'a Obstacles),
         depth: f64,
     ) -> Option<Self> {
         let Allowances { vane, hub } = operation.kind.roughing()?;
         let follows_levels = operation.kind.follows_stock();
         let upright = Self {
             tilt: WallTilt::default(),
-            chart: ChannelChart::new(&program.part),
+            chart: ChannelChart::new(&program.part, passage),
+            passage,
             obstacles,
             solid: &program.tools[operation.tool].solid,
             blank: &program.stock,
@@ -313,6 +322,7 @@ impl<'a> Roughing<'a> {
         // The first station without space, independent of the thread that found it.
         let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
         limit_leads(&mut stations, |_, u| (0.0..=1.0).contains(&u))?;
+        self.ease(Level::Share(level), &mut stations)?;
         Ok(Layer { number, level, stations })
     }
 
@@ -346,6 +356,27 @@ impl<'a> Roughing<'a> {
             let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
         })
+    }
+
+    /// In a passage beside a splitter, lets the borders of the free space move gradually from station to station: before the
+    /// edge of the splitter the tool turns off, and behind it the tool comes back. An error is the u of a station that then has
+    /// no space.
+    pub(super) fn ease(&self, level: Level, stations: &mut [LayerStation]) -> Result<(), f64> {
+        if self.chart.part().blades.len() == 1 {
+            return Ok(());
+        }
+        let step = |station: &LayerStation| {
+            EASY * self.spacing / self.chart.width(station.u, level.v(&self.chart, station.u, 0.5))
+        };
+        let steps: Vec<f64> = stations.iter().map(step).collect();
+        let inner = |a: [f64; 2], b: [f64; 2], step: f64| [a[0].max(b[0] - step), a[1].min(b[1] + step)];
+        for i in 1..stations.len() {
+            stations[i].room = inner(stations[i].room, stations[i - 1].room, steps[i]);
+        }
+        for i in (1..stations.len()).rev() {
+            stations[i - 1].room = inner(stations[i - 1].room, stations[i].room, steps[i - 1]);
+        }
+        stations.iter().find(|s| s.room[0] > s.room[1]).map_or(Ok(()), |s| Err(s.u))
     }
 
     /// True when the tool keeps the allowances on a straight way from a station of a level to the next, along one border

@@ -211,7 +211,7 @@ impl Roughing<'_> {
             let i = fitting.start;
             let mut stations: Vec<LayerStation> =
                 fitting.filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
-            if limit_leads(&mut stations, |k, _| inside[i + k]).is_ok() {
+            if limit_leads(&mut stations, |k, _| inside[i + k]).is_ok() && self.ease(level, &mut stations).is_ok() {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
                     let inside = |k: usize| inside[i + k];

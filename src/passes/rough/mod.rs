@@ -20,8 +20,8 @@ use crate::ir::{CcPass, CcPoint, ClPoint, Operation, OperationId};
 use crate::passes::context::PassContext;
 use layers::Roughing;
 
-/// Data of the roughing operations of a program, made once for all passes; `None` for finishing.
-pub(crate) type Roughings<'a> = PrimaryMap<OperationId, Option<Roughing<'a>>>;
+/// Data of the roughing operations of a program, made once for all passes, for each passage; none for finishing.
+pub(crate) type Roughings<'a> = PrimaryMap<OperationId, Vec<Roughing<'a>>>;
 
 /// Makes the data of all roughing operations.
 ///
@@ -31,12 +31,13 @@ pub(crate) fn roughings<'a>(cx: &PassContext<'a>) -> Result<Roughings<'a>, Abort
     let mut roughings = Roughings::new();
     for (_, operation) in cx.program.operations.iter() {
         cx.go_on()?;
-        roughings.push(Roughing::new(cx.program, operation, cx.obstacles));
+        let passages = cx.program.part.passages();
+        roughings.push(passages.filter_map(|p| Roughing::new(cx.program, operation, (p.id, cx.obstacles))).collect());
     }
     Ok(roughings)
 }
 
-/// Data of a roughing operation.
+/// Data of a roughing operation, for each passage.
 ///
 /// # Errors
 /// Layers so thin that planning would not end; the sink holds the diagnostic.
@@ -44,9 +45,9 @@ pub(crate) fn roughing<'r, 'a>(
     cx: &mut PassContext<'_>,
     roughings: &'r Roughings<'a>,
     id: OperationId,
-) -> Result<&'r Roughing<'a>, Aborted> {
+) -> Result<&'r [Roughing<'a>], Aborted> {
     let operation = &cx.program.operations[id];
-    let Some(roughing) = &roughings[id] else {
+    let Some(roughing) = roughings[id].first() else {
         cx.sink.push(Diag::error(
             planning::NO_ROOM,
             format!("`{}` has no layers: it is not a roughing operation", operation.name),
@@ -54,8 +55,8 @@ pub(crate) fn roughing<'r, 'a>(
         return Err(Aborted);
     };
     // A layer takes some ten thousand distance queries, which costs as much time as that many points.
-    check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER)?;
-    Ok(roughing)
+    check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER * roughings[id].len() as f64)?;
+    Ok(&roughings[id])
 }
 
 /// Refuses an operation whose tool has room nowhere in the channel.

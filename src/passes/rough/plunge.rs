@@ -55,39 +55,26 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let swept = tool.solid.swept_along_axis(2.0 * cx.program.stock.profile.iter().map(|p| p[0]).fold(0.0, f64::max));
     let program = cx.program.with_solid(operation.tool, &swept);
     let depth = HEIGHT_STEP * tool.solid.radius();
-    let roughing = Roughing::with_depth(&program, operation, cx.obstacles, depth).ok_or(Aborted)?.tilted();
-    let step = stepover.get();
-    let strokes = ChannelStrokes { program: &program, roughing: &roughing, step, lead: operation.lead_in.get() };
-    let grid = strokes.grid();
-    // Each place of the grid takes about as long as a point of a line; a row has a stroke for each step across.
-    let widest = grid.iter().map(|u| roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
-    check_points(cx, operation, grid.len() as f64 * (widest / step + 1.0))?;
-    let work = cx.progress.begin(format!("{}, places", operation.name), grid.len());
-    let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.step(strokes.stand(*u))).collect();
-    drop(work);
-    cx.go_on()?;
-    let mut lines: Vec<(String, Vec<CcPoint>)> = Vec::new();
-    let mut rows = 0;
-    for part in strokes.parts(&stands) {
-        for row in strokes.rows(&part) {
-            rows += 1;
-            lines.extend(
-                row.into_iter()
-                    .enumerate()
-                    .map(|(k, stroke)| (format!("row {rows} stroke {}", k + 1), vec![stroke.top, stroke.bottom])),
-            );
-        }
+    let (mut all, mut rows) = (Vec::new(), 0);
+    for passage in cx.program.part.passages() {
+        let within = (passage.id, cx.obstacles);
+        let roughing = Roughing::with_depth(&program, operation, within, depth).ok_or(Aborted)?.tilted();
+        let strokes =
+            ChannelStrokes { program: &program, roughing: &roughing, step: stepover.get(), lead: operation.lead_in.get() };
+        let (lines, of_passage) = strokes.all(cx, operation)?;
+        rows += of_passage;
+        all.extend(passes(&roughing, lines));
     }
-    if lines.is_empty() {
+    if all.is_empty() {
         return Err(fits_nowhere(cx, operation));
     }
     let middle = match tool.toothless_radius() {
         Some(radius) if radius > 0.0 => format!("the middle of its end, {} across, has no teeth", length(2.0 * radius)),
         _ => "the tool cuts at its centre".to_owned(),
     };
-    let notes =
-        vec![format!("{} strokes in {rows} rows of a channel, at most {stepover} apart; {middle}", lines.len())];
-    Ok(CcOperation { operation: id, passes: passes(lines), notes })
+    let channels = if cx.program.part.blades.len() == 1 { "a channel" } else { "the channels of a sector" };
+    let notes = vec![format!("{} strokes in {rows} rows of {channels}, at most {stepover} apart; {middle}", all.len())];
+    Ok(CcOperation { operation: id, passes: all, notes })
 }
 
 fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
@@ -137,6 +124,34 @@ struct ChannelStrokes<'a> {
 }
 
 impl ChannelStrokes<'_> {
+    /// All strokes with their names, and the number of rows.
+    fn all(
+        &self,
+        cx: &mut PassContext<'_>,
+        operation: &Operation,
+    ) -> Result<(Vec<(String, Vec<CcPoint>)>, usize), Aborted> {
+        let grid = self.grid();
+        // Each place of the grid takes about as long as a point of a line; a row has a stroke for each step across.
+        let widest = grid.iter().map(|u| self.roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
+        check_points(cx, operation, grid.len() as f64 * (widest / self.step + 1.0))?;
+        let work = cx.progress.begin(format!("{}, places", operation.name), grid.len());
+        let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.step(self.stand(*u))).collect();
+        drop(work);
+        cx.go_on()?;
+        let mut lines: Vec<(String, Vec<CcPoint>)> = Vec::new();
+        let mut rows = 0;
+        for part in self.parts(&stands) {
+            for row in self.rows(&part) {
+                rows += 1;
+                let stroke = |(k, stroke): (usize, Stroke)| {
+                    (format!("row {rows} stroke {}", k + 1), vec![stroke.top, stroke.bottom])
+                };
+                lines.extend(row.into_iter().enumerate().map(stroke));
+            }
+        }
+        Ok((lines, rows))
+    }
+
     /// Places along the channel, from outside of the stock to outside of it.
     fn grid(&self) -> Vec<f64> {
         let chart = &self.roughing.chart;

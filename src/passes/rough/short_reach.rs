@@ -12,6 +12,7 @@ use crate::collide::{Section, ToolSolid};
 use crate::contract::ContractKind;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{ClPoint, Operation, OperationId, OperationKind};
+use crate::part::Passage;
 use crate::passes::context::{PassContext, maximal_ranges, remedy};
 use rayon::prelude::*;
 use std::borrow::Borrow;
@@ -35,15 +36,19 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
     let sizes = [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)];
     // The last tool comes nearest, in most jobs.
     let last_first = || roughs.iter().rev();
-    let planned = last_first().filter_map(|(id, _)| roughings[*id].as_ref());
-    let Some(closed) = closed_to_all(planned, rest, sizes) else { return Ok(()) };
     let free = roughs.iter().fold(program.clone(), |program, (_, operation)| {
         let cutter = program.tools[operation.tool].solid.cutter_alone(0.0);
         program.with_solid(operation.tool, &cutter)
     });
-    let cutters = last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, cx.obstacles));
-    // The cutters alone do not reach the same places either: other messages say so.
-    if closed_to_all(cutters, rest, sizes).is_some_and(|of_cutters| of_cutters >= closed) {
+    let kept_out = |passage: Passage| {
+        let planned = last_first().filter_map(|(id, _)| roughings[*id].get(passage.id.index()));
+        let Some(closed) = closed_to_all(planned, rest, sizes) else { return false };
+        let cutters =
+            last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, (passage.id, cx.obstacles)));
+        // Where the cutters alone do not reach the same places either, other messages say so.
+        closed_to_all(cutters, rest, sizes).is_none_or(|of_cutters| of_cutters < closed)
+    };
+    if !program.part.passages().any(kept_out) {
         return Ok(());
     }
     // Levels without number are refused first.
