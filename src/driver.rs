@@ -201,7 +201,7 @@ fn check_before_planning(
     sink: &mut Sink,
 ) -> Result<(&'static dyn Post, Outputs), Aborted> {
     analysis::machine_kind::check(program, sink)?;
-    analysis::part_kind::check(program, sink)?;
+    analysis::flat_edges::check(program, sink)?;
     let post = if options.emit.is_none_or(|stage| stage == Emit::Nc) {
         check_frames(program, sink)?
     } else {

@@ -5,9 +5,9 @@ pub mod beside;
 pub mod channel;
 pub mod cost;
 pub mod flank;
+pub mod flat_edges;
 pub mod machine_kind;
 pub mod outliers;
-pub mod part_kind;
 pub mod reach;
 mod retract;
 mod stock_height;
@@ -18,14 +18,11 @@ pub mod twist;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::Program;
-use crate::part::Passage;
-use throat::Throat;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) {
     let part = &program.part;
-    let throats: Vec<(Passage, Throat)> =
-        part.passages().map(|passage| (passage, throat::measure(part, &passage, &program.data))).collect();
+    let throats = throat::all(part, &program.data);
     let twists = part.faces().map(|side| (side, twist::measure(part, side)));
     for outlier in outliers::find(&program.data) {
         outlier.report(&program.data, sink);

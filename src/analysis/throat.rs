@@ -65,6 +65,11 @@ const STATIONS: usize = 80;
 /// Levels v at which the narrowest place is measured.
 const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
+/// Measures all passages of a sector.
+pub fn all(part: &Part, data: &[DataCurve]) -> Vec<(Passage, Throat)> {
+    part.passages().map(|passage| (passage, measure(part, &passage, data))).collect()
+}
+
 /// Measures a passage.
 pub fn measure(part: &Part, passage: &Passage, data: &[DataCurve]) -> Throat {
     // Every passage has a pressure face on one side.

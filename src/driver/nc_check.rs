@@ -113,7 +113,7 @@ pub(super) fn program(
     let options = Options { job: job.to_path_buf(), run: run.clone(), ..Options::default() };
     let program = front(&options, stages, outcome)?.ok_or(Aborted)?;
     analysis::machine_kind::check(&program, &mut outcome.sink)?;
-    analysis::part_kind::check(&program, &mut outcome.sink)?;
+    analysis::flat_edges::check(&program, &mut outcome.sink)?;
     Ok(program)
 }
 

@@ -55,7 +55,9 @@ impl Part {
             let ends = [wall.border.first(), wall.border.last()].map(|end| end.map_or(0.0, |p| p[0]));
             let blunt = |end: usize| self.ends_inside(face.blade, end) && self.edge(face.blade, end).is_none();
             let before = |end: usize| rolling.wall / self.hub.meridian(ends[end]).first.norm();
-            wall.straight = [0, 1].map(|end: usize| if blunt(end) { before(end) } else { 0.0 });
+            for end in [0, 1].into_iter().filter(|end| blunt(*end)) {
+                wall.straight[end] = before(end);
+            }
         }
         let at = places.iter().map(|u| opening.at(*u)).collect::<Option<Vec<_>>>()?;
         let second = |[from, angle]: &[f64; 2]| from + angle - self.turn(passage);
@@ -79,7 +81,8 @@ impl Opening {
             let border = hub_border(wall);
             let whole = whole.as_ref().filter(|_| wall.blade != BladeId::MAIN);
             let beyond = whole.and_then(|whole| shares(whole, &border, &hub_border(wall.other())));
-            Wall { border, beyond, straight: [0.0; 2] }
+            let straight = [0, 1].map(|end| if part.ends_inside(wall.blade, end) { 0.0 } else { f64::INFINITY });
+            Wall { border, beyond, straight }
         });
         Self { walls, turn: part.turn(passage), whole }
     }

@@ -94,7 +94,7 @@ fn no_ridge_of_a_bull_nose_is_higher_than_the_scallop() {
 #[test]
 fn the_end_of_a_bull_nose_stays_out_of_the_hub_and_its_axis_has_the_lead_angle() {
     let (program, plan) = &*PLANNED;
-    let Drive::HubWithLead(lead) = plan.cc.operations[0].passes[0].drive else { panic!("a bull nose without lead") };
+    let Drive::HubWithLead(_, lead) = plan.cc.operations[0].passes[0].drive else { panic!("a bull nose without lead") };
     let mut least = f64::INFINITY;
     for (cc, cl) in plan.cc.operations[0].passes.iter().zip(&plan.cl.operations[0].passes) {
         assert!(cc.points.first().unwrap().u < cc.points.last().unwrap().u, "against the feed");

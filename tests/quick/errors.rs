@@ -25,7 +25,7 @@ fn report(job: &Path) -> Outcome {
     let options = Options { job: job.to_path_buf(), ..Options::default() };
     let program = driver::front(&options, &mut Stages::default(), &mut outcome);
     if let Ok(Some(program)) = program {
-        let _ = analysis::part_kind::check(&program, &mut outcome.sink);
+        let _ = analysis::flat_edges::check(&program, &mut outcome.sink);
         if stem(job).ends_with("-facts") {
             analysis::check(&program, &mut outcome.sink);
         }

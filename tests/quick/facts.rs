@@ -26,7 +26,7 @@ fn check(program: &Program) -> Vec<Diag> {
 
 /// Reach of the tool of each operation that goes down to the floor.
 fn reaches(program: &Program) -> Vec<Reach> {
-    reach::check(program, &throat::measure(&program.part, &program.data), &mut Sink::default())
+    reach::check(program, &throat::all(&program.part, &program.data), &mut Sink::default())
 }
 
 /// Free space for the tool of each operation that point mills faces or fillets.
@@ -70,7 +70,7 @@ fn errors(diags: &[Diag]) -> Vec<&Diag> {
 #[test]
 fn narrowest_place_is_at_the_hub_near_the_inlet() {
     let part = wei_part(None);
-    let throat = throat::measure(&part, &wei_data());
+    let throat = throat::measure(&part, &part.first_passage(), &wei_data());
     let narrow = throat.narrowest;
     // scipy 1.17.1, `minimize` over u and v of both faces, L-BFGS-B from 24 starts.
     assert!((narrow.distance - 8.983_082_269).abs() < 1e-8, "{narrow:?}");

@@ -13,7 +13,7 @@ crate::codes! {
     DIRECTION = "IMP0310", "curve runs from outlet to inlet", include_str!("pages/IMP0310.md");
     AXIS = "IMP0311", "curve too near to the axis of rotation", include_str!("pages/IMP0311.md");
     OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
-    PART_NOT_PLANNED = "IMP0313", "programs for this kind of part are not planned",
+    FLAT_EDGE = "IMP0313", "a flat edge inside of the part is to be finished",
         "A part may have splitters beside its vanes, and blades with edges that are surfaces of their own. The compiler \
 reads such parts and models their surfaces. Planning supports one vane in each sector, with ruled or lofted faces and edges \
 that the lathe makes. Operations do not yet support two passages in a sector, and edges that only milling can \
