@@ -2,15 +2,8 @@
 
 use super::GeomError;
 use super::basis::{self, MAX_DEGREE};
+use super::quadrature::integral;
 use nalgebra::{Point3, Rotation3, Vector3, Vector4};
-
-/// Positive nodes and weights of Gauss-Legendre quadrature with eight nodes on [-1, 1].
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
 
 /// A NURBS curve of degree 1 to 3 on [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
@@ -99,12 +92,8 @@ impl NurbsCurve {
         stops.extend(self.knots.iter().copied().filter(|k| lo < *k && *k < hi));
         stops.push(hi);
         stops.dedup();
-        let span = |a: f64, b: f64| {
-            let (mid, half) = (0.5 * (a + b), 0.5 * (b - a));
-            let speed = |u: f64| self.derivatives(u).first.norm();
-            half * GAUSS.iter().map(|(x, w)| w * (speed(mid - half * x) + speed(mid + half * x))).sum::<f64>()
-        };
-        sign * stops.windows(2).map(|s| span(s[0], s[1])).sum::<f64>()
+        let speed = |u: f64| self.derivatives(u).first.norm();
+        sign * stops.windows(2).map(|s| integral(s[0], s[1], &speed)).sum::<f64>()
     }
 
     /// Degree.

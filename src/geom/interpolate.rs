@@ -63,8 +63,29 @@ pub fn interpolate(points: &[Point3<f64>], degree: usize) -> Result<NurbsCurve, 
         return Err(GeomError::TooFewPoints { given: points.len(), needed: degree + 1 });
     }
     let parameters = chord_parameters(points)?;
-    let knots = averaged_knots(&parameters, degree);
-    let control = solve_banded(&knots, degree, &parameters, points)?;
+    through(&parameters, points, degree)
+}
+
+/// The curve of a degree through points at parameters, which ascend from 0 to 1.
+///
+/// # Errors
+/// Too few points for the degree, parameters that do not ascend from 0 to 1, or a singular system.
+pub fn interpolate_at(parameters: &[f64], points: &[Point3<f64>], degree: usize) -> Result<NurbsCurve, GeomError> {
+    if points.len() < degree + 1 || parameters.len() != points.len() {
+        return Err(GeomError::TooFewPoints { given: parameters.len().min(points.len()), needed: degree + 1 });
+    }
+    if let Some(k) = parameters.windows(2).position(|pair| pair[0] >= pair[1]) {
+        return Err(GeomError::CoincidentPoints(k));
+    }
+    if parameters.first() != Some(&0.0) || parameters.last() != Some(&1.0) {
+        return Err(GeomError::Knots);
+    }
+    through(parameters, points, degree)
+}
+
+fn through(parameters: &[f64], points: &[Point3<f64>], degree: usize) -> Result<NurbsCurve, GeomError> {
+    let knots = averaged_knots(parameters, degree);
+    let control = solve_banded(&knots, degree, parameters, points)?;
     NurbsCurve::try_new(degree, knots, &control, None)
 }
 

@@ -14,6 +14,7 @@ pub mod knots;
 pub mod lofted;
 pub mod moving_least_squares;
 pub mod proximity;
+pub mod quadrature;
 pub mod revolution;
 pub mod row_fit;
 pub mod ruled;

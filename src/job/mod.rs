@@ -1,10 +1,13 @@
 //! The job: quantities have types, names are resolved, every default is explicit, and libraries are merged.
 
+mod angles;
+mod blade_model;
 mod channel;
 mod context;
 mod contracts;
 pub mod curve_file;
 mod curves;
+mod distributions;
 mod eval;
 pub mod files;
 mod finishing;

@@ -1,5 +1,8 @@
 //! The typed job: units as types, resolved names, explicit defaults.
 
+pub use super::blade_model::{
+    AnglesAtSpan, AnglesSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec,
+};
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
 use crate::material::Material;
@@ -257,7 +260,7 @@ impl BladeSpec {
     pub fn faces(&self) -> Option<&[FaceSpec; 2]> {
         match &self.form {
             BladeForm::Faces(faces) => Some(faces),
-            BladeForm::Sections(_) => None,
+            BladeForm::Sections(_) | BladeForm::Angles(_) => None,
         }
     }
 }
@@ -269,6 +272,8 @@ pub enum BladeForm {
     Faces(Box<[FaceSpec; 2]>),
     /// Closed curves round the blade.
     Sections(SectionsSpec),
+    /// Angles and thicknesses.
+    Angles(AnglesSpec),
 }
 
 /// Closed curves round a blade, from hub to shroud.
@@ -297,28 +302,6 @@ pub struct LoopSpec {
     pub spans: Vec<Span>,
     /// Whole curve.
     pub span: Span,
-}
-
-/// Where a face looks, about Z and seen from +Z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Looks {
-    /// Ahead in the sense of positive angles.
-    CounterClockwise,
-    /// The other way.
-    Clockwise,
-}
-
-impl Looks {
-    /// Both senses.
-    pub const ALL: [Self; 2] = [Self::CounterClockwise, Self::Clockwise];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CounterClockwise => "counter-clockwise",
-            Self::Clockwise => "clockwise",
-        }
-    }
 }
 
 /// A curve that is turned about Z.
@@ -370,17 +353,6 @@ pub struct FaceSpec {
     pub root: CurveSpec,
     /// Curves between them, from the root to the tip; none in a ruled face.
     pub sections: Vec<CurveSpec>,
-}
-
-/// Points of a curve in mm, from inlet to outlet.
-#[derive(Clone, Debug)]
-pub struct CurveSpec {
-    /// At least two.
-    pub points: Vec<[f64; 3]>,
-    /// Place of each point.
-    pub spans: Vec<Span>,
-    /// Whole curve.
-    pub span: Span,
 }
 
 /// A curve of the main blade, at one end of the rulings.

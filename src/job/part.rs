@@ -1,13 +1,14 @@
 //! The part: vanes, faces, curves.
 
+use super::angles::{self, AnglesGiven};
 use super::context::Context;
 use super::curve_file::MAX_LOOPS;
 use super::curves::{closed, closed_from, curve};
 use super::eval::{mismatch, suggest};
 use super::limits;
 use super::model::{
-    BladeForm, BladeSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, Looks, LoopSpec, PartSpec, RevolvedSpec,
-    SectionsSpec,
+    AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, Looks, LoopSpec, PartSpec,
+    RevolvedSpec, SectionsSpec,
 };
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
@@ -57,10 +58,11 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let example = "splitter half { pressure ruled { ... } ... }";
     let splitters: Vec<_> = given.into_iter().map(|splitter| named_block(splitter, example, &mut p)).collect();
     let (vane_name, vane_block) = vane?;
-    let by_faces = !has_entry(vane_block, "sections");
+    let by_faces = FormGiven::of(vane_block) == FormGiven::Faces;
     let hub = hub.and_then(|hub| generator(hub, vane_name, by_faces, cx));
     let shroud = shroud.and_then(|shroud| generator(shroud, vane_name, by_faces, cx));
-    let mut blades = vec![blade("vane", vane_name, vane_block, cx)];
+    let row = RowGiven { main: vane_name, vanes: vanes.map(|v| v.0) };
+    let mut blades = vec![blade("vane", vane_name, vane_block, &row, cx)];
     let mut names: Vec<&Name> = vec![vane_name];
     for splitter in splitters {
         let Some((name, block)) = splitter else {
@@ -76,12 +78,14 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
             );
         }
         names.push(name);
-        blades.push(blade("splitter", name, block, cx));
+        blades.push(blade("splitter", name, block, &row, cx));
     }
+    let blades = blades.into_iter().collect::<Option<Vec<_>>>()?;
+    of_a_camber_surface(&blades, cx)?;
     Some(PartSpec {
         name: name.text.clone(),
         vanes: vanes?,
-        blades: blades.into_iter().collect::<Option<Vec<_>>>()?,
+        blades,
         extend: Mm(extend?),
         hub: hub?,
         shroud: shroud?,
@@ -102,19 +106,72 @@ fn named_block<'a>(
     None
 }
 
-fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option<BladeSpec> {
-    let by_faces = !has_entry(block, "sections");
-    let mut known = if by_faces {
-        FaceId::NAMES.to_vec()
-    } else {
-        vec!["sections", "fit", "leading-edge", "trailing-edge", "pressure"]
+/// Reports a splitter that is part of a main blade without a camber surface.
+fn of_a_camber_surface(blades: &[BladeSpec], cx: &mut Context<'_>) -> Option<()> {
+    let is_part = |blade: &&BladeSpec| {
+        matches!(&blade.form, BladeForm::Angles(AnglesSpec { camber: CamberSpec::OfMain { .. }, .. }))
     };
+    let [main, splitters @ ..] = blades else { return None };
+    let splitter = splitters.iter().find(is_part).filter(|_| !matches!(main.form, BladeForm::Angles(_)));
+    let Some(splitter) = splitter else { return Some(()) };
+    cx.sink.push(
+        Diag::error(codes::WRONG_FORM, format!("the splitter `{}` cannot be a part of `{}`", splitter.name, main.name))
+            .label(splitter.span, "a splitter `of` another blade")
+            .label(main.span, "this blade has no angles of a camber surface")
+            .help("give the main blade by angles and thicknesses, or the splitter in the form of the main blade"),
+    );
+    None
+}
+
+/// How a block gives the form of its blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FormGiven {
+    Faces,
+    Sections,
+    Angles,
+    OfMain,
+}
+
+impl FormGiven {
+    fn of(block: &Block) -> Self {
+        match block {
+            _ if has_entry(block, "of") => Self::OfMain,
+            _ if has_entry(block, "span") => Self::Angles,
+            _ if has_entry(block, "sections") => Self::Sections,
+            _ => Self::Faces,
+        }
+    }
+
+    /// Names of its entries, and of those that may be repeated.
+    fn entries(self) -> (Vec<&'static str>, &'static [&'static str]) {
+        match self {
+            Self::Faces => (FaceId::NAMES.to_vec(), &[]),
+            Self::Sections => (vec!["sections", "fit", "leading-edge", "trailing-edge", "pressure"], &[]),
+            Self::Angles => (angles::ENTRIES.to_vec(), &angles::REPEATED),
+            Self::OfMain => (angles::ENTRIES_OF_MAIN.to_vec(), &angles::REPEATED),
+        }
+    }
+}
+
+/// The row of a blade.
+struct RowGiven<'a> {
+    main: &'a Name,
+    vanes: Option<u32>,
+}
+
+fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: &mut Context<'_>) -> Option<BladeSpec> {
+    let splitter = word == "splitter";
+    let given = match FormGiven::of(block) {
+        FormGiven::OfMain if !splitter => FormGiven::Angles,
+        given => given,
+    };
+    let (mut known, repeated) = given.entries();
     known.push("fillet");
-    if word == "splitter" {
+    if splitter {
         known.push("angle");
     }
     let owner = format!("{word} {}", name.text);
-    let mut p = Properties::new(owner, name.span, block, &known, &mut cx.scope, cx.sink);
+    let mut p = Properties::repeated(owner, name.span, block, (&known, repeated), &mut cx.scope, cx.sink);
     let fillet = if p.has("fillet") {
         let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm");
         fillet.and_then(|(fillet, span)| {
@@ -127,26 +184,39 @@ fn blade(word: &str, name: &Name, block: &Block, cx: &mut Context<'_>) -> Option
     } else {
         Some(0.0)
     };
-    let angle = if p.has("angle") {
-        p.number("angle", Dimension::ANGLE, Range::Within(std::f64::consts::TAU), "angle 22.5 deg").map(|a| a.0)
-    } else {
-        Some(0.0)
-    };
-    let form = if by_faces {
-        let values = FaceId::NAMES.map(|face| {
-            let value = p.take(face);
-            if value.is_none() {
-                p.missing(face, &format!("{face} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
-            }
-            value
-        });
-        let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
-        BladeForm::Faces(Box::new([pressure?, suction?]))
-    } else {
-        let given = SectionsGiven::take(&mut p);
-        BladeForm::Sections(given?.resolve(cx)?)
+    let angle = if p.has("angle") { angle(&mut p, row) } else { Some(0.0) };
+    let form = match given {
+        FormGiven::Faces => {
+            let values = FaceId::NAMES.map(|face| {
+                let value = p.take(face);
+                if value.is_none() {
+                    p.missing(face, &format!("{face} ruled {{ tip spline [...] mm  root spline [...] mm }}"));
+                }
+                value
+            });
+            let [pressure, suction] = values.map(|value| value.and_then(|(word, values)| face(word, &values, cx)));
+            BladeForm::Faces(Box::new([pressure?, suction?]))
+        }
+        FormGiven::Sections => {
+            let given = SectionsGiven::take(&mut p);
+            BladeForm::Sections(given?.resolve(cx)?)
+        }
+        FormGiven::Angles | FormGiven::OfMain => {
+            let given = AnglesGiven::take(&mut p, name.span, splitter.then_some(row.main));
+            BladeForm::Angles(given?.resolve(cx)?)
+        }
     };
     Some(BladeSpec { name: name.text.clone(), form, fillet: Mm(fillet?), angle: Rad(angle?), span: name.span })
+}
+
+/// The turn of a splitter: an angle, or a share of the pitch, rad.
+fn angle(p: &mut Properties<'_, '_>, row: &RowGiven<'_>) -> Option<f64> {
+    let expr = p.expression("angle", "angle 22.5 deg")?;
+    let value = p.scope.value(expr, p.sink)?;
+    if value.dimension == Dimension::NONE && (0.0..=1.0).contains(&value.value) {
+        return row.vanes.map(|vanes| value.value * std::f64::consts::TAU / f64::from(vanes));
+    }
+    p.value_of(expr, "angle", Dimension::ANGLE, Range::Within(std::f64::consts::TAU))
 }
 
 fn has_entry(block: &Block, name: &str) -> bool {

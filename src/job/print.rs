@@ -2,7 +2,8 @@
 
 use super::library::LINUXCNC;
 use super::model::{
-    BladeForm, CurveSpec, CutterKind, FaceForm, FaceSpec, Job, Looks, OperationKind, RevolvedSpec, RotarySpec,
+    AnglesAtSpan, AnglesSpec, BladeForm, CamberSpec, CurveSpec, CutterKind, DistributionSpec, EdgePlace, FaceForm,
+    FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
 };
 use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
@@ -10,7 +11,8 @@ use crate::operation::{Allowances, word};
 use crate::part::{BladeId, FaceId};
 use crate::post_file::{PostFile, Sectors};
 use crate::sections::EdgeForm;
-use crate::units::{Rad, trim};
+use crate::sections::angles::EdgeShape;
+use crate::units::{Mm, Rad, trim};
 use std::fmt::Write;
 
 /// The job as text.
@@ -142,6 +144,7 @@ fn blade_form(out: &mut String, form: &BladeForm) {
     let sections = match form {
         BladeForm::Faces(given) => return faces(out, given),
         BladeForm::Sections(sections) => sections,
+        BladeForm::Angles(given) => return angles(out, given),
     };
     let _ = writeln!(out, "  fit {}", sections.fit);
     for (name, form) in ["leading-edge", "trailing-edge"].iter().zip(sections.edges) {
@@ -151,6 +154,69 @@ fn blade_form(out: &mut String, form: &BladeForm) {
     for section in &sections.loops {
         let _ = writeln!(out, "  loop {}", section.name);
         points(out, &section.points);
+    }
+}
+
+/// Values by shares: percent and value.
+fn values(given: &DistributionSpec, value: fn(f64) -> String) -> String {
+    let one = |[share, given]: &[f64; 2]| format!("({} %, {})", trim(share * 100.0, 4), value(*given));
+    match given.points.as_slice() {
+        [[_, everywhere]] => value(*everywhere),
+        points => points.iter().map(one).collect::<Vec<_>>().join(" "),
+    }
+}
+
+fn angles(out: &mut String, given: &AnglesSpec) {
+    let percent = |share: f64| format!("{} %", trim(share * 100.0, 4));
+    let (angle, mm): (fn(f64) -> String, fn(f64) -> String) = (|a| Rad(a).to_string(), |l| Mm(l).to_string());
+    let _ = writeln!(out, "  fit {}\n  pressure {}", given.fit, given.pressure.map_or("as found", Looks::name));
+    for (name, edge) in ["leading-edge", "trailing-edge"].iter().zip(given.edges) {
+        let _ = match edge {
+            EdgeShape::CutOff => writeln!(out, "  {name} cut-off"),
+            EdgeShape::Elliptic(ratio) => writeln!(out, "  {name} elliptic {ratio}"),
+        };
+    }
+    match &given.camber {
+        CamberSpec::OfMain { part } => {
+            for (name, [hub, shroud]) in ["from", "to"].iter().zip(part) {
+                let _ = writeln!(out, "  {name} of main: hub {}, shroud {}", percent(*hub), percent(*shroud));
+            }
+        }
+        CamberSpec::Own { angles, lean, edges } => {
+            for (name, place) in ["from", "to"].iter().zip(edges.iter()) {
+                match place {
+                    EdgePlace::Places(places, _) => {
+                        let [hub, shroud] = places.map(|place| match place {
+                            MeridianPlace::Share(share) => percent(share),
+                            MeridianPlace::Length(length) => length.to_string(),
+                        });
+                        let _ = writeln!(out, "  {name} hub {hub}, shroud {shroud}");
+                    }
+                    EdgePlace::Curve(curve) => {
+                        let _ = writeln!(out, "  {name} spline of {} points", curve.points.len());
+                        points(out, &curve.points);
+                    }
+                }
+            }
+            if let Some(lean) = lean {
+                let _ = writeln!(out, "  lean {}", values(lean, angle));
+            }
+            for row in angles {
+                let _ = match &row.says {
+                    AnglesAtSpan::Theta(theta) => {
+                        writeln!(out, "  span {} theta {}", percent(row.at), values(theta, angle))
+                    }
+                    AnglesAtSpan::Beta { beta, theta, end } => {
+                        let end = ["start", "end"][*end];
+                        let beta = values(beta, angle);
+                        writeln!(out, "  span {} beta to the meridian {beta}, {end} {}", percent(row.at), Rad(*theta))
+                    }
+                };
+            }
+        }
+    }
+    for row in &given.thickness {
+        let _ = writeln!(out, "  span {} thickness {}", percent(row.at), values(&row.says, mm));
     }
 }
 

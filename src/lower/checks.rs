@@ -141,6 +141,7 @@ fn face_text(spec: &PartSpec, part: &Part, face: FaceId) -> FaceText {
     let name = &part.blade(face.blade).name;
     let blade = spec.blades.iter().find(|b| b.name == *name).unwrap_or(spec.main());
     match &blade.form {
+        BladeForm::Angles(angles) => FaceText { root: angles.span, tip: angles.span },
         BladeForm::Faces(faces) => {
             let face = &faces[face.index() % faces.len()];
             FaceText { root: face.root.span, tip: face.tip.span }

@@ -1,5 +1,6 @@
 //! From the job to the program: units become plain numbers, points become curves, sizes become solids.
 
+mod angles;
 mod checks;
 mod curves;
 mod face_curves;
@@ -7,6 +8,7 @@ mod left;
 mod limits;
 mod names;
 mod part;
+mod pressure;
 mod sections;
 
 use crate::collide::{Cutter, Section, ToolSolid};

@@ -1,12 +1,14 @@
 //! The part: blades from curves of their faces or from sections, hub and shroud.
 
+use super::angles::AngleBladeGiven;
 use super::face_curves::FaceCurves;
 use super::sections::{SectionBlade, fitted};
 use super::{checks, curves};
 use crate::diag::{Aborted, Sink};
 use crate::geom::NurbsCurve;
-use crate::job::model::{BladeForm, BladeSpec, CurveSpec, PartSpec, RevolvedSpec};
+use crate::job::model::{BladeForm, BladeSpec, CamberSpec, CurveSpec, PartSpec, RevolvedSpec};
 use crate::part::{Blade, FaceId, FaceSurface, Part, RulingEnd};
+use crate::sections::angles::CamberSurface;
 use nalgebra::Vector2;
 
 /// The design part, checked from the points up; later checks assume that the earlier ones have passed.
@@ -34,17 +36,32 @@ pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
     checks::own_meridians(spec, [&hub, &shroud], sink)?;
     let mut blades: Vec<Option<Blade>> = Vec::new();
     let mut side = None;
+    // Camber surface of the main blade, of which splitters may be a part.
+    let mut of_main: Option<CamberSurface> = None;
     for (blade, faces) in spec.blades.iter().zip(given) {
-        blades.push(match &blade.form {
-            BladeForm::Faces(_) => from_faces(blade, faces, sink),
-            BladeForm::Sections(sections) => {
-                let found = fitted(&SectionBlade { part: spec, blade, sections, hub: &hub, side }, sink);
-                found.map(|(made, found)| {
-                    side = side.or(Some(found));
-                    made
-                })
+        let found = match &blade.form {
+            BladeForm::Faces(_) => {
+                blades.push(from_faces(blade, faces, sink));
+                continue;
             }
-        });
+            BladeForm::Sections(sections) => {
+                fitted(&SectionBlade { part: spec, blade, sections, hub: &hub, side }, sink)
+            }
+            BladeForm::Angles(angles) => {
+                let given = AngleBladeGiven { part: spec, blade, spec: angles, side };
+                match &angles.camber {
+                    CamberSpec::Own { .. } => {
+                        let camber = given.camber([&hub, &shroud], sink);
+                        let found = camber.as_ref().and_then(|camber| given.made(camber, sink));
+                        of_main = of_main.or(camber.filter(|_| blade.name == spec.main().name));
+                        found
+                    }
+                    CamberSpec::OfMain { .. } => of_main.as_ref().and_then(|camber| given.made(camber, sink)),
+                }
+            }
+        };
+        side = side.or(found.as_ref().map(|(_, side)| *side));
+        blades.push(found.map(|(made, _)| made));
     }
     let Some(blades) = blades.into_iter().collect::<Option<Vec<_>>>() else { return Err(Aborted) };
     let turned = blades.into_iter().zip(&spec.blades);

@@ -3,13 +3,14 @@
 use super::face_curves::no_surface;
 use super::limits::{MAX_COORDINATE, MIN_RADIUS, SAME_POINT};
 use super::names::blade_name;
+use super::pressure::{self, looks};
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::geom::NurbsCurve;
 use crate::job::model::{BladeSpec, Looks, LoopSpec, PartSpec, SectionsSpec};
 use crate::part::{Blade, FaceSurface};
 use crate::sections::loft::{LoftFault, LoftedBlade, loft};
-use crate::sections::outline::{self, DividedSection, Inlet, Known, Side, outline};
+use crate::sections::outline::{DividedSection, Inlet, Known, Side, outline};
 use crate::sections::{EdgeForm, Outline, Section, SectionForm};
 use crate::units::length;
 use nalgebra::Point3;
@@ -144,30 +145,11 @@ fn exchange(outline: &mut Outline) {
     outline.edges.iter_mut().for_each(|edge| edge.reverse());
 }
 
-/// Where a pressure face at a side looks.
-fn looks(side: Side) -> Looks {
-    match side {
-        Side::Greater => Looks::CounterClockwise,
-        Side::Smaller => Looks::Clockwise,
-    }
-}
-
 /// Side of the pressure face: as stated, that of the main blade, or that of a blade that takes up work.
 fn pressure_side(given: &SectionBlade<'_>, name: &str, sections: &[DividedSection], sink: &mut Sink) -> Option<Side> {
-    let found = match given.sections.pressure {
-        Some(stated) => [Side::Greater, Side::Smaller].into_iter().find(|side| looks(*side) == stated),
-        None => given.side.or_else(|| outline::pressure_side(sections)),
-    };
-    if found.is_none() {
-        let mean = |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
-        let (wrap, turn) = (mean(|s| s.wrap).to_degrees(), mean(|s| s.turn).to_degrees());
-        sink.push(
-            Diag::error(codes::PRESSURE_SIDE, format!("the pressure face of {name} cannot be told"))
-                .label(given.sections.span, format!("the blade turns by {wrap:.1} deg about Z, and its mean line bends by {turn:.1} deg"))
-                .help("state it: `pressure counter-clockwise` when the pressure face looks counter-clockwise, seen from +Z; or `pressure clockwise`"),
-        );
-    }
-    found
+    let mean = |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
+    let turns = [mean(|s| s.wrap), mean(|s| s.turn)];
+    pressure::side(given.sections.pressure, given.side, turns, (name, given.sections.span), sink)
 }
 
 fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {

@@ -5,6 +5,7 @@
 //! faces, or as a mean line with thicknesses. Each form becomes an [`Outline`], from which the faces and edges of the
 //! blade are made.
 
+pub mod angles;
 mod edges;
 pub mod facts;
 mod fold;

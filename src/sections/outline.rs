@@ -112,7 +112,11 @@ impl std::error::Error for OutlineFault {}
 pub fn pressure_side(sections: &[DividedSection]) -> Option<Side> {
     let mean =
         |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len().max(1) as f64;
-    let (wrap, turn) = (mean(|d| d.wrap), mean(|d| d.turn));
+    side_by_turns(mean(|d| d.wrap), mean(|d| d.turn))
+}
+
+/// The same by the means of wrap and turn, rad.
+pub fn side_by_turns(wrap: f64, turn: f64) -> Option<Side> {
     let ahead = if wrap < 0.0 { Side::Greater } else { Side::Smaller };
     let concave = if turn > 0.0 { Side::Greater } else { Side::Smaller };
     (wrap != 0.0 && (turn.abs() < LEAST_TURN || ahead == concave)).then_some(ahead)

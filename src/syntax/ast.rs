@@ -181,6 +181,10 @@ pub enum Value {
     Text(Text),
     /// `main { }`
     Block(Option<Name>, Block),
+    /// `0 % { }`
+    Placed(Expr, Block),
+    /// `[(0 %, 35 deg) (100 %, 30 deg)]`
+    List(Vec<Point>, Span),
     /// `spline [(x, y, z) ...] mm`
     Spline(Spline),
     /// `loop [(x, y, z) ...] mm`
@@ -215,8 +219,9 @@ impl Value {
             Self::Labelled(name, e) | Self::Range(name, [_, e]) => Span { end: e.span.end, ..name.span },
             Self::Text(t) => t.span,
             Self::Block(name, block) => name.as_ref().map_or(block.span, |n| Span { end: block.span.end, ..n.span }),
+            Self::Placed(e, block) => Span { end: block.span.end, ..e.span },
             Self::Spline(s) | Self::Loop(s) => s.span,
-            Self::Loops { span, .. } | Self::Revolve(_, span) => *span,
+            Self::Loops { span, .. } | Self::Revolve(_, span) | Self::List(_, span) => *span,
         }
     }
 }

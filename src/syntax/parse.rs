@@ -129,7 +129,7 @@ fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::equals => "`=`",
         Rule::upto => "`..`",
         Rule::comma => "`,`",
-        Rule::block | Rule::open | Rule::named_block => "`{`",
+        Rule::block | Rule::open | Rule::named_block | Rule::placed_block => "`{`",
         Rule::close | Rule::entry | Rule::bad_entry => "an entry or `}`",
         Rule::close_list | Rule::point => "a point or `]`",
         Rule::close_group => "`)`",
@@ -367,6 +367,12 @@ impl Builder<'_> {
                         values.push(Value::Block(None, self.block(first)));
                     }
                 }
+                Rule::placed_block => {
+                    let mut inner = part.into_inner();
+                    let (Some(at), Some(block)) = (inner.next(), inner.next()) else { continue };
+                    let at = self.expr(at);
+                    values.extend(at.map(|at| Value::Placed(at, self.block(block))));
+                }
                 Rule::value => values.extend(part.into_inner().next().and_then(|v| self.value(v))),
                 _ => {}
             }
@@ -407,6 +413,7 @@ impl Builder<'_> {
                 }
             }
             Rule::spline => Value::Spline(self.spline(pair)?),
+            Rule::list => Value::List(self.points(pair.into_inner().next()?), span),
             _ => return None,
         })
     }
@@ -424,10 +431,14 @@ impl Builder<'_> {
             unit = inner.next().map(|u| self.name(&u));
             SplinePoints::File { file, curve }
         } else {
-            let points = first.into_inner().filter(|p| p.as_rule() == Rule::point);
-            SplinePoints::Inline(points.filter_map(|p| self.point(p)).collect())
+            SplinePoints::Inline(self.points(first))
         };
         Some(Spline { points, unit, span })
+    }
+
+    fn points(&mut self, pair: Pair<'_, Rule>) -> Vec<Point> {
+        let points = pair.into_inner().filter(|p| p.as_rule() == Rule::point);
+        points.filter_map(|p| self.point(p)).collect()
     }
 
     fn point(&mut self, pair: Pair<'_, Rule>) -> Option<Point> {

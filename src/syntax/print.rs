@@ -1,8 +1,8 @@
 //! Text form of the syntax tree: one line for each item or entry, with its place in bytes.
 
 use super::ast::{
-    Block, Expr, ExprKind, File, ItemKind, Name, Operator, Revolved, ScopeTarget, Spline, SplinePoints, ToolSource,
-    Value,
+    Block, Expr, ExprKind, File, ItemKind, Name, Operator, Point, Revolved, ScopeTarget, Spline, SplinePoints,
+    ToolSource, Value,
 };
 use std::fmt::Write;
 
@@ -63,7 +63,7 @@ fn entries(out: &mut String, block: &Block, depth: usize) {
         let values = line(&entry.values);
         let _ = writeln!(out, "{indent}{} {values} ; {}..{}", entry.name.text, entry.span.start, entry.span.end);
         for value in &entry.values {
-            if let Value::Block(_, inner) = value {
+            if let Value::Block(_, inner) | Value::Placed(_, inner) = value {
                 entries(out, inner, depth + 1);
             }
         }
@@ -81,6 +81,11 @@ fn value(value: &Value) -> String {
         Value::Range(name, [from, to]) => format!("{}: {} .. {}", name.text, expr(from), expr(to)),
         Value::Text(t) => format!("{:?}", t.text),
         Value::Block(name, _) => name.as_ref().map_or("block".to_owned(), |n| format!("{} block", n.text)),
+        Value::Placed(at, _) => format!("{} block", expr(at)),
+        Value::List(points, _) => {
+            let point = |p: &Point| format!("({})", p.coordinates.iter().map(expr).collect::<Vec<_>>().join(", "));
+            format!("[{}]", points.iter().map(point).collect::<Vec<_>>().join(" "))
+        }
         Value::Revolve(Revolved::OfBlade(path), _) => format!("revolve {}", path.text()),
         Value::Revolve(Revolved::Own(s), _) => format!("revolve {}", curve("spline", s)),
         Value::Loops { file, unit, .. } => {

@@ -9,16 +9,16 @@ use impellerc::post;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-fn emitted(emit: Emit) -> String {
-    let options = driver::Options { emit: Some(emit), ..jobs::options("reduced", None) };
+fn emitted(job: &str, emit: Emit) -> String {
+    let options = driver::Options { emit: Some(emit), ..jobs::options(job, None) };
     driver::compile(&options, &mut Stages::default()).emitted.expect("a stage value")
 }
 
 #[test]
 fn reduced_job_stage_by_stage() {
-    check("reduced", "ast", &emitted(Emit::Ast));
-    check("reduced", "job", &emitted(Emit::Job));
-    check("reduced", "ir", &emitted(Emit::Ir));
+    check("reduced", "ast", &emitted("reduced", Emit::Ast));
+    check("reduced", "job", &emitted("reduced", Emit::Job));
+    check("reduced", "ir", &emitted("reduced", Emit::Ir));
     let c = jobs::reduced("siemens-840d");
     check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
     check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
@@ -31,6 +31,13 @@ fn reduced_job_stage_by_stage() {
         all.push_str(&bytes(post.name(), &text));
     }
     check("reduced", "bytes", &all);
+}
+
+/// `tests/quick/angles.rs` has the oracles of its blades.
+#[test]
+fn a_wheel_with_splitters_by_angles() {
+    check("splitter", "job", &emitted("splitter", Emit::Job));
+    check("splitter", "ir", &emitted("splitter", Emit::Ir));
 }
 
 #[test]

@@ -9,6 +9,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod angles;
 mod bad_cl;
 mod bad_input;
 mod bad_nc;

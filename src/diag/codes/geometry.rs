@@ -26,6 +26,12 @@ make.\n\nExample: `splitter half { pressure ruled { ... } suction lofted { ... }
     PRESSURE_SIDE = "IMP0318", "pressure face unknown", include_str!("pages/IMP0318.md");
     SECTIONS_FOUND = "IMP0319", "blade from sections", include_str!("pages/IMP0319.md");
     EXTENSION = "IMP0320", "face ends short of hub or shroud", include_str!("pages/IMP0320.md");
+    DISTRIBUTION = "IMP0321", "values do not cover 0 % to 100 %", include_str!("pages/IMP0321.md");
+    SPANS = "IMP0322", "spans do not go from hub to shroud", include_str!("pages/IMP0322.md");
+    STEEP = "IMP0323", "camber line runs round the axis", include_str!("pages/IMP0323.md");
+    THIN = "IMP0324", "thickness of a blade not possible", include_str!("pages/IMP0324.md");
+    THICK = "IMP0325", "thickness larger than the camber line allows", include_str!("pages/IMP0325.md");
+    EDGE_PLACE = "IMP0326", "edge of a blade outside of its meridian", include_str!("pages/IMP0326.md");
     OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",

@@ -1,0 +1,22 @@
+//! Blades that are designed by angles and thicknesses: camber lines on surfaces between hub and shroud, and thickness across
+//! them.
+//!
+//! | file | what |
+//! |---|---|
+//! | `distribution` | values along a curve or over the span |
+//! | `meridional` | the meridional surface between hub, shroud and both edges |
+//! | `camber` | the camber surface: theta stated, or integrated from beta |
+//! | `blade` | sections: half of the thickness to both sides of the camber line, and edges |
+//! | `made` | the surfaces through enough sections |
+
+mod blade;
+mod camber;
+mod distribution;
+mod made;
+mod meridional;
+
+pub use blade::{AngleBlade, EdgeShape, FaultKind, SectionFault, Thickness};
+pub use camber::{CamberAngles, CamberRow, CamberSurface, STEEPEST};
+pub use distribution::Distribution;
+pub use made::{MadeFault, SurfaceResidual, made};
+pub use meridional::{EdgeLine, Meridian, MeridionalPatch};
