@@ -168,7 +168,8 @@ fn values(given: &DistributionSpec, value: fn(f64) -> String) -> String {
 
 fn angles(out: &mut String, given: &AnglesSpec) {
     let percent = |share: f64| format!("{} %", trim(share * 100.0, 4));
-    let (angle, mm): (fn(f64) -> String, fn(f64) -> String) = (|a| Rad(a).to_string(), |l| Mm(l).to_string());
+    let angle = |a| Rad(a).to_string();
+    let mm = |l| Mm(l).to_string();
     let _ = writeln!(out, "  fit {}\n  pressure {}", given.fit, given.pressure.map_or("as found", Looks::name));
     for (name, edge) in ["leading-edge", "trailing-edge"].iter().zip(given.edges) {
         let _ = match edge {

@@ -109,7 +109,7 @@ impl AngleBladeGiven<'_> {
                 Some(EdgeLine::straight(lengths))
             }
             EdgePlace::Curve(spec) => {
-                let curve = curves::curve(spec, "meridional edge", sink)?;
+                let curve = curves::meridian(spec, "meridional edge", sink)?;
                 let (line, off) = EdgeLine::curved(Meridian::new(&curve)?, [&ends[0], &ends[1]]);
                 let worst = [("hub", "begins", off[0]), ("shroud", "ends", off[1])];
                 let worst = worst.into_iter().find(|(_, _, off)| *off > OFF_ENDS);

@@ -10,6 +10,13 @@ use nalgebra::{Point3, Vector2};
 /// Number of chords that are searched for crossings.
 const PIECES: usize = 128;
 
+/// The meridian through the points of the job, at azimuth 0. Only radius and height count: files have meridians whose azimuth
+/// changes.
+pub(super) fn meridian(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<NurbsCurve> {
+    let flat = |p: &[f64; 3]| [libm::hypot(p[0], p[1]), 0.0, p[2]];
+    curve(&CurveSpec { points: spec.points.iter().map(flat).collect(), ..spec.clone() }, name, sink)
+}
+
 /// The curve through the points of the job; `name` is its name in messages.
 pub(super) fn curve(spec: &CurveSpec, name: &str, sink: &mut Sink) -> Option<NurbsCurve> {
     let before = sink.count();

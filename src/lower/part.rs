@@ -6,10 +6,9 @@ use super::sections::{SectionBlade, fitted};
 use super::{checks, curves};
 use crate::diag::{Aborted, Sink};
 use crate::geom::NurbsCurve;
-use crate::job::model::{BladeForm, BladeSpec, CamberSpec, CurveSpec, PartSpec, RevolvedSpec};
+use crate::job::model::{BladeForm, BladeSpec, CamberSpec, PartSpec, RevolvedSpec};
 use crate::part::{Blade, FaceId, FaceSurface, Part, RulingEnd};
 use crate::sections::angles::CamberSurface;
-use nalgebra::Vector2;
 
 /// The design part, checked from the points up; later checks assume that the earlier ones have passed.
 pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
@@ -85,15 +84,7 @@ fn generators(spec: &PartSpec, main: &[FaceCurves<'_>], sink: &mut Sink) -> Opti
             let face = main.get(curve.face.index())?;
             Some(if curve.end == RulingEnd::Tip { face.tip.clone() } else { face.root.clone() })
         }
-        RevolvedSpec::Own(own) => {
-            // Only the meridian counts: files have meridians whose azimuth changes.
-            let flat = |p: &[f64; 3]| {
-                let m = Vector2::new(libm::hypot(p[0], p[1]), p[2]);
-                [m.x, 0.0, m.y]
-            };
-            let meridian = CurveSpec { points: own.points.iter().map(flat).collect(), ..own.clone() };
-            curves::curve(&meridian, name, sink)
-        }
+        RevolvedSpec::Own(own) => curves::meridian(own, name, sink),
     });
     Some([hub?, shroud?])
 }

@@ -1,5 +1,7 @@
 //! Blades by angles and thicknesses: the made surfaces against what the job states.
 
+use impellerc::analysis::flank;
+use impellerc::collide::Cutter;
 use impellerc::diag::{Severity, Sink, render};
 use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
@@ -153,5 +155,146 @@ fn the_passages_are_wide_enough_for_the_tools() {
             println!("{first:?} to {second:?} at {v}: {width:.3} mm");
             assert!(width > 5.0, "{width}");
         }
+    }
+}
+
+/// No cylinder fits the faces: the best motion of one as wide as the smaller ball of the job, in three strips, still leaves more than
+/// the job allows.
+#[test]
+fn no_cylinder_fits_the_faces() {
+    let around = flank::Surroundings::new(&WHEEL);
+    for face in BladeId::MAIN.faces() {
+        let found = flank::least_error(&around, face, 3, Cutter::Ball { radius: 1.5 }, 1).expect("an error");
+        println!("{}: {:.4} mm", face.name(), found.error);
+        assert!(found.error > 0.02, "{}", found.error);
+    }
+}
+
+/// The main blade with another entry for the angles at the hub.
+fn with_hub_angles(angles: &str, beta_from: &str) -> Part {
+    made(&changed(&[
+        ("beta [(0 %, 32 deg) (40 %, 38 deg) (100 %, exit)]  start 0 deg", angles),
+        ("beta [(0 %, 58 deg) (40 %, 52 deg) (100 %, exit)]  start 0 deg", "theta [(0 %, 0 deg) (100 %, 50 deg)]"),
+        ("beta-from meridian", &format!("pressure clockwise  {beta_from}")),
+        ("let exit  = 36 deg   // backsweep\n", ""),
+    ]))
+}
+
+/// Largest distance of the faces of one main blade to those of another.
+fn apart(one: &Part, other: &Part) -> f64 {
+    let pairs = faces(one, 0).into_iter().zip(faces(other, 0));
+    pairs.flat_map(|(a, b)| grid().map(move |(u, v)| off(b, &a.surface.point(u, v)))).fold(0.0, f64::max)
+}
+
+/// Angles to the tangent are 90 deg less those to the meridian, and theta may be stated at either end.
+#[test]
+fn one_camber_line_in_several_words() {
+    let meridian = with_hub_angles("beta [(0 %, 32 deg) (100 %, 40 deg)]  start 5 deg", "beta-from meridian");
+    let tangent = with_hub_angles("beta [(0 %, 58 deg) (100 %, 50 deg)]  start 5 deg", "beta-from tangent");
+    assert!(apart(&meridian, &tangent) < 1e-9);
+    // Theta at the trailing edge, from a fine sum of tan(beta) / r along the hub.
+    let hub = &meridian.hub;
+    let at = |k: u32| hub.meridian(f64::from(k) / 40_000.0).point;
+    let steps: Vec<[f64; 2]> =
+        (0..40_000).map(|k| [(at(k + 1) - at(k)).norm(), 0.5 * (at(k).x + at(k + 1).x)]).collect();
+    let whole = steps.iter().map(|s| s[0]).sum::<f64>() - 3.0;
+    let (mut gone, mut theta) = (-3.0, 5.0_f64.to_radians());
+    for [step, r] in steps {
+        gone += step;
+        if gone > 0.0 {
+            let beta = (32.0 + 8.0 * (gone - 0.5 * step) / whole).to_radians();
+            theta += beta.tan() * step / r;
+        }
+    }
+    let end = format!("beta [(0 %, 32 deg) (100 %, 40 deg)]  end {:.7} deg", theta.to_degrees());
+    let ended = with_hub_angles(&end, "beta-from meridian");
+    println!("{end}: {:.5} mm", apart(&meridian, &ended));
+    assert!(apart(&meridian, &ended) < FIT);
+    // The trailing edge at the hub has this theta in its middle, on a turned cylinder by second order.
+    let [p, s] = faces(&meridian, 0).map(|face| face.surface.point(1.0, 0.0));
+    let middle = 0.5 * (p.y.atan2(p.x) + s.y.atan2(s.x));
+    assert!((middle - theta).abs() < 2e-3, "{middle} {theta}");
+}
+
+/// A lean that is the same at all spans turns the whole wheel; meridional edges given as straight curves are those given as places.
+#[test]
+fn lean_turns_and_straight_curves_are_places() {
+    let turned = made(&changed(&[("[(0 %, 0 deg) (50 %, bow) (100 %, 0 deg)]", "bow")]));
+    let straight =
+        made(&changed(&[("    lean [(0 %, 0 deg) (50 %, bow) (100 %, 0 deg)]\n", ""), ("let bow   = 4 deg\n", "")]));
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 4.0_f64.to_radians());
+    let mut worst = 0.0_f64;
+    for (a, b) in faces(&straight, 0).into_iter().zip(faces(&turned, 0)) {
+        for (u, v) in grid() {
+            worst = worst.max(off(b, &(turn * a.surface.point(u, v))));
+        }
+    }
+    assert!(worst < FIT, "{worst}");
+    let at = |surface: &impellerc::geom::Revolution, length: f64| {
+        let (mut u, mut gone) = (0.0, 0.0);
+        while gone < length {
+            gone += (surface.meridian(u + 1e-5).point - surface.meridian(u).point).norm();
+            u += 1e-5;
+        }
+        surface.meridian(u).point
+    };
+    let [hub, shroud] = [at(&WHEEL.hub, 3.0), at(&WHEEL.shroud, 2.0)];
+    let spline = format!("from spline [({:.5}, 0, {:.5}) (0, {:.5}, {:.5})] mm", hub.x, hub.y, shroud.x, shroud.y);
+    let curved = made(&changed(&[("from hub 3 mm, shroud 2 mm", &spline)]));
+    assert!(apart(&WHEEL, &curved) < FIT, "{}", apart(&WHEEL, &curved));
+}
+
+#[test]
+fn a_wheel_varies_by_let_and_spans_may_be_names() {
+    let named = changed(&[("span 100 % {", "span 50 % + middle {"), ("let bow ", "let middle = 50 %\nlet bow ")]);
+    assert!(apart(&made(&named), &WHEEL) < 1e-9);
+    let thick = made(&changed(&[("let root  = 1.6 mm", "let root  = 2 mm")]));
+    assert!((apart(&thick, &WHEEL) - 0.26).abs() < 0.03, "{}", apart(&thick, &WHEEL));
+}
+
+/// Each fault is told with its code; none makes a part.
+#[test]
+fn faults_of_blades_by_angles() {
+    for (from, to, code, words) in [
+        ("beta-from meridian", "", "IMP0205", "from where beta is measured"),
+        ("start 0 deg  thickness [(0 %, root)", "thickness [(0 %, root)", "IMP0210", "beta needs theta at one end"),
+        (
+            "start 0 deg  thickness [(0 %, root)",
+            "start 0 deg  end 3 deg  thickness [(0 %, root)",
+            "IMP0210",
+            "one of them",
+        ),
+        ("beta [(0 %, 32 deg)", "theta 3 deg  beta [(0 %, 32 deg)", "IMP0210", "both theta and beta"),
+        ("(40 %, 38 deg)", "(40 %, 38 mm)", "IMP0207", "angle"),
+        ("(40 %, 38 deg)", "(40 %, 38)", "IMP0206", "needs a unit"),
+        ("(40 %, 38 deg)", "(40 mm, 38 deg)", "IMP0207", "plain number"),
+        ("(40 %, 38 deg)", "(40 %, 38 deg, 1)", "IMP0210", "a share and a value"),
+        ("(40 %, 38 deg)", "(140 %, 38 deg)", "IMP0321", "0 % to 100 %"),
+        ("[(0 %, 32 deg) (40 %, 38 deg) (100 %, exit)]", "[(0 %, 32 deg)]", "IMP0321", "2 to 200 values"),
+        ("[(0 %, 32 deg) (40 %, 38 deg) (100 %, exit)]", "[(5 %, 32 deg) (100 %, exit)]", "IMP0321", "0 % is expected"),
+        ("[(0 %, 32 deg) (40 %, 38 deg) (100 %, exit)]", "\"a\"", "IMP0210", "a value or a list"),
+        ("span 0 %   { beta", "span 101 %   { beta", "IMP0322", "0 % to 100 %"),
+        ("span 0 %   { beta", "span 2 mm   { beta", "IMP0207", "plain number"),
+        ("span 0 %   { beta", "span { beta", "IMP0210", "share of the span and a block"),
+        ("thickness root }", "thickness -root }", "IMP0324", "cannot have"),
+        (
+            "leading-edge elliptic 2  trailing-edge cut-off\n    fillet",
+            "leading-edge elliptic 2\n    fillet",
+            "IMP0205",
+            "trailing-edge",
+        ),
+        ("elliptic 2", "elliptic 0.1", "IMP0209", "from 0.5 to 10"),
+        ("elliptic 2", "pointed", "IMP0210", "`round`, `cut-off`"),
+        ("of main ", "of half ", "IMP0203", "main blade only"),
+        ("from hub 3 mm, shroud 2 mm", "from hub 300 mm, shroud 2 mm", "IMP0326", "beyond the hub"),
+        ("from hub 3 mm, shroud 2 mm", "from hub 3 mm", "IMP0210", "at hub and shroud"),
+        ("from hub 3 mm, shroud 2 mm", "from 60 %  to 50 %", "IMP0326", "ends before it begins"),
+        ("from hub 45 %, shroud 36 %", "from hub 45 mm, shroud 36 %", "IMP0207", "plain number"),
+        ("angle 46 %", "angle 146 %", "IMP0206", "angle"),
+        ("bow   = 4 deg", "bow   = 4 mm", "IMP0207", "angle"),
+    ] {
+        let found = read(&changed(&[(from, to)]));
+        let text = found.err().unwrap_or_else(|| panic!("{to} makes a part"));
+        assert!(text.contains(code) && text.contains(words), "{to}: {code}, {words}\n{text}");
     }
 }

@@ -194,11 +194,10 @@ impl SectionLine<'_> {
         for k in 0..=CHECKED {
             let x = self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / CHECKED as f64;
             let (beta, thickness) = (self.line.at(x).beta, self.thickness(x));
-            // Written so that a value that is no number is a fault.
-            if !(beta.abs() <= STEEPEST) {
+            if beta.is_nan() || beta.abs() > STEEPEST {
                 return Err(self.fault(x, FaultKind::Steep(beta)));
             }
-            if !(thickness >= THINNEST) {
+            if thickness.is_nan() || thickness < THINNEST {
                 return Err(self.fault(x, FaultKind::Thin(thickness)));
             }
         }
@@ -257,7 +256,7 @@ impl SectionLine<'_> {
         let whole = (self.ends[1] - self.ends[0]).abs();
         while over(end - reach * first.signum()) * first > 0.0 {
             reach *= 1.5;
-            if !(reach < whole) {
+            if reach >= whole {
                 return None;
             }
         }
@@ -269,6 +268,35 @@ impl SectionLine<'_> {
         Some(0.5 * (near + far))
     }
 
+    /// Shares of the way for the points of a face, at about even steps of the length of the camber line.
+    fn even_places(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+        /// Pieces of the length between two points.
+        const PIECES: usize = 4;
+        let cells = FACE * PIECES;
+        let x = |k: usize| from + (to - from) * k as f64 / cells as f64;
+        let mut lengths = vec![0.0];
+        for k in 0..cells {
+            lengths.push(lengths[k] + self.line.at(0.5 * (x(k) + x(k + 1))).speed());
+        }
+        let at = |k: usize| {
+            let due = lengths[cells] * k as f64 / FACE as f64;
+            let cell = lengths.partition_point(|l| *l <= due).clamp(1, cells) - 1;
+            let share = (due - lengths[cell]) / (lengths[cell + 1] - lengths[cell]);
+            from + (to - from) * (cell as f64 + share) / cells as f64
+        };
+        (0..=FACE)
+            .map(|k| {
+                if k == 0 {
+                    from
+                } else if k == FACE {
+                    to
+                } else {
+                    at(k)
+                }
+            })
+            .collect()
+    }
+
     /// Points of a side.
     fn side(&self, side: f64, joints: [f64; 2], depths: [f64; 2]) -> Result<SidePoints, SectionFault> {
         let mut range = joints;
@@ -278,8 +306,8 @@ impl SectionLine<'_> {
                     self.cut(edge, side).ok_or_else(|| self.fault(self.ends[edge], FaultKind::NotCut(edge)))?;
             }
         }
-        let x = |k: usize| range[0] + (range[1] - range[0]) * k as f64 / FACE as f64;
-        let face: Vec<(f64, OnSurface)> = (0..=FACE).map(|k| (x(k), self.beside(x(k), side, 1.0))).collect();
+        let places = self.even_places(range).into_iter();
+        let face: Vec<(f64, OnSurface)> = places.map(|x| (x, self.beside(x, side, 1.0))).collect();
         let half = |edge: usize| -> Vec<(f64, OnSurface)> {
             if self.blade.edges[edge] == EdgeShape::CutOff {
                 return Vec::new();
@@ -312,7 +340,7 @@ impl SectionLine<'_> {
             let middle = self.line.at(0.5 * (x + to));
             let (sin, cos) = libm::sincos(middle.beta);
             let step = middle.dm * (q[0] - p[0]) * cos + middle.r * (q[1] - p[1]) * sin;
-            if !(step * forth > 0.0) {
+            if step.is_nan() || step * forth <= 0.0 {
                 return Err(self.fault(x, FaultKind::Fold(self.thickness(x))));
             }
         }

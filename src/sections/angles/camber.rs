@@ -15,7 +15,7 @@ pub const STEEPEST: f64 = 89.0 * std::f64::consts::PI / 180.0;
 const EXACT: f64 = 1e-11;
 
 /// Cells of a table of theta, at first and at most.
-const CELLS: [usize; 2] = [64, 16_384];
+const CELLS: [usize; 2] = [64, 4096];
 
 /// Angles of a camber line, by the share of the way from the leading (0) to the trailing edge (1).
 #[derive(Clone, Debug)]
@@ -323,7 +323,6 @@ mod tests {
             let beta = if span == 0.0 { Distribution::constant(0.1) } else { beta.clone() };
             CamberRow { span, angles: CamberAngles::Beta { beta, end: 0, theta: 0.0 } }
         });
-        assert!(STEEPEST > 1.5533 && STEEPEST < 1.5534);
         let patch = || between([[20.0, 0.0], [20.0, -30.0]], [[40.0, 0.0], [40.0, -30.0]]);
         let lean = || Distribution::constant(0.0);
         assert!(CamberSurface::new(patch(), &rows, lean()).is_ok());

@@ -65,11 +65,14 @@ pub fn made(
                     SurfaceResidual { distance, span: between.span.unwrap_or(0.0), at: p, sections: intervals + 1 };
             }
         }
-        let good = residual.distance <= tolerance;
+        // More sections do not help where the points of one section are missed, nor where the error is too large: it falls by a
+        // factor of 16 from one number of sections to the next, as that of cubic splines does.
+        let far = residual.distance > 1000.0 * tolerance;
+        let done = residual.distance <= tolerance || on.distance > tolerance || far;
         if best.as_ref().is_none_or(|(_, b)| residual.distance < b.distance) {
             best = Some((lofted, residual));
         }
-        if good {
+        if done {
             break;
         }
     }
