@@ -9,6 +9,7 @@ use crate::geom::NurbsCurve;
 use crate::job::model::{BladeForm, BladeSpec, CamberSpec, PartSpec, RevolvedSpec};
 use crate::part::{Blade, FaceId, FaceSurface, Part, RulingEnd};
 use crate::sections::angles::CamberSurface;
+use crate::sections::outline::Side;
 
 /// The design part, checked from the points up; later checks assume that the earlier ones have passed.
 pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
@@ -38,6 +39,10 @@ pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
     // Camber surface of the main blade, of which splitters may be a part.
     let mut of_main: Option<CamberSurface> = None;
     for (blade, faces) in spec.blades.iter().zip(given) {
+        if matches!(blades.first(), Some(None)) {
+            // The main blade is faulty: any side serves to look for faults of its splitters.
+            side = side.or(Some(Side::Greater));
+        }
         let found = match &blade.form {
             BladeForm::Faces(_) => {
                 blades.push(from_faces(blade, faces, sink));

@@ -1,5 +1,6 @@
 //! Blades by angles and thicknesses: the made surfaces against what the job states.
 
+use crate::parts::enclosed;
 use impellerc::analysis::flank;
 use impellerc::collide::Cutter;
 use impellerc::diag::{Severity, Sink, render};
@@ -156,6 +157,15 @@ fn the_passages_are_wide_enough_for_the_tools() {
             assert!(width > 5.0, "{width}");
         }
     }
+}
+
+/// The charts of faces, edges, fillets, hub and tips, with what the lathe makes, close the wheel: what is open is the size of the
+/// cells at the cut ends of fillets.
+#[test]
+fn the_wheel_is_closed() {
+    let [open, volume] = enclosed(&read(JOB).unwrap());
+    println!("open {open:.3} mm2, volume {volume:.1} mm3");
+    assert!(open.abs() < 7.0, "{open} mm2");
 }
 
 /// No cylinder fits the faces: the best motion of one as wide as the smaller ball of the job, in three strips, still leaves more than

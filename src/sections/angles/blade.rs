@@ -7,10 +7,10 @@ use crate::sections::outline::Side;
 use nalgebra::Point3;
 
 /// Intervals of a face between its points.
-const FACE: usize = 120;
+const FACE: usize = 160;
 
 /// Intervals of half an elliptic edge between its points.
-const HALF_EDGE: usize = 24;
+const HALF_EDGE: usize = 32;
 
 /// Intervals along a camber line at which angles and thicknesses are checked.
 const CHECKED: usize = 256;
@@ -268,20 +268,33 @@ impl SectionLine<'_> {
         Some(0.5 * (near + far))
     }
 
-    /// Shares of the way for the points of a face, at about even steps of the length of the camber line.
-    fn even_places(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+    /// Shares of the way for the points of a face: at even steps along the camber line, and denser towards elliptic edges, whose
+    /// points are dense, since the curvature jumps there.
+    fn places(&self, [from, to]: [f64; 2], depths: [f64; 2]) -> Vec<f64> {
         /// Pieces of the length between two points.
         const PIECES: usize = 4;
+        /// Growth of the steps with the distance from an edge.
+        const GROWTH: f64 = 0.15;
         let cells = FACE * PIECES;
         let x = |k: usize| from + (to - from) * k as f64 / cells as f64;
-        let mut lengths = vec![0.0];
-        for k in 0..cells {
-            lengths.push(lengths[k] + self.line.at(0.5 * (x(k) + x(k + 1))).speed());
+        let lengths: Vec<f64> = (0..cells)
+            .map(|k| self.line.at(0.5 * (x(k) + x(k + 1))).speed().abs() * (to - from).abs() / cells as f64)
+            .collect();
+        let whole: f64 = lengths.iter().sum();
+        let step = |gone: f64| {
+            let near = [(0, gone), (1, whole - gone)].into_iter().filter(|(edge, _)| depths[*edge] > 0.0);
+            let finest = near.map(|(edge, distance)| depths[edge] / HALF_EDGE as f64 + GROWTH * distance);
+            finest.fold(whole / FACE as f64, f64::min)
+        };
+        let (mut gone, mut counts) = (0.0, vec![0.0]);
+        for (k, length) in lengths.iter().enumerate() {
+            counts.push(counts[k] + length / step(gone + 0.5 * length));
+            gone += length;
         }
         let at = |k: usize| {
-            let due = lengths[cells] * k as f64 / FACE as f64;
-            let cell = lengths.partition_point(|l| *l <= due).clamp(1, cells) - 1;
-            let share = (due - lengths[cell]) / (lengths[cell + 1] - lengths[cell]);
+            let due = counts[cells] * k as f64 / FACE as f64;
+            let cell = counts.partition_point(|l| *l <= due).clamp(1, cells) - 1;
+            let share = (due - counts[cell]) / (counts[cell + 1] - counts[cell]);
             from + (to - from) * (cell as f64 + share) / cells as f64
         };
         (0..=FACE)
@@ -306,7 +319,7 @@ impl SectionLine<'_> {
                     self.cut(edge, side).ok_or_else(|| self.fault(self.ends[edge], FaultKind::NotCut(edge)))?;
             }
         }
-        let places = self.even_places(range).into_iter();
+        let places = self.places(range, depths).into_iter();
         let face: Vec<(f64, OnSurface)> = places.map(|x| (x, self.beside(x, side, 1.0))).collect();
         let half = |edge: usize| -> Vec<(f64, OnSurface)> {
             if self.blade.edges[edge] == EdgeShape::CutOff {
