@@ -308,3 +308,91 @@ fn faults_of_blades_by_angles() {
         assert!(text.contains(code) && text.contains(words), "{to}: {code}, {words}\n{text}");
     }
 }
+
+/// A job with one part of these entries.
+fn with_part(entries: &str) -> String {
+    let [part, stock] = ["part splitter {", "stock turned {"].map(|word| JOB.find(word).unwrap());
+    format!("{}part wheel {{\n{entries}\n}}\n{}", &JOB[..part], &JOB[stock..].replace("back -28 mm", "back -60 mm"))
+}
+
+const MERIDIANS: &str = "hub revolve spline [(8, 0, 0) (8.5, 0, -6) (10.4, 0, -12) (14.2, 0, -17) (19.5, 0, -20) (25, 0, -21.5) (30, 0, -22)] mm
+    shroud revolve spline [(17, 0, 0) (17.3, 0, -4) (18.4, 0, -8) (20.8, 0, -11.6) (24, 0, -13.8) (27, 0, -14.7) (30, 0, -15)] mm";
+
+/// A fan between cylinders: both edges are surfaces, and its middle section has the stated thickness in the developed plane.
+#[test]
+fn a_fan_between_cylinders() {
+    let part = made(&with_part(
+        "vanes 13
+        hub revolve spline [(20, 0, 0) (20, 0, -50)] mm
+        shroud revolve spline [(40, 0, 0) (40, 0, -50)] mm
+        vane main {
+          beta-from meridian
+          span 0 %   { beta [(0 %, -50 deg) (100 %, -20 deg)]  start 0 deg  thickness [(0 %, 1 mm) (40 %, 4 mm) (100 %, 0.8 mm)] }
+          span 50 %  { beta -40 deg  start 0 deg }
+          span 100 % { beta [(0 %, -65 deg) (100 %, -60 deg)]  start 0 deg  thickness 1 mm }
+          from 20 %  to 80 %  leading-edge elliptic 3  trailing-edge round  pressure counter-clockwise  fillet 2 mm
+        }",
+    ));
+    assert!((0..2).all(|end| part.edge(BladeId::MAIN, end).is_some()));
+    // At half of the span a helix on the cylinder of 30 mm, whose thickness is the mean of hub and shroud.
+    let plane = |p: &Point3<f64>| [-p.z - 10.0, 30.0 * p.y.atan2(p.x)];
+    let mut seen = 0;
+    for face in faces(&part, 0) {
+        for i in 5..=95 {
+            let u = f64::from(i) / 100.0;
+            // The place of the face at this radius.
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let v = 0.5 * (low + high);
+                let p = face.surface.point(u, v);
+                if p.x.hypot(p.y) < 30.0 { low = v } else { high = v }
+            }
+            let [m, arc] = plane(&face.surface.point(u, low));
+            let (sin, cos) = (-40.0_f64).to_radians().sin_cos();
+            let beside = arc * cos - m * sin;
+            let way = (m * cos + arc * sin) * cos / 30.0;
+            // The parabola through 1, 4 and 0.8 mm, and 1 mm.
+            let hub = 1.0 + way * (7.5 + (way - 0.4) * ((0.8 - 4.0) / 0.6 - 7.5));
+            let half = 0.25 * (hub + 1.0);
+            if (0.1..=0.95).contains(&way) {
+                assert!((beside.abs() - half).abs() < 0.003, "{way}: {beside} {half}");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 120, "{seen}");
+}
+
+/// A swept leading edge, and two splitters: a part of the main blade that ends before the outlet, and one with angles of its own.
+#[test]
+fn a_swept_edge_and_two_splitters() {
+    let part = made(&with_part(&format!(
+        "vanes 6
+        {MERIDIANS}
+        vane main {{
+          span 0 % {{ theta [(0 %, 0 deg) (100 %, -60 deg)]  thickness 1.6 mm }}
+          from spline [(8.1, 0, -2) (10, 2, -4) (14, 0, -4) (17.05, 0, -1.5)] mm
+          leading-edge round  trailing-edge cut-off  pressure counter-clockwise
+        }}
+        splitter a {{
+          of main  angle 33 %  from 30 %  to 95 %  thickness 1 mm  leading-edge round  trailing-edge round
+        }}
+        splitter b {{
+          angle 66 %
+          span 0 % {{ theta [(0 %, -36 deg) (100 %, -60 deg)]  thickness 1 mm }}
+          from 60 %  leading-edge round  trailing-edge cut-off
+        }}"
+    )));
+    let edges = |blade: usize| [0, 1].map(|end| part.edge(BladeId::new(blade), end).is_some());
+    assert_eq!([0, 1, 2].map(edges), [[true, false], [true, true], [true, false]]);
+    // The nose goes through the points of the curve.
+    let edge = part.face(part.edge(BladeId::MAIN, 0).unwrap());
+    for due in [[10.0_f64.hypot(2.0), -4.0], [14.0, -4.0]] {
+        let off = (0..=400)
+            .flat_map(|i| (0..=40).map(move |j| (f64::from(i) / 400.0, f64::from(j - 20) / 400.0 + 0.5)))
+            .map(|(v, u)| edge.surface.point(u, v))
+            .map(|p| (p.x.hypot(p.y) - due[0]).hypot(p.z - due[1]))
+            .fold(f64::INFINITY, f64::min);
+        assert!(off < 0.03, "{due:?}: {off}");
+    }
+}
