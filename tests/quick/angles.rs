@@ -186,7 +186,7 @@ fn with_hub_angles(angles: &str, beta_from: &str) -> Part {
         ("beta [(0 %, 32 deg) (40 %, 38 deg) (100 %, exit)]  start 0 deg", angles),
         ("beta [(0 %, 58 deg) (40 %, 52 deg) (100 %, exit)]  start 0 deg", "theta [(0 %, 0 deg) (100 %, 50 deg)]"),
         ("beta-from meridian", &format!("pressure clockwise  {beta_from}")),
-        ("let exit  = 36 deg   // backsweep\n", ""),
+        ("let exit  = 36 deg   // angle at the outlet, to the meridian\n", ""),
     ]))
 }
 
@@ -230,8 +230,10 @@ fn one_camber_line_in_several_words() {
 #[test]
 fn lean_turns_and_straight_curves_are_places() {
     let turned = made(&changed(&[("[(0 %, 0 deg) (50 %, bow) (100 %, 0 deg)]", "bow")]));
-    let straight =
-        made(&changed(&[("    lean [(0 %, 0 deg) (50 %, bow) (100 %, 0 deg)]\n", ""), ("let bow   = 4 deg\n", "")]));
+    let straight = made(&changed(&[
+        ("    lean [(0 %, 0 deg) (50 %, bow) (100 %, 0 deg)]\n", ""),
+        ("let bow   = 4 deg    // turn of the middle of the blade\n", ""),
+    ]));
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 4.0_f64.to_radians());
     let mut worst = 0.0_f64;
     for (a, b) in faces(&straight, 0).into_iter().zip(faces(&turned, 0)) {
