@@ -28,7 +28,9 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
             sink.push(
                 Diag::error(FLAT_EDGE, format!("the {word} edge of `{name}` is flat and lies inside of the part"))
                     .label(operation.span, "this operation finishes it")
-                    .note("no fillet goes round the foot of a flat edge, so that a ball would cut into the hub before it")
+                    .note(
+                        "no fillet goes round the foot of a flat edge, so that a ball would cut into the hub before it",
+                    )
                     .help(format!(
                         "give `{name}` as closed sections with `{form} round`, or name other `blades` in this operation"
                     )),

@@ -90,8 +90,8 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// The pressure face of the passage, along which its levels are measured.
-    fn pressure(&self) -> &FaceSurface {
+    /// The first face of its blade among the walls of the passage: its levels are measured along it.
+    fn measured(&self) -> &FaceSurface {
         let [first, second] = self.walls;
         &self.part.face(if first.index() == 0 { first } else { second }).surface
     }
@@ -104,7 +104,7 @@ impl Finder<'_> {
     /// allowance.
     fn free_width(&self, corner: f64, vane: VaneAllowance, hub: f64) -> Option<FreeWidth> {
         // The share of the height is largest where the vane is lowest, so that no tool is refused that fits.
-        let surface = self.pressure();
+        let surface = self.measured();
         let heights = (0..=STATIONS).map(|i| surface.height(i as f64 / STATIONS as f64));
         let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
         let plain = self.channel.free_width(corner + vane, corner + hub)?;
@@ -124,7 +124,7 @@ impl Finder<'_> {
     /// that height, and with the allowance there.
     fn fits_above(&self, cutter: &Cutter, vane: VaneAllowance, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
-            let face = self.pressure();
+            let face = self.measured();
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
             // A tool without taper has its full radius at every height; the radius of a taper or barrel grows with the
             // height.

@@ -276,7 +276,11 @@ fn blades(out: &mut String, job: &Job, of_surfaces: impl Iterator<Item = BladeId
 /// Names in their order, each once.
 fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut all = Vec::new();
-    names.for_each(|name| if !all.contains(&name) { all.push(name) });
+    names.for_each(|name| {
+        if !all.contains(&name) {
+            all.push(name)
+        }
+    });
     all
 }
 

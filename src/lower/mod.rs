@@ -17,7 +17,9 @@ use crate::diag::codes::job::LIBRARY;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::ir::program::DEFAULT_MEMORY;
-use crate::ir::{Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId};
+use crate::ir::{
+    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId,
+};
 use crate::job::model::{
     self, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, PartSpec, RotarySpec, ToolSpec,
 };
@@ -164,7 +166,8 @@ fn kind(spec: &OperationKind, given: &PartSpec, part: &Part) -> OperationKind {
             for blade in part.blade_ids() {
                 let fillets = blade.faces().map(SurfaceKind::Fillet);
                 if fillets.iter().all(|fillet| surfaces.contains(fillet)) {
-                    surfaces.extend([0, 1].into_iter().filter_map(|end| part.edge(blade, end)).map(SurfaceKind::Fillet));
+                    surfaces
+                        .extend([0, 1].into_iter().filter_map(|end| part.edge(blade, end)).map(SurfaceKind::Fillet));
                 }
             }
         }

@@ -74,7 +74,8 @@ impl Opening {
         let hub_border = |wall: FaceId| hub_border(part, wall, rolling(wall));
         let whole = (part.blades.len() > 1).then(|| {
             let ahead = part.face_ahead(BladeId::MAIN);
-            let walls = [ahead, ahead.other()].map(|wall| Wall { border: hub_border(wall), beyond: None, straight: [0.0; 2] });
+            let walls =
+                [ahead, ahead.other()].map(|wall| Wall { border: hub_border(wall), beyond: None, straight: [0.0; 2] });
             Box::new(Self { walls, turn: part.pitch(), whole: None })
         });
         let walls = passage.walls.map(|wall| {

@@ -5,8 +5,8 @@
 //! passage goes on where a splitter begins or ends. Continued walls are coordinates of the planner. Distances are those
 //! from the blades.
 
-use super::{Across, BladeId, FaceId, FaceLine, FaceSurface, Part, Passage, PassageId, Surface};
 use super::passage::WholeWall;
+use super::{Across, BladeId, FaceId, FaceLine, FaceSurface, Part, Passage, PassageId, Surface};
 use crate::geom::{LoftedSurface, NurbsCurve};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
@@ -121,7 +121,8 @@ impl<'a> Continued<'a> {
     /// The continued wall: a cubic spline that lies near its points and is smooth where the face ends.
     fn wall(&self) -> Option<WholeWall> {
         let [first, second] = self.main.map(|face| &self.part.face(face).surface);
-        let knots: Vec<f64> = (0..=SPANS + 6).map(|i| (i as f64 - 3.0).clamp(0.0, SPANS as f64) / SPANS as f64).collect();
+        let knots: Vec<f64> =
+            (0..=SPANS + 6).map(|i| (i as f64 - 3.0).clamp(0.0, SPANS as f64) / SPANS as f64).collect();
         // Points at the means of three knots are the control points (Schoenberg).
         let stations: Vec<f64> = (0..SPANS + 3).map(|i| (knots[i + 1] + knots[i + 2] + knots[i + 3]) / 3.0).collect();
         let lines: Vec<[FaceLine<'_>; 2]> = stations.iter().map(|u| [first.line(*u), second.line(*u)]).collect();

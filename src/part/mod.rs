@@ -37,8 +37,8 @@ pub mod solid;
 mod stock;
 pub mod surface;
 
-pub use borders::Rolling;
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
+pub use borders::Rolling;
 pub use extent::Extent;
 pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
 pub use passage::{Across, Passage};

@@ -51,7 +51,7 @@ fn the_program_names_blades_and_passages() {
 }
 
 #[test]
-fn planning_refuses_it_and_says_so() {
+fn its_flat_edge_is_not_finished() {
     let errors: Vec<String> = errors_with(&[]).iter().map(|e| e[..7].to_owned()).collect();
     assert_eq!(errors, ["IMP0313"]);
 }
@@ -258,9 +258,9 @@ fn faults_of_splitters_and_sections_are_named() {
     let second = "  extend 1 mm\n  splitter third {\n    angle 10 deg\n    pressure ruled { tip spline [(0, -17.583, -5.4944) (-2.9424, -23.4536, -9.8)] mm  root spline [(-0.9243, -13.1354, -11.4546) (-3.2121, -23.4182, -13)] mm }\n    suction ruled { tip spline [(1.2401, -17.5422, -5.4944) (-1.711, -23.5755, -9.8)] mm  root spline [(0.465, -13.0994, -11.4261) (-1.5707, -23.5852, -13)] mm }\n  }\n  hub ";
     let many = "  splitter a { }\n".repeat(9) + "  hub ";
     for (changes, found) in [
-        (vec![], "IMP0313: the part has the splitter `half`; such parts are not supported yet"),
+        (vec![], "IMP0313: the inlet edge of `half` is flat and lies inside of the part"),
         // Another splitter beside it, without a fillet, and one inside of it.
-        (vec![("  hub ", second)], "IMP0313: the part has the splitter `third`; such parts are not supported yet"),
+        (vec![("  hub ", second)], "IMP0313: the inlet edge of `third` is flat and lies inside of the part"),
         (
             vec![("angle 22.5 deg", "angle 4 deg")],
             "IMP0302: the half pressure face reaches into the suction face beside it",

@@ -12,12 +12,12 @@ use std::sync::LazyLock;
 
 /// A vane of our own: five sections with an elliptic leading edge and a trailing edge that is cut off at the outlet.
 static FREE: LazyLock<Program> = LazyLock::new(|| {
-    let options = Options { job: PathBuf::from("jobs/_errors/IMP0313-sections.imp"), ..Options::default() };
+    let options = Options { job: PathBuf::from("jobs/sections/sections.imp"), ..Options::default() };
     driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
 });
 
 fn points() -> Vec<Point3<f64>> {
-    let text = std::fs::read_to_string("jobs/_errors/sections.csv").unwrap();
+    let text = std::fs::read_to_string("jobs/sections/sections.csv").unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     lines
         .map(|line| {

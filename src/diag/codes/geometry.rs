@@ -13,12 +13,7 @@ crate::codes! {
     DIRECTION = "IMP0310", "curve runs from outlet to inlet", include_str!("pages/IMP0310.md");
     AXIS = "IMP0311", "curve too near to the axis of rotation", include_str!("pages/IMP0311.md");
     OFF_HUB = "IMP0312", "face does not end on the hub", include_str!("pages/IMP0312.md");
-    FLAT_EDGE = "IMP0313", "a flat edge inside of the part is to be finished",
-        "A part may have splitters beside its vanes, and blades with edges that are surfaces of their own. The compiler \
-reads such parts and models their surfaces. Planning supports one vane in each sector, with ruled or lofted faces and edges \
-that the lathe makes. Operations do not yet support two passages in a sector, and edges that only milling can \
-make.\n\nExample: `splitter half { pressure ruled { ... } suction lofted { ... } angle 22.5 deg \
-}`.\n\nRemedy: use vanes whose edges the lathe makes, and no splitters. `--emit ir` prints any part.";
+    FLAT_EDGE = "IMP0313", "flat edge inside of the part is to be finished", include_str!("pages/IMP0313.md");
     STOCK_HIGH = "IMP0314", "blank too high over the shroud", include_str!("pages/IMP0314.md");
     LEFT_OUTSIDE = "IMP0315", "what is left stands out of the turned blank", include_str!("pages/IMP0315.md");
     SECTION = "IMP0316", "section without faces and edges", include_str!("pages/IMP0316.md");

@@ -47,11 +47,7 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
 }
 
 /// The middle of the floor between the outer lines that leave most room: each tool on its line keeps its distances.
-fn widest<'a>(
-    cx: &PassContext<'a>,
-    operation: &Operation,
-    (passage, allowance): (Passage, Mm),
-) -> Option<Middle<'a>> {
+fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, (passage, allowance): (Passage, Mm)) -> Option<Middle<'a>> {
     let program = cx.program;
     let mut all = Middle::all(program, operation, passage);
     if all.len() < 2 {

@@ -21,8 +21,8 @@ use crate::analysis::cost::Stations;
 use crate::diag::{Aborted, Diag, Sink, codes::files};
 use crate::ir::validate::Malformed;
 use crate::ir::{Operation, Program};
-use crate::progress::Progress;
 use crate::part::{BladeId, Part, PassageId};
+use crate::progress::Progress;
 use nalgebra::Point3;
 
 /// Number of stations along a face: a dense set that `sample-to-tolerance` thins. With 400 stations, neighbours lie
@@ -31,7 +31,11 @@ pub(crate) const STATIONS: usize = 400;
 
 /// A text about a passage, with the blade that the passage follows where a sector has several passages.
 pub(crate) fn in_passage(part: &Part, passage: PassageId, text: String) -> String {
-    if part.blades.len() == 1 { text } else { format!("after {}, {text}", part.blade(BladeId::new(passage.index())).name) }
+    if part.blades.len() == 1 {
+        text
+    } else {
+        format!("after {}, {text}", part.blade(BladeId::new(passage.index())).name)
+    }
 }
 
 /// What a pass may read, and where it reports.

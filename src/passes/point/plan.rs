@@ -13,7 +13,7 @@ use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, Ope
 use crate::method::Lines;
 use crate::part::{
     BladeId, Part, Surface, SurfaceKind,
-    chart::{Shape, charts, edges, edges_of},
+    chart::{Chart, Shape, charts, edges, edges_of},
 };
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
@@ -53,26 +53,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let mut all = charts(part);
     all.extend(edges(part));
     let axes = VaneAxis::new(part);
-    let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| {
-        let side = match kind {
-            SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => side,
-            SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade.faces()[0],
-            _ => BladeId::MAIN.faces()[0],
-        };
-        let Some(chart) = all.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
-        let hollow = part.fillet(side).filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
-        let round_edge = match kind {
-            SurfaceKind::InletEdge(blade) => part.edge(blade, 0).is_some(),
-            SurfaceKind::OutletEdge(blade) => part.edge(blade, 1).is_some(),
-            _ => side.edge_end().is_some(),
-        };
-        let mut surface = VaneSurface { chart, side, round_edge, hollow, cutter, axes: &axes, low: vec![0.0; 2] };
-        if matches!(kind, SurfaceKind::Face(_)) {
-            surface.low = lowest(cx, operation, &surface);
-        }
-        check_hollow(cx, operation, &surface)?;
-        Ok(surface)
-    };
+    let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| drive_surface(cx, operation, (&all, &axes), kind);
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
     let mut round = Vec::new();
     for blade in part.blade_ids() {
@@ -118,6 +99,35 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         notes.push(format!("{last} levels of {height}, each on all faces before the next one"));
     }
     Ok(CcOperation { operation: id, passes, notes })
+}
+
+/// A face, fillet or edge under the cutter of an operation.
+///
+/// # Errors
+/// A cutter bigger than a hollow of the surface; no such surface. The sink holds the diagnostic.
+fn drive_surface<'a>(
+    cx: &mut PassContext<'_>,
+    operation: &Operation,
+    (charts, axes): (&'a [Chart<'a>], &'a VaneAxis<'a>),
+    kind: SurfaceKind,
+) -> Result<VaneSurface<'a>, Aborted> {
+    let part = &cx.program.part;
+    let cutter = cx.program.tools[operation.tool].solid.cutter;
+    let (side, round_edge) = match kind {
+        SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => (side, side.edge_end().is_some()),
+        SurfaceKind::InletEdge(blade) => (blade.faces()[0], part.edge(blade, 0).is_some()),
+        SurfaceKind::OutletEdge(blade) => (blade.faces()[0], part.edge(blade, 1).is_some()),
+        // No operation mills other surfaces.
+        _ => return Err(Aborted),
+    };
+    let Some(chart) = charts.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
+    let hollow = part.fillet(side).filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
+    let mut surface = VaneSurface { chart, side, round_edge, hollow, cutter, axes, low: vec![0.0; 2] };
+    if matches!(kind, SurfaceKind::Face(_)) {
+        surface.low = lowest(cx, operation, &surface);
+    }
+    check_hollow(cx, operation, &surface)?;
+    Ok(surface)
 }
 
 /// The blade of a pass along a face.

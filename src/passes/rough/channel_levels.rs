@@ -271,8 +271,10 @@ impl<'a> RunLines<'a> {
 
     /// Places across the channel from one to another, without the last.
     fn across(&self, station: usize, from: f64, to: f64) -> Vec<(usize, f64)> {
+        /// Width that is none, mm: there both legs are one place.
+        const NONE: f64 = 1e-3;
         let length = (to - from).abs() * across(self.roughing, self.run, self.run.stations[station].u);
-        let count = (length / self.roughing.spacing).ceil() as usize;
+        let count = if length < NONE { 0 } else { (length / self.roughing.spacing).ceil() as usize };
         (0..count).map(|k| (station, from + (to - from) * k as f64 / count as f64)).collect()
     }
 }

@@ -5,7 +5,7 @@ use crate::analysis::cost;
 use crate::collide::ToolSolid;
 use crate::ir::{CcPoint, Operation, Program};
 use crate::operation::Allowances;
-use crate::part::{PassageId, Stock};
+use crate::part::{BladeId, PassageId, Stock};
 use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
 use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
@@ -178,11 +178,7 @@ pub(crate) enum LayersEnd {
 
 impl<'a> Roughing<'a> {
     /// `None` for an operation without levels.
-    pub(crate) fn new(
-        program: &'a Program,
-        operation: &Operation,
-        within: (PassageId, &'a Obstacles),
-    ) -> Option<Self> {
+    pub(crate) fn new(program: &'a Program, operation: &Operation, within: (PassageId, &'a Obstacles)) -> Option<Self> {
         let depth = operation.kind.step_down()?.get();
         Self::with_depth(program, operation, within, depth)
     }
@@ -308,8 +304,9 @@ impl<'a> Roughing<'a> {
 
     /// Measures a layer; an error is the u at which the tool does not fit.
     fn layer(&self, number: usize, level: f64) -> Result<Layer, f64> {
-        let from = -self.chart.lead(0.0, level, self.lead_in);
-        let to = 1.0 + self.chart.lead(1.0, level, self.lead_out);
+        let ends = self.ends(level);
+        let from = ends[0] - self.chart.lead(0.0, level, self.lead_in);
+        let to = ends[1] + self.chart.lead(1.0, level, self.lead_out);
         let length = length_of(|u| self.chart.point(u, level, 0.5), from, to);
         let count = (length / self.spacing).ceil().max(8.0) as usize;
         let stations = (0..=count)
@@ -321,7 +318,7 @@ impl<'a> Roughing<'a> {
             .collect::<Vec<_>>();
         // The first station without space, independent of the thread that found it.
         let mut stations = stations.into_iter().collect::<Result<Vec<_>, f64>>()?;
-        limit_leads(&mut stations, |_, u| (0.0..=1.0).contains(&u))?;
+        limit_leads(&mut stations, self.free_ends(), |_, u| (ends[0]..=ends[1]).contains(&u))?;
         self.ease(Level::Share(level), &mut stations)?;
         Ok(Layer { number, level, stations })
     }
@@ -358,11 +355,35 @@ impl<'a> Roughing<'a> {
         })
     }
 
-    /// In a passage beside a splitter, lets the borders of the free space move gradually from station to station: before the
-    /// edge of the splitter the tool turns off, and behind it the tool comes back. An error is the u of a station that then has
-    /// no space.
+    /// True at the ends of the channel that lie inside of the part.
+    pub(super) fn free_ends(&self) -> [bool; 2] {
+        [0, 1].map(|end| self.chart.part().ends_inside(BladeId::MAIN, end))
+    }
+
+    /// u at which the middle of the channel comes into the blank and leaves it, at a share of the height: 0 and 1, but before
+    /// and behind vanes that end inside of the part.
+    pub(super) fn ends(&self, v: f64) -> [f64; 2] {
+        /// Most steps to the outside of the blank.
+        const MOST: u32 = 200;
+        let free = self.free_ends();
+        [0, 1].map(|end: usize| {
+            let (u, outward) = (end as f64, if end == 0 { -1.0 } else { 1.0 });
+            if !free[end] {
+                return u;
+            }
+            let step = outward * self.chart.lead(u, v, self.spacing);
+            let at = |k: u32| u + step * f64::from(k);
+            let inside = |k: &u32| self.blank.distance(&self.chart.point(at(*k), v, 0.5)) < 0.0;
+            at((0..MOST).take_while(inside).count() as u32)
+        })
+    }
+
+    /// In a passage with a blade that ends inside of the part, lets the borders of the free space move gradually from station
+    /// to station: before the edge of the blade the tool turns off, and behind it the tool comes back. An error is the u of a
+    /// station that then has no space.
     pub(super) fn ease(&self, level: Level, stations: &mut [LayerStation]) -> Result<(), f64> {
-        if self.chart.part().blades.len() == 1 {
+        let part = self.chart.part();
+        if !part.blade_ids().any(|blade| [0, 1].iter().any(|end| part.ends_inside(blade, *end))) {
             return Ok(());
         }
         let step = |station: &LayerStation| {
@@ -414,14 +435,20 @@ impl<'a> Roughing<'a> {
 }
 
 /// Limits the space of the leads, where no walls are, to that of the nearest station inside; a line that widened there
-/// would cut across the edges of the vanes. An error is the u of a lead that then has no space.
-pub(super) fn limit_leads(stations: &mut [LayerStation], inside: impl Fn(usize, f64) -> bool) -> Result<(), f64> {
+/// would cut across the edges of the vanes. An error is the u of a lead that then has no space. Before a vane that ends inside
+/// of the part the lines clear the whole width, and turn off as before a splitter: `free` is true for such ends.
+pub(super) fn limit_leads(
+    stations: &mut [LayerStation],
+    free: [bool; 2],
+    inside: impl Fn(usize, f64) -> bool,
+) -> Result<(), f64> {
     let inside: Vec<bool> = stations.iter().enumerate().map(|(k, s)| inside(k, s.u)).collect();
     let (Some(first), Some(last)) = (inside.iter().position(|x| *x), inside.iter().rposition(|x| *x)) else {
         return Ok(());
     };
     let edges = [stations[first].room, stations[last].room];
-    for (k, s) in stations.iter_mut().enumerate().filter(|(k, _)| *k < first || *k > last) {
+    let limited = |k: usize| (k < first && !free[0]) || (k > last && !free[1]);
+    for (k, s) in stations.iter_mut().enumerate().filter(|(k, _)| limited(*k)) {
         let edge = edges[usize::from(k > last)];
         s.room = [s.room[0].max(edge[0]), s.room[1].min(edge[1])];
         if s.room[0] > s.room[1] {

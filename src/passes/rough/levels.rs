@@ -151,14 +151,14 @@ impl Roughing<'_> {
         0.0
     }
 
-    /// True where a level lies in the stock; the last level may lie on the hub.
-    fn in_stock(&self, level: Level, u: f64, last: bool) -> bool {
+    /// True where a level lies in the stock, between the ends of the channel in the blank; the last level may lie on the hub.
+    fn in_stock(&self, level: Level, (u, ends): (f64, [f64; 2]), last: bool) -> bool {
         let v = level.v(&self.chart, u, 0.5);
         let below_top = match level {
             Level::OverHub(_) => v < 1.0,
             _ => self.load_in_blank(level, u, 0.5) > 0.0,
         };
-        (0.0..=1.0).contains(&u) && below_top && (last || v > 0.0)
+        (ends[0]..=ends[1]).contains(&u) && below_top && (last || v > 0.0)
     }
 
     /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually, and the
@@ -183,13 +183,14 @@ impl Roughing<'_> {
         let at = |u: f64| level.v(&self.chart, u, 0.5);
         // A tool outside of the stock has its whole end there, also where the channel ends at a slant of 60 deg.
         let lead = [self.lead_in, self.lead_out].map(|lead| 2.0 * self.radius() + lead);
-        let from = -self.chart.lead(0.0, at(0.0), lead[0]);
-        let to = 1.0 + self.chart.lead(1.0, at(1.0), lead[1]);
+        let ends = self.ends(at(0.5));
+        let from = ends[0] - self.chart.lead(0.0, at(0.0), lead[0]);
+        let to = ends[1] + self.chart.lead(1.0, at(1.0), lead[1]);
         let middle = |u: f64| self.chart.point(u, at(u), 0.5);
         let length = length_of(middle, from, to);
         let count = (length / self.spacing).ceil().max(8.0) as usize;
         let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
-        let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, last)).collect();
+        let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, (*u, ends), last)).collect();
         let places: Vec<Point3<f64>> = grid.iter().map(|u| middle(*u)).collect();
         let step = |i: usize| (places[i + 1] - places[i]).norm();
         let mut wanted = inside.clone();
@@ -211,7 +212,9 @@ impl Roughing<'_> {
             let i = fitting.start;
             let mut stations: Vec<LayerStation> =
                 fitting.filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
-            if limit_leads(&mut stations, |k, _| inside[i + k]).is_ok() && self.ease(level, &mut stations).is_ok() {
+            if limit_leads(&mut stations, self.free_ends(), |k, _| inside[i + k]).is_ok()
+                && self.ease(level, &mut stations).is_ok()
+            {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
                     let inside = |k: usize| inside[i + k];

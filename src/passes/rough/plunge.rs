@@ -59,8 +59,12 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     for passage in cx.program.part.passages() {
         let within = (passage.id, cx.obstacles);
         let roughing = Roughing::with_depth(&program, operation, within, depth).ok_or(Aborted)?.tilted();
-        let strokes =
-            ChannelStrokes { program: &program, roughing: &roughing, step: stepover.get(), lead: operation.lead_in.get() };
+        let strokes = ChannelStrokes {
+            program: &program,
+            roughing: &roughing,
+            step: stepover.get(),
+            lead: operation.lead_in.get(),
+        };
         let (lines, of_passage) = strokes.all(cx, operation)?;
         rows += of_passage;
         all.extend(passes(&roughing, lines));
@@ -157,7 +161,8 @@ impl ChannelStrokes<'_> {
         let chart = &self.roughing.chart;
         // A tool outside of the stock has its whole end there, also where the channel ends at a slant of 60 deg.
         let lead = 2.0 * self.roughing.radius() + self.step;
-        let [from, to] = [-chart.lead(0.0, 0.0, lead), 1.0 + chart.lead(1.0, 0.0, lead)];
+        let ends = self.roughing.ends(0.0);
+        let [from, to] = [ends[0] - chart.lead(0.0, 0.0, lead), ends[1] + chart.lead(1.0, 0.0, lead)];
         let length =
             [0.0, 1.0].map(|v| length_of(|u| chart.point(u, v, 0.5), from, to)).into_iter().fold(0.0, f64::max);
         let count = (PLACES * length / self.step).ceil().max(8.0) as usize;
@@ -166,7 +171,8 @@ impl ChannelStrokes<'_> {
 
     /// The lowest level on which the tool fits at a place; `None` where it fits on none.
     fn stand(&self, u: f64) -> Option<Stand> {
-        let (roughing, inside) = (self.roughing, (0.0..=1.0).contains(&u));
+        let (roughing, ends) = (self.roughing, self.roughing.ends(0.0));
+        let inside = (ends[0]..=ends[1]).contains(&u);
         let lowest = roughing.hub_allowance();
         for k in 0.. {
             let level = Level::OverHub(lowest + k as f64 * roughing.depth);
@@ -186,7 +192,9 @@ impl ChannelStrokes<'_> {
         for range in maximal_ranges(stands.len(), |i| stands[i].is_some()) {
             let mut part: Vec<Stand> = stands[range].iter().flatten().copied().collect();
             let mut stations: Vec<LayerStation> = part.iter().map(|s| s.station).collect();
-            if limit_leads(&mut stations, |k, _| part[k].inside).is_err() || !part.iter().any(|s| s.inside) {
+            if limit_leads(&mut stations, self.roughing.free_ends(), |k, _| part[k].inside).is_err()
+                || !part.iter().any(|s| s.inside)
+            {
                 continue;
             }
             part.iter_mut().zip(stations).for_each(|(stand, station)| stand.station = station);
