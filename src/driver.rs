@@ -4,6 +4,7 @@ mod import;
 mod library;
 mod nc_check;
 mod nc_diff;
+mod part_file;
 mod reading;
 mod report;
 mod rest_stock;
@@ -18,6 +19,7 @@ use crate::export::certificate_file::{
 use crate::export::picture;
 use crate::export::setup_sheet::{self, SheetInput};
 use crate::export::source_map::{SourceMapFile, WrittenLine};
+use crate::export::step::StepProtocol;
 use crate::ir::print::{self, Detail};
 use crate::ir::{Motion, Program};
 use crate::job::{Fault, Files, Job, MissingFile};
@@ -34,7 +36,7 @@ pub use import::{Import, import};
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
-pub use stages::{Emit, Stages};
+pub use stages::{Emit, PartForm, Stages};
 use std::path::{Path, PathBuf};
 
 /// Options that a compilation and a check of NC text share.
@@ -58,6 +60,21 @@ pub struct RunOptions {
     pub memory: Option<f64>,
 }
 
+/// How the part is written for other programs.
+#[derive(Clone, Copy, Debug)]
+pub struct PartOptions {
+    /// Protocol of a STEP file.
+    pub protocol: StepProtocol,
+    /// Largest chord error of triangles, mm.
+    pub chord: f64,
+}
+
+impl Default for PartOptions {
+    fn default() -> Self {
+        Self { protocol: StepProtocol::default(), chord: 0.01 }
+    }
+}
+
 /// Options of a compilation.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -75,6 +92,8 @@ pub struct Options {
     pub certificate: Option<PathBuf>,
     /// Stage value to print; the compilation stops after this stage.
     pub emit: Option<Emit>,
+    /// How the part is written.
+    pub part: PartOptions,
     /// Shared options.
     pub run: RunOptions,
 }
@@ -118,6 +137,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let Outcome { sources, sink, emitted, contracts } = outcome;
     if options.emit == Some(Emit::Ir) {
         *emitted = Some(print::program(&program));
+        return Ok(());
+    }
+    if let Some(Emit::Part(form)) = options.emit {
+        *emitted = Some(part_file::write(options, form, &program, sources, stages, sink)?);
         return Ok(());
     }
 

@@ -7,7 +7,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, Exit, render};
-use impellerc::driver::{self, Emit, Import, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages};
+use impellerc::driver::{
+    self, Emit, Import, NcCheck, NcDiff, Options, Outcome, PartForm, PartOptions, RunOptions, Stages,
+};
+use impellerc::export::step::StepProtocol;
 use impellerc::import::{self, Axis, Handedness, LengthUnit, Start};
 use impellerc::output::interrupt;
 use impellerc::sections::ThicknessDirection;
@@ -23,6 +26,9 @@ const EXIT_CODES: &str = "Exit codes:
   2  job, library, NC text, certificate or command line has a fault, or no program can be planned for the job
   3  a file cannot be read or written
 If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
+
+/// Values of `--emit` that are written to the file of `-o`.
+const PART_FORMS: [(&str, &str); 3] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf")];
 
 /// Exit codes of an import, for the help.
 const IMPORT_CODES: &str = "Exit codes:
@@ -50,16 +56,24 @@ struct Arguments {
     job: Option<PathBuf>,
 
     /// Write the NC text to this file; without this option the job is planned and verified, but no NC text is written
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", required_if_eq_any = PART_FORMS)]
     output: Option<PathBuf>,
 
     /// Write the NC text with this post file of the library instead of the post of the job, such as linuxcnc
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
 
-    /// Print the result of this stage, and stop after it
+    /// Print the result of this stage, and stop after it; forms of the part are written to the file of `-o`
     #[arg(long, value_enum, value_name = "STAGE")]
     emit: Option<EmitArgument>,
+
+    /// Application protocol of the STEP file
+    #[arg(long, value_enum, default_value = "ap242", value_name = "PROTOCOL")]
+    step_protocol: ProtocolArgument,
+
+    /// Largest chord error of the triangles of STL and 3MF, from 0.1 um to 1 mm, such as 10um
+    #[arg(long, default_value = "10um", value_name = "LENGTH", value_parser = chord)]
+    chord: f64,
 
     /// Write the certificate to this file, with the hash of the NC text
     #[arg(long, value_name = "FILE.json")]
@@ -79,6 +93,17 @@ struct Arguments {
 
     #[command(flatten)]
     run: RunArguments,
+}
+
+impl Arguments {
+    /// How the part is written.
+    fn part_options(&self) -> PartOptions {
+        let protocol = match self.step_protocol {
+            ProtocolArgument::Ap242 => StepProtocol::Ap242,
+            ProtocolArgument::Ap214 => StepProtocol::Ap214,
+        };
+        PartOptions { protocol, chord: self.chord }
+    }
 }
 
 /// What both commands take.
@@ -360,11 +385,28 @@ enum EmitArgument {
     Motion,
     /// NC text
     Nc,
+    /// The part as a solid in a STEP file, which `-o` names
+    Step,
+    /// The part as triangles in an STL file, which `-o` names
+    Stl,
+    /// The part as triangles in a 3MF file, which `-o` names
+    #[value(name = "3mf")]
+    ThreeMf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ProtocolArgument {
+    /// ISO 10303-242
+    Ap242,
+    /// ISO 10303-214
+    Ap214,
 }
 
 fn main() -> ExitCode {
-    let Arguments { command, job, output, post, emit, certificate, picture, source_map, setup_sheet, run } =
-        Arguments::parse();
+    let arguments = Arguments::parse();
+    let part = arguments.part_options();
+    let Arguments { command, job, output, post, emit, certificate, picture, source_map, setup_sheet, run, .. } =
+        arguments;
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
         Some(Command::Verify { nc, job, post, certificate, source_map, run }) => {
@@ -399,12 +441,26 @@ fn main() -> ExitCode {
                     EmitArgument::Cl => Emit::Cl,
                     EmitArgument::Motion => Emit::Motion,
                     EmitArgument::Nc => Emit::Nc,
+                    EmitArgument::Step => Emit::Part(PartForm::Step),
+                    EmitArgument::Stl => Emit::Part(PartForm::Stl),
+                    EmitArgument::ThreeMf => Emit::Part(PartForm::ThreeMf),
                 }),
+                part,
                 run: run.options(post),
             };
             finish(format, timings, |stages| driver::compile(&options, stages))
         }
     }
+}
+
+/// Millimetres of a chord error such as `10um` or `0.01 mm`.
+fn chord(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("um", 1e-3), ("mm", 1.0)];
+    let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
+    let length = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
+    let within = length.filter(|mm| (0.999e-4..=1.0).contains(mm));
+    within.ok_or_else(|| "the chord error must be from 0.1um to 1mm, such as 10um".to_owned())
 }
 
 /// Number of bytes of a size such as `4GB` or `500 MB`.

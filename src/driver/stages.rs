@@ -7,7 +7,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Stage values that `--emit` prints.
+/// Stage values that `--emit` prints, and forms of the part that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Emit {
     /// Syntax tree.
@@ -24,6 +24,19 @@ pub enum Emit {
     Motion,
     /// NC text.
     Nc,
+    /// The part as a file for other programs.
+    Part(PartForm),
+}
+
+/// Forms of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartForm {
+    /// A solid in a STEP file.
+    Step,
+    /// Triangles in a binary STL file.
+    Stl,
+    /// Triangles in a 3MF file.
+    ThreeMf,
 }
 
 /// Times of the stages that ran.

@@ -1,7 +1,10 @@
-//! Outputs beside the NC text: pictures and the report for people, the certificate and the source map as files.
+//! Outputs beside the NC text: pictures and the report for people, the certificate and the source map as files, the part for
+//! other programs.
 
 pub mod certificate_file;
 pub mod picture;
 pub mod report;
 pub mod setup_sheet;
 pub mod source_map;
+pub mod step;
+pub mod three_mf;

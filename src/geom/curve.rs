@@ -85,6 +85,15 @@ impl NurbsCurve {
         Self { degree: self.degree, knots: self.knots.clone(), control, rational: self.rational }
     }
 
+    /// The curve from its last to its first point.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let [lo, hi] = self.domain();
+        let knots = self.knots.iter().rev().map(|k| lo + hi - k).collect();
+        let control = self.control.iter().rev().copied().collect();
+        Self { degree: self.degree, knots, control, rational: self.rational }
+    }
+
     /// Length in mm between two parameters, by Gauss-Legendre quadrature with eight nodes per knot span.
     pub fn length(&self, from: f64, to: f64) -> f64 {
         let (lo, hi, sign) = if from <= to { (from, to, 1.0) } else { (to, from, -1.0) };

@@ -1,7 +1,7 @@
 //! Curves through points: chord length parameters (Wei 14), averaged knots (16), banded solve (15).
 
 use super::basis::{self, MAX_DEGREE};
-use super::{GeomError, NurbsCurve};
+use super::{GeomError, NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector3};
 
 /// Chord length parameters of data points on [0, 1] (Wei 14).
@@ -89,6 +89,33 @@ fn through(parameters: &[f64], points: &[Point3<f64>], degree: usize) -> Result<
     NurbsCurve::try_new(degree, knots, &control, None)
 }
 
+/// The surface through a grid of points at equal steps of both parameters: rows of equal v, each from u = 0 to u = 1. Cubic
+/// where a direction has enough points. Its border curves depend on the points of the border alone, so that two surfaces with
+/// the same points on a border have the same curve there, to the last bit.
+///
+/// # Errors
+/// Fewer than two points in a direction, rows of different lengths, or points that are not finite.
+pub fn interpolate_grid(rows: &[Vec<Point3<f64>>]) -> Result<NurbsSurface, GeomError> {
+    let counts = [rows.first().map_or(0, Vec::len), rows.len()];
+    if let Some(given) = counts.into_iter().find(|n| *n < 2) {
+        return Err(GeomError::TooFewPoints { given, needed: 2 });
+    }
+    if let Some(row) = rows.iter().find(|row| row.len() != counts[0]) {
+        return Err(GeomError::TooFewPoints { given: row.len(), needed: counts[0] });
+    }
+    let degree = counts.map(|n| MAX_DEGREE.min(n - 1));
+    let parameters = counts.map(|n| (0..n).map(|i| i as f64 / (n - 1) as f64).collect::<Vec<_>>());
+    let knots = [0, 1].map(|d| averaged_knots(&parameters[d], degree[d]));
+    let along = |row: &Vec<Point3<f64>>| solve_banded(&knots[0], degree[0], &parameters[0], row);
+    let by_row = rows.iter().map(along).collect::<Result<Vec<_>, _>>()?;
+    let mut control = Vec::with_capacity(counts[0] * counts[1]);
+    for i in 0..counts[0] {
+        let column: Vec<Point3<f64>> = by_row.iter().map(|row| row[i]).collect();
+        control.extend(solve_banded(&knots[1], degree[1], &parameters[1], &column)?);
+    }
+    NurbsSurface::try_new(degree, knots, &control, None)
+}
+
 /// Solves N P = Q by elimination inside the band. The matrix of a B-spline interpolation with averaged knots is totally
 /// positive, so that elimination without pivoting is stable (de Boor and Pinkus 1977).
 fn solve_banded(
@@ -152,5 +179,23 @@ mod tests {
                 assert!((curve.point(*u) - p).norm() < 1e-12);
             }
         }
+    }
+
+    /// A surface with polynomial coordinates of degree 3 is found exactly, and neighbours share their border.
+    #[test]
+    fn surfaces_through_grids() {
+        let at = |u: f64, v: f64| Point3::new(9.0 * u + v * v, u * u * u - v, 4.0 * v * v * v + u * v);
+        let grid = |from: f64| -> Vec<Vec<Point3<f64>>> {
+            (0..7).map(|j| (0..12).map(|i| at(f64::from(i) / 11.0, from + f64::from(j) / 6.0)).collect()).collect()
+        };
+        let (low, mut high) = (grid(0.0), grid(1.0));
+        high[0].clone_from(&low[6]);
+        let [low, high] = [low, high].map(|rows| interpolate_grid(&rows).expect("valid data"));
+        for (u, v) in [(0.0, 0.0), (0.31, 0.77), (1.0, 1.0), (0.5, 0.02)] {
+            assert!((low.point(u, v) - at(u, v)).norm() < 1e-12, "{u} {v}");
+        }
+        assert_eq!(low.border(true), high.border(false));
+        assert!(interpolate_grid(&[vec![Point3::origin(); 4]]).is_err());
+        assert!(interpolate_grid(&[vec![Point3::origin(); 4], vec![Point3::origin(); 3]]).is_err());
     }
 }

@@ -155,4 +155,12 @@ impl NurbsSurface {
         let control = self.control.iter().skip(column).step_by(columns).copied().collect();
         NurbsCurve::from_homogeneous(self.degree[0], self.knots[0].clone(), control)
     }
+
+    /// The curve at u = 0 or at u = 1.
+    pub fn side(&self, u_end: bool) -> NurbsCurve {
+        let [rows, columns] = self.counts();
+        let start = if u_end { (rows - 1) * columns } else { 0 };
+        let control = self.control[start..start + columns].to_vec();
+        NurbsCurve::from_homogeneous(self.degree[1], self.knots[1].clone(), control)
+    }
 }

@@ -10,7 +10,7 @@
 //! | root | from the hub to the edge | between the two fillets of the vane |
 
 use super::chart::{self, Chart, Patch, Place, Shape, charts};
-use super::solid::Sheet;
+use super::sheet::Sheet;
 use super::{BladeId, Part, Stock, Surface, SurfaceKind};
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Vector2, Vector3};

@@ -19,7 +19,10 @@
 //! | `chart_table` | their tables, made once for a part |
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |
-//! | `solid` | the closed part, and its volume |
+//! | `sheet` | walls of channels with their fillets |
+//! | `patches` | four-sided patches that cover the milled part of the wheel |
+//! | `solid` | the closed part as a mesh, and its volume |
+//! | `shell` | the closed part as NURBS faces with shared edges |
 
 mod blade;
 mod borders;
@@ -30,9 +33,12 @@ mod extent;
 pub mod kept;
 mod names;
 mod passage;
+mod patches;
 mod rolling_ball;
 mod row;
 pub mod sample;
+mod sheet;
+pub mod shell;
 pub mod solid;
 mod stock;
 pub mod surface;

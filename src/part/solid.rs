@@ -1,19 +1,11 @@
-//! The finished part as a closed triangle mesh, from the design surfaces only, and its volume.
-//!
-//! A wall of a channel is one sheet: from the contact with the hub along the rolling ball, then up the ruling to the
-//! shroud. Rows of a sheet run from the inlet line to the outlet line, which are the straight lines of the meridian
-//! plane between the ends of hub and shroud. Hub, tips and both edges lie between the borders of sheets; front, bore,
-//! back and outside of the blank close the mesh. Neighbouring grids share the points of their borders, so that there
-//! are no gaps.
+//! The finished part as a closed triangle mesh, from the design surfaces only, and its volume: patches of all sectors, and
+//! front, bore, back and outside of the blank.
 
-use super::chart::{Chart, Shape, charts};
-use super::{FaceId, FaceSurface, Part, Stock, Surface, SurfaceKind};
-use crate::geom::Revolution;
+use super::patches::{Direction, Patches, Spacing, Steps};
+use super::{Part, Stock};
 use crate::geom::angle::nearest_turn;
-use crate::geom::proximity::Patch;
 use crate::stock::Mesh;
-use nalgebra::{Point3, Vector2};
-use rayon::prelude::*;
+use nalgebra::Point3;
 use std::collections::BTreeMap;
 
 /// A volume with an estimate of its error.
@@ -43,47 +35,99 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
 /// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
 /// across a vane. `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Mesh> {
-    if part.blades.len() > 1 {
-        return None;
+    let patches = Patches::new(part, Steps([along, up, up, across, thick]), Spacing::Equal)?;
+    Some(mesh_of(part, stock, &patches))
+}
+
+/// A mesh with its chord error.
+#[derive(Clone, Debug)]
+pub struct ChordMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Largest distance of a surface to its triangles that was found, mm.
+    pub error: f64,
+}
+
+/// Steps of a mesh at the start, and the most of them in a direction.
+const COARSE: Steps = Steps([12, 3, 2, 3, 1]);
+const MOST_STEPS: usize = 2048;
+
+/// Mesh of the finished part whose triangles are within a chord error of the surfaces: steps are halved until points half way
+/// between two places are near enough to their chord, in both directions together. `None` as for [`volume`], and for an
+/// error that so many triangles do not keep.
+pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Option<ChordMesh> {
+    let mut steps = COARSE;
+    loop {
+        let twice = Patches::new(part, steps.times(2), Spacing::FineEnds)?;
+        let (patches, rings) = twice.of_sector(0);
+        let mut more = steps;
+        let mut worst = 0.0_f64;
+        for patch in &patches {
+            let errors = chords(&patch.rows);
+            worst = worst.max(errors[0] + errors[1]);
+            for (direction, error) in patch.directions.into_iter().zip(errors) {
+                if error > 0.5 * chord {
+                    more.0[direction as usize] = 2 * steps.of(direction);
+                }
+            }
+        }
+        // The circles of the turned surfaces have the azimuths of the patches.
+        let around = turned_rest(part, stock).iter().map(|[r, _]| *r).fold(0.0, f64::max);
+        let azimuths = |ring: &[Point3<f64>]| ring.iter().step_by(2).map(|p| libm::atan2(p.y, p.x)).collect::<Vec<_>>();
+        let widest = rings.iter().flat_map(|ring| {
+            azimuths(ring).windows(2).map(|pair| nearest_turn(pair[1] - pair[0], 0.0).abs()).collect::<Vec<_>>()
+        });
+        let circle = around * (1.0 - libm::cos(0.5 * widest.fold(0.0, f64::max)));
+        worst = worst.max(circle);
+        if circle > chord {
+            [Direction::Channel, Direction::Blade].iter().for_each(|d| more.0[*d as usize] = 2 * steps.of(*d));
+        }
+        if more == steps {
+            let patches = Patches::new(part, steps, Spacing::FineEnds)?;
+            return Some(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
+        }
+        if more.0.iter().any(|n| *n > MOST_STEPS) {
+            return None;
+        }
+        steps = more;
     }
-    let [ahead, behind] = part.first_passage().walls;
-    let charts = charts(part);
-    let sheets = [Sheet::new(part, &charts, ahead)?, Sheet::new(part, &charts, behind)?];
-    let (ahead, behind) = (sheets[0].grid(along, up)?, sheets[1].grid(along, up)?);
-    let top = ahead.len() - 1;
+}
+
+/// Largest distances of points of a grid from the middle of the chord of their neighbours: between columns, and between rows.
+fn chords(rows: &[Vec<Point3<f64>>]) -> [f64; 2] {
+    let off = |a: &Point3<f64>, p: &Point3<f64>, b: &Point3<f64>| {
+        let chord = b - a;
+        let along = if chord.norm_squared() > 0.0 { (p - a).dot(&chord) / chord.norm_squared() } else { 0.0 };
+        (p - (a + chord * along)).norm()
+    };
+    let between_columns = rows.iter().flat_map(|row| row.windows(3).step_by(2).map(|w| off(&w[0], &w[1], &w[2])));
+    let between_rows = rows
+        .windows(3)
+        .step_by(2)
+        .flat_map(|w| w[0].iter().zip(&w[1]).zip(&w[2]).map(|((a, p), b)| off(a, p, b)).collect::<Vec<_>>());
+    [between_columns.fold(0.0, f64::max), between_rows.fold(0.0, f64::max)]
+}
+
+/// Mesh of all patches and of the turned surfaces that close them.
+pub(super) fn mesh_of(part: &Part, stock: &Stock, patches: &Patches<'_>) -> Mesh {
     let mut mesh = Mesher::default();
     // Circles at both ends of the hub: borders to the other turned surfaces.
     let mut rings: [Vec<Point3<f64>>; 2] = [Vec::new(), Vec::new()];
     for sector in 0..part.vane_count {
-        let turned = |grid: &[Vec<Point3<f64>>], sector: u32| -> Vec<Vec<Point3<f64>>> {
-            let turn = part.sector_rotation(sector % part.vane_count);
-            grid.iter().map(|row| row.iter().map(|p| turn * p).collect()).collect()
-        };
-        let (a, b, next) = (turned(&ahead, sector), turned(&behind, sector), turned(&behind, sector + 1));
-        let hub: Vec<Vec<Point3<f64>>> =
-            a[0].iter().zip(&next[0]).map(|(p, q)| bridge(p, q, (across, part.pitch()), Some(&part.hub))).collect();
-        let tip: Vec<Vec<Point3<f64>>> =
-            b[top].iter().zip(&a[top]).map(|(p, q)| bridge(p, q, (thick, 0.0), Some(&part.shroud))).collect();
-        for (end, ring) in [0, along].into_iter().zip(&mut rings) {
-            let mut edge: Vec<Vec<Point3<f64>>> =
-                (0..top).map(|j| bridge(&b[j][end], &a[j][end], (thick, 0.0), None)).collect();
-            edge.push(tip[end].clone());
-            ring.extend_from_slice(&edge[0][..thick]);
-            ring.extend_from_slice(&hub[end][..across]);
-            mesh.grid(&edge, end != 0);
+        let (of_sector, ends) = patches.of_sector(sector);
+        for patch in &of_sector {
+            mesh.grid(&patch.rows, patch.turned);
         }
-        mesh.grid(&a, false);
-        mesh.grid(&b, true);
-        mesh.grid(&hub, false);
-        mesh.grid(&tip, false);
+        rings.iter_mut().zip(ends).for_each(|(ring, end)| ring.extend(end));
     }
     // Over front, bore, back and outside from the first circle to the second.
     let [first, last] = &mut rings;
     let corners = turned_rest(part, stock);
-    let half = corners.len() / 2;
+    // Where the blank ends with the hub there is no ring between them.
+    let to_hub = corners.len() - usize::from(corners[2][0] == part.hub.meridian(1.0).point.x);
     let mut grid: Vec<Vec<Point3<f64>>> = vec![first.clone()];
-    for (k, [r, z]) in corners.iter().enumerate() {
-        let ring: &[Point3<f64>] = if k < half { first } else { last };
+    for (k, [r, z]) in corners.iter().take(to_hub).enumerate() {
+        let ring: &[Point3<f64>] = if k < corners.len() / 2 { first } else { last };
         grid.push(
             ring.iter()
                 .map(|p| {
@@ -98,13 +142,8 @@ pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) 
         let start = row[0];
         row.push(start);
     }
-    mesh.grid(&grid, true);
-    let mut solid = mesh.solid;
-    // The orientation of all grids depends on that of the channel.
-    if solid.volume() < 0.0 {
-        solid.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
-    Some(solid)
+    mesh.grid(&grid, !patches.turned());
+    mesh.solid
 }
 
 /// Corners of the other turned surfaces between the circles, (r, z): two on the side of the inlet, two on the side of
@@ -114,118 +153,6 @@ fn turned_rest(part: &Part, stock: &Stock) -> [[f64; 2]; 4] {
     let outlet = part.hub.meridian(1.0).point;
     let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
     [[bore, front], [bore, back], [outside, back], [outside, outlet.y]]
-}
-
-/// Equal steps around Z from one point to another, both included; on a surface, or on the straight line between their
-/// places in the meridian plane. The angle is the one within half a turn of `about`.
-fn bridge(
-    from: &Point3<f64>,
-    to: &Point3<f64>,
-    (steps, about): (usize, f64),
-    on: Option<&Revolution>,
-) -> Vec<Point3<f64>> {
-    let flat = |p: &Point3<f64>| Vector2::new(libm::hypot(p.x, p.y), p.z);
-    let (a, b) = (flat(from), flat(to));
-    let start = libm::atan2(from.y, from.x);
-    let turn = libm::atan2(to.y, to.x) - start;
-    let turn = nearest_turn(turn, about);
-    let ends = on.map(|s| [s.closest(a).0, s.closest(b).0]);
-    (0..=steps)
-        .map(|k| {
-            let t = k as f64 / steps as f64;
-            let azimuth = start + turn * t;
-            match (k, on, ends) {
-                (0, ..) => *from,
-                (k, ..) if k == steps => *to,
-                (_, Some(surface), Some([u, v])) => surface.point(u + (v - u) * t, azimuth),
-                _ => {
-                    let p = a + (b - a) * t;
-                    Point3::new(p.x * libm::cos(azimuth), p.x * libm::sin(azimuth), p.y)
-                }
-            }
-        })
-        .collect()
-}
-
-/// A wall of a channel with its fillet, sector 0.
-pub(super) struct Sheet<'a> {
-    part: &'a Part,
-    id: FaceId,
-    fillet: Option<&'a Chart<'a>>,
-    /// Range of u in which the wall is defined.
-    range: [f64; 2],
-}
-
-impl<'a> Sheet<'a> {
-    pub(super) fn new(part: &'a Part, charts: &'a [Chart<'a>], id: FaceId) -> Option<Self> {
-        let fillet = charts.iter().find(|c| c.kind == SurfaceKind::Fillet(id));
-        if part.fillet(id).is_some() && fillet.is_none() {
-            return None;
-        }
-        let range = match fillet {
-            Some(chart) => [chart.place(0.0, 0.0).parameters[0], chart.place(1.0, 0.0).parameters[0]],
-            // The guides continue along their tangents.
-            None => [-0.2, 1.2],
-        };
-        Some(Self { part, id, fillet, range })
-    }
-
-    /// Point at u; `w` from 0 to 1 goes along the fillet, from 1 to 2 up the ruling.
-    pub(super) fn point(&self, u: f64, w: f64) -> Point3<f64> {
-        let surface = &self.part.face(self.id).surface;
-        let low = match self.fillet {
-            Some(chart) => {
-                let x = (u - self.range[0]) / (self.range[1] - self.range[0]);
-                if w < 1.0 {
-                    return chart.place(x, 1.0 - w).position;
-                }
-                let contact = chart.place(x, 0.0).position;
-                match surface {
-                    FaceSurface::Ruled(ruled) => {
-                        let (root, _, ruling) = ruled.tangents(u, 0.0);
-                        (contact - root).dot(&ruling) / ruling.norm_squared()
-                    }
-                    FaceSurface::Lofted(lofted) => lofted.closest(&contact, Patch { u: [u, u], v: [-0.5, 1.5] }).v,
-                }
-            }
-            None => self.part.ruling_meets(self.id, u, &self.part.hub, 0.0),
-        };
-        let high = self.part.ruling_meets(self.id, u, &self.part.shroud, 1.0);
-        surface.point(u, low + (high - low) * (w - 1.0))
-    }
-
-    /// Rows from hub to shroud, each from the inlet line to the outlet line.
-    fn grid(&self, along: usize, up: usize) -> Option<Vec<Vec<Point3<f64>>>> {
-        let rows = if self.fillet.is_some() { 0..=2 * up } else { up..=2 * up };
-        rows.into_par_iter().map(|j| self.row(along, j as f64 / up as f64)).collect()
-    }
-
-    fn row(&self, along: usize, w: f64) -> Option<Vec<Point3<f64>>> {
-        let ends = [self.meets(0.0, w)?, self.meets(1.0, w)?];
-        let at = |i: usize| self.point(ends[0] + (ends[1] - ends[0]) * i as f64 / along as f64, w);
-        Some((0..=along).map(at).collect())
-    }
-
-    /// u at which a row meets the line in the meridian plane between the ends of hub and shroud at u = 0 or 1.
-    pub(super) fn meets(&self, end: f64, w: f64) -> Option<f64> {
-        let [hub, shroud] = self.part.end_line(self.id.blade, end);
-        let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
-        let gap = |u: f64| {
-            let p = self.point(u, w);
-            (Vector2::new(libm::hypot(p.x, p.y), p.z) - hub).dot(&normal)
-        };
-        let (mut out, mut inside) = (self.range[end as usize], 0.5);
-        let sign = gap(inside).signum();
-        if gap(out) * sign > 0.0 {
-            return None;
-        }
-        // Bisection of a wall of some 100 mm down to rounding.
-        for _ in 0..48 {
-            let u = 0.5 * (out + inside);
-            if gap(u) * sign > 0.0 { inside = u } else { out = u }
-        }
-        Some(0.5 * (out + inside))
-    }
 }
 
 /// Joins grids that share the points of their borders to one solid.

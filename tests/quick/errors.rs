@@ -6,8 +6,8 @@ use impellerc::driver::{self, Options, Outcome, Stages};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Codes whose example cannot be a small file.
-const WITHOUT_EXAMPLE: [Code; 2] = [codes::syntax::TOO_LARGE, codes::syntax::TOO_MANY];
+/// Codes whose example cannot be a small file, and the one that only the export of a part shows (`solids.rs`).
+const WITHOUT_EXAMPLE: [Code; 3] = [codes::syntax::TOO_LARGE, codes::syntax::TOO_MANY, codes::geometry::NO_SHELL];
 
 fn examples() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir("jobs/_errors")

@@ -35,7 +35,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
     ("compare", &["ir", "kin"]),
     ("post", &["verify", "ir", "geom", "kin"]),
-    ("export", &["verify", "ir", "part", "geom", "kin", "collide"]),
+    ("export", &["verify", "ir", "part", "geom", "kin", "collide", "stock"]),
     ("output", &[]),
 ];
 

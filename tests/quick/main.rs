@@ -65,6 +65,7 @@ mod rest_machining;
 mod rough;
 mod sections;
 mod sector_subprograms;
+mod solids;
 mod splines;
 mod stl;
 mod stock_links;

@@ -27,6 +27,7 @@ crate::codes! {
     THIN = "IMP0324", "thickness of a blade not possible", include_str!("pages/IMP0324.md");
     THICK = "IMP0325", "thickness larger than the camber line allows", include_str!("pages/IMP0325.md");
     EDGE_PLACE = "IMP0326", "edge of a blade outside of its meridian", include_str!("pages/IMP0326.md");
+    NO_SHELL = "IMP0327", "part without a closed surface", include_str!("pages/IMP0327.md");
     OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",
