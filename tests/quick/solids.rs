@@ -183,17 +183,17 @@ fn meshes_within_a_chord_error() {
 fn files_of_the_part() {
     let folder = tempfile::tempdir().unwrap();
     let emit = |job: &str, form: PartForm, protocol: StepProtocol, name: &str| {
-        let output = Some(folder.path().join(name));
+        let output = folder.path().join(name);
         let part = PartOptions { protocol, ..PartOptions::default() };
         let options = Options {
             job: PathBuf::from(job),
-            output: output.clone(),
+            output: Some(output.clone()),
             emit: Some(Emit::Part(form)),
             part,
             ..Options::default()
         };
         let outcome = driver::compile(&options, &mut Stages::default());
-        (outcome, std::fs::read(output.unwrap()).ok())
+        (outcome, std::fs::read(output).ok())
     };
     let job = "jobs/small/small.imp";
     let (said, first) = emit(job, PartForm::Step, StepProtocol::Ap242, "a.step");
