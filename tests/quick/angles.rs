@@ -14,7 +14,7 @@ use impellerc::syntax;
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::sync::LazyLock;
 
-const JOB: &str = include_str!("../../jobs/splitter/splitter.imp");
+const JOB: &str = include_str!("../support/wheel_by_angles.imp");
 
 /// The program of a text, or what was reported.
 fn read(text: &str) -> Result<Program, String> {

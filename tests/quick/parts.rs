@@ -260,7 +260,7 @@ fn faults_of_splitters_and_sections_are_named() {
     for (changes, found) in [
         (vec![], "IMP0313: the inlet edge of `half` is flat and lies inside of the part"),
         // Another splitter beside it, without a fillet, and one inside of it.
-        (vec![("  hub ", second)], "IMP0313: the inlet edge of `third` is flat and lies inside of the part"),
+        (vec![("  hub ", second)], "IMP0313: the inlet edge of `half` is flat and lies inside of the part"),
         (
             vec![("angle 22.5 deg", "angle 4 deg")],
             "IMP0302: the half pressure face reaches into the suction face beside it",
