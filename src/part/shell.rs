@@ -1,6 +1,6 @@
 //! The closed part as a boundary representation: NURBS faces, planes and cylinders with shared edges.
 //!
-//! Every patch of the part ([`super::patches`]) becomes a spline surface through its points. Edges are the borders of these
+//! Every patch of the part (`super::patches`) becomes a spline surface through its points. Edges are the borders of these
 //! surfaces, which two neighbours have in common, so that no edge needs a tolerance. Steps are halved until the surfaces are
 //! near enough to the patches. Planes and cylinders of the blank close the shell: nose, bore, back face, rim.
 

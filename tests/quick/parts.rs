@@ -1,12 +1,12 @@
 //! Parts with more than one ruled vane for each sector: a splitter with a lofted face is modelled, sampled and
-//! measured, but not planned.
+//! measured.
 
 use crate::support::jobs;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
 use impellerc::part::chart::{self, Shape};
-use impellerc::part::{BladeId, FaceId, FaceSurface, Part, Sample, Surface, SurfaceKind, kept, sample, solid};
+use impellerc::part::{Across, BladeId, FaceId, FaceSurface, Part, Sample, Surface, SurfaceKind, kept, sample, solid};
 use impellerc::progress::Progress;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{self, Limits};
@@ -48,6 +48,40 @@ fn the_program_names_blades_and_passages() {
     let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), 22.5_f64.to_radians())
         * Point3::new(-0.9243, -13.1354, -11.4546);
     assert!((SPLITTER.part.face(faces()[0]).surface.point(0.0, 0.0) - turned).norm() < 1e-12);
+}
+
+/// The continued walls of both passages follow the faces of the splitter, and keep their share of the way before it.
+#[test]
+fn walls_of_splitters_are_continued() {
+    let part = &SPLITTER.part;
+    let whole = Patch { u: [-0.1, 1.1], v: [-0.1, 1.1] };
+    for face in faces() {
+        let (passage, side) = part.passage_of(face);
+        let wall = part.walls(passage)[side];
+        let begins = part.along_channel(face, 0.0);
+        assert!((0.3..0.6).contains(&begins), "{begins}");
+        for (i, j) in (1..10).flat_map(|i| (0..=10).map(move |j| (i, j))) {
+            let [u, v] = [f64::from(i) / 10.0, f64::from(j) / 10.0];
+            let p = part.face(face).surface.point(u, v);
+            let found = wall.closest(&p, whole);
+            assert!(found.distance < 0.03, "{face:?} at {u}, {v}: {} off the wall", found.distance);
+            // u of the channel is that of the middle of the blade.
+            if j == 5 {
+                assert!((found.u - part.along_channel(face, u)).abs() < 0.01, "{} {u}", found.u);
+            }
+        }
+        let share = |u: f64| {
+            let main = part.face_ahead(BladeId::MAIN);
+            let ends = [main, main.other()].map(|id| part.face(id).surface.point(u, 0.5));
+            let across = Across::between(ends, part.pitch());
+            let p = wall.point(u, 0.5);
+            // By azimuths, since radius and height change a little on the way.
+            let [from, to, at] = [across.point(0.0), across.point(1.0), p].map(|p| libm::atan2(p.y, p.x));
+            (at - from).rem_euclid(std::f64::consts::TAU) / (to - from).rem_euclid(std::f64::consts::TAU)
+        };
+        let shares: Vec<f64> = (1..6).map(|k| share(f64::from(k) * 0.06 * begins / 0.5)).collect();
+        assert!(shares.iter().all(|s| (s - shares[0]).abs() < 1e-3 && (0.3..0.7).contains(s)), "{shares:?}");
+    }
 }
 
 #[test]

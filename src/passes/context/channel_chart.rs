@@ -87,11 +87,11 @@ impl<'a> ChannelChart<'a> {
 
     /// Rulings of both walls.
     fn rulings(&self, u: f64) -> [Vector3<f64>; 2] {
-        [self.first.ruling(u), self.to_second() * self.second.ruling(u)]
+        [self.first.ruling(u), self.second_turn() * self.second.ruling(u)]
     }
 
     /// The turn from the sector of the first wall to that of the second.
-    pub(crate) fn to_second(&self) -> Rotation3<f64> {
+    pub(crate) fn second_turn(self) -> Rotation3<f64> {
         Rotation3::from_axis_angle(&Vector3::z_axis(), self.turn)
     }
 

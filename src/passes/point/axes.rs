@@ -52,7 +52,7 @@ impl<'a> VaneAxis<'a> {
         let along = if wall == 0 {
             channel.tilted_ruling(along, 0.0, 0.0)
         } else {
-            channel.to_second().inverse() * channel.tilted_ruling(along, 1.0, 1.0)
+            channel.second_turn().inverse() * channel.tilted_ruling(along, 1.0, 1.0)
         };
         let along = (along - normal * along.dot(&normal)).normalize();
         along * libm::cos(tilt) + normal * libm::sin(tilt)

@@ -118,6 +118,9 @@ impl Stroke {
     }
 }
 
+/// A line with its name.
+type NamedLine = (String, Vec<CcPoint>);
+
 /// The strokes of one channel.
 struct ChannelStrokes<'a> {
     program: &'a Program,
@@ -129,11 +132,7 @@ struct ChannelStrokes<'a> {
 
 impl ChannelStrokes<'_> {
     /// All strokes with their names, and the number of rows.
-    fn all(
-        &self,
-        cx: &mut PassContext<'_>,
-        operation: &Operation,
-    ) -> Result<(Vec<(String, Vec<CcPoint>)>, usize), Aborted> {
+    fn all(&self, cx: &mut PassContext<'_>, operation: &Operation) -> Result<(Vec<NamedLine>, usize), Aborted> {
         let grid = self.grid();
         // Each place of the grid takes about as long as a point of a line; a row has a stroke for each step across.
         let widest = grid.iter().map(|u| self.roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
@@ -142,7 +141,7 @@ impl ChannelStrokes<'_> {
         let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.step(self.stand(*u))).collect();
         drop(work);
         cx.go_on()?;
-        let mut lines: Vec<(String, Vec<CcPoint>)> = Vec::new();
+        let mut lines: Vec<NamedLine> = Vec::new();
         let mut rows = 0;
         for part in self.parts(&stands) {
             for row in self.rows(&part) {
