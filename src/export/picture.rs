@@ -1,7 +1,7 @@
 //! A picture of the part with its tool paths: a z-buffer of shaded surface patches, and lines over it.
 
 use crate::ir::{Motion, MoveKind, Program};
-use crate::part::{BladeId, Face, Part, Surface};
+use crate::part::{Face, Part, Surface};
 use nalgebra::{Point3, Vector3};
 
 /// Twice the area of a triangle below which it has no normal, mm2.
@@ -216,16 +216,19 @@ fn draw_part(part: &Part, back: f64, canvas: &mut Canvas) {
     for sector in 0..part.vane_count {
         let turn = part.sector_rotation(sector);
         let point = |face: &Face, u: f64, v: f64| turn * face.surface.point(u, v);
-        for side in BladeId::MAIN.faces() {
-            canvas.patch(PATCHES, VANE, |u, v| point(part.face(side), u, v));
+        for blade in part.blade_ids() {
+            for side in part.sides(blade) {
+                canvas.patch(PATCHES, VANE, |u, v| point(part.face(side), u, v));
+            }
+            let [p, s] = blade.faces().map(|face| part.face(face));
+            let between = |u: f64, v: f64, t: f64| {
+                let (a, b) = (point(p, u, v), point(s, u, v));
+                a + (b - a) * t
+            };
+            canvas.patch([PATCHES[0], 2], VANE, |u, t| between(u, 1.0, t));
+            for end in [0, 1].into_iter().filter(|end| part.edge(blade, *end).is_none()) {
+                canvas.patch([PATCHES[1], 2], VANE, |v, t| between(end as f64, v, t));
+            }
         }
-        let (p, s) = (&part.main().faces[0], &part.main().faces[1]);
-        let between = |u: f64, v: f64, t: f64| {
-            let (a, b) = (point(p, u, v), point(s, u, v));
-            a + (b - a) * t
-        };
-        canvas.patch([PATCHES[0], 2], VANE, |u, t| between(u, 1.0, t));
-        canvas.patch([PATCHES[1], 2], VANE, |v, t| between(0.0, v, t));
-        canvas.patch([PATCHES[1], 2], VANE, |v, t| between(1.0, v, t));
     }
 }
