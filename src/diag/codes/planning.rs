@@ -18,7 +18,8 @@ fits in each layer. Or the lines lie so close together that they cannot cover a 
 in a channel 26 mm deep.\n\nRemedy: use a larger `depth` or `scallop`.";
     TOO_LARGE = "IMP0405", "the part is too large to be checked",
         "Planner and verifier use samples of the design surfaces at a fixed spacing. This part would need more \
-samples than fit into memory. In most cases a length has the wrong unit.\n\nRemedy: check the units of the points.";
+samples than fit into memory. In most cases a length has the wrong unit.\n\nRemedy: check the units of the points, or allow more \
+memory with `--memory`.";
     NO_FILLET = "IMP0403", "the ball touches vane and hub nowhere",
         "At some ruling no ball of this radius touches the face and the hub together. Either the ruling is too short \
 for the ball, or the face overhangs the hub.\n\nRemedy: use a smaller ball, or a smaller fillet.";

@@ -3,6 +3,7 @@
 use super::PassContext;
 use crate::analysis::cost;
 use crate::diag::{Aborted, Diag, Sink, codes::planning};
+use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{Operation, Program};
 use crate::part::sample;
 use crate::units;
@@ -10,22 +11,21 @@ use crate::units;
 /// Difference of radii that is rounding, mm.
 const SAME_RADIUS: f64 = 1e-9;
 
-/// Refuses parts that cannot be sampled.
+/// Refuses parts that cannot be sampled within the memory. The limit of samples is that of the default memory.
 pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let samples = sample::estimate(&program.part, FINEST_SPACING);
-    if samples <= sample::MOST_SAMPLES {
+    let most = sample::MOST_SAMPLES * (program.memory / DEFAULT_MEMORY).max(1.0);
+    if samples <= most {
         return Ok(());
     }
+    let enough = units::bytes(1e9 * (samples / sample::MOST_SAMPLES * DEFAULT_MEMORY / 1e9).ceil());
     let outlet = program.part.hub.meridian(1.0).point.x;
     sink.push(
         Diag::error(
             planning::TOO_LARGE,
-            format!(
-                "a part of {outlet:.0} mm radius needs {samples:.1e} samples; the limit is {:.1e}",
-                sample::MOST_SAMPLES
-            ),
+            format!("a part of {outlet:.0} mm radius needs {samples:.1e} samples; the limit is {most:.1e}"),
         )
-        .help("check the units of the points"),
+        .help(format!("check the units of the points; or allow {enough} of memory with `--memory`")),
     );
     Err(Aborted)
 }
