@@ -239,6 +239,7 @@ impl OperationKind {
             Self::Point { surfaces, .. } => surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2).collect(),
             _ => all(),
         };
+        blades.sort_unstable();
         blades.dedup();
         blades.into_iter()
     }
@@ -250,6 +251,17 @@ impl OperationKind {
             _ => None,
         }
     }
+}
+
+/// Names in their order, each once.
+pub fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    for name in names {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
 }
 
 /// The surfaces of a blade that are finished in lines of constant scallop height, each with its operation and its word

@@ -68,7 +68,7 @@ impl StepFile<'_> {
              FILE_SCHEMA(('{schema}'));\nENDSEC;\nDATA;\n",
             lines.join(",\n")
         );
-        let mut data = Data::default();
+        let mut data = StepEntities::default();
         let solid = data.solid(self.shell, &name);
         self.product(&mut data, solid, &name);
         out.push_str(&data.text);
@@ -77,7 +77,7 @@ impl StepFile<'_> {
     }
 
     /// The product that has the solid as its shape, with its units.
-    fn product(&self, data: &mut Data, solid: usize, name: &str) {
+    fn product(&self, data: &mut StepEntities, solid: usize, name: &str) {
         let [_, application, protocol, year] = self.protocol.names();
         let length = data.add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.))");
         let angle = data.add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
@@ -109,12 +109,12 @@ impl StepFile<'_> {
 
 /// The entities of a file.
 #[derive(Default)]
-struct Data {
+struct StepEntities {
     text: String,
     count: usize,
 }
 
-impl Data {
+impl StepEntities {
     /// Adds an entity and returns its number.
     fn add(&mut self, entity: &str) -> usize {
         self.count += 1;

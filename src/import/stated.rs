@@ -9,20 +9,20 @@ use crate::source::{Span, Spanned};
 use std::fmt::Display;
 
 /// A kind of fact: its name, the option that states it, what the option takes.
-struct SectionFact {
+struct StatedFact {
     name: &'static str,
     option: &'static str,
     values: &'static str,
 }
 
-const UNIT: SectionFact = SectionFact { name: "unit of length", option: "--unit", values: "mm, cm, m, in or ft" };
-const AXIS: SectionFact = SectionFact { name: "axis of rotation", option: "--axis", values: "x, y or z" };
-const HANDEDNESS: SectionFact = SectionFact { name: "handedness", option: "--handedness", values: "right or left" };
-const COUNT: SectionFact = SectionFact { name: "number of main blades", option: "--blades", values: "a whole number" };
+const UNIT: StatedFact = StatedFact { name: "unit of length", option: "--unit", values: "mm, cm, m, in or ft" };
+const AXIS: StatedFact = StatedFact { name: "axis of rotation", option: "--axis", values: "x, y or z" };
+const HANDEDNESS: StatedFact = StatedFact { name: "handedness", option: "--handedness", values: "right or left" };
+const COUNT: StatedFact = StatedFact { name: "number of main blades", option: "--blades", values: "a whole number" };
 
 /// The value that file and caller state. A value that both state must be the same.
 fn one<T: PartialEq + Copy + Display>(
-    fact: &SectionFact,
+    fact: &StatedFact,
     file: Option<Spanned<T>>,
     given: Option<T>,
     found: &mut Found,
@@ -67,7 +67,7 @@ impl<'a> Asked<'a> {
 
     fn required<T: PartialEq + Copy + Display>(
         &mut self,
-        fact: &SectionFact,
+        fact: &StatedFact,
         file: Option<Spanned<T>>,
         given: Option<T>,
         stand_in: T,

@@ -3,7 +3,7 @@
 use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
 use crate::kin::{Carries, Machine};
 use crate::method::LengthTo;
-use crate::operation;
+use crate::operation::{distinct, word};
 use crate::part::{Blade, BladeId, Part};
 use nalgebra::Point3;
 use std::fmt::Write as _;
@@ -168,8 +168,7 @@ fn kind(kind: &OperationKind) -> String {
         }
         OperationKind::Flank { faces, flank } => {
             let blades = of_blades(faces.iter().map(|face| face.blade));
-            let mut faces: Vec<&str> = faces.iter().map(|f| f.name()).collect();
-            faces.dedup();
+            let faces = distinct(faces.iter().map(|f| f.name()));
             let (method, strips) = (flank.method.name(), flank.strips_text());
             let (milling, order) = (flank.milling.name(), flank.order.name());
             format!("flank {method} {}{blades} strips {strips} {milling} order {order}", faces.join(" "))
@@ -180,13 +179,8 @@ fn kind(kind: &OperationKind) -> String {
             format!("channel {spacing} scallop {scallop} {lines} axes {method}{vane}")
         }
         OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
-            let blades = of_blades(surfaces.iter().filter_map(|s| operation::word(*s)).map(|w| w.2));
-            let mut names: Vec<&str> = Vec::new();
-            for (_, name, _) in surfaces.iter().filter_map(|s| operation::word(*s)) {
-                if !names.contains(&name) {
-                    names.push(name);
-                }
-            }
+            let blades = of_blades(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
+            let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
             let (lines, axes) = (lines.name(), method.name());
             let levels = levels.map_or_else(String::new, |height| format!(" levels {height}"));
             let milling = milling.map_or_else(String::new, |milling| format!(" {}", milling.name()));
@@ -297,7 +291,7 @@ fn machine(t: &mut String, machine: &Machine) {
     }
 }
 
-fn word(kind: MoveKind) -> &'static str {
+fn move_word(kind: MoveKind) -> &'static str {
     match kind {
         MoveKind::Rapid => "rapid",
         MoveKind::Link => "link",
@@ -324,7 +318,7 @@ pub fn motion(program: &Program, motion: &Motion, detail: Detail) -> String {
             let _ = writeln!(
                 t,
                 "  {i} {} X {:.4} Y {:.4} Z {:.4} {first} {:.4} {second} {:.4} {feed} time {:.4}",
-                word(m.kind),
+                move_word(m.kind),
                 j.xyz.x + 0.0,
                 j.xyz.y + 0.0,
                 j.xyz.z + 0.0,

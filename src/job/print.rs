@@ -7,7 +7,7 @@ use super::model::{
 };
 use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
-use crate::operation::{Allowances, word};
+use crate::operation::{Allowances, distinct, word};
 use crate::part::{BladeId, FaceId};
 use crate::post_file::{PostFile, Sectors};
 use crate::sections::EdgeForm;
@@ -271,17 +271,6 @@ fn blades(out: &mut String, job: &Job, of_surfaces: impl Iterator<Item = BladeId
         let names = of_surfaces.filter_map(|blade| job.part.blades.get(blade.index())).map(|blade| blade.name.as_str());
         let _ = writeln!(out, "  blades {}", distinct(names).join(", "));
     }
-}
-
-/// Names in their order, each once.
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut all = Vec::new();
-    names.for_each(|name| {
-        if !all.contains(&name) {
-            all.push(name)
-        }
-    });
-    all
 }
 
 fn operations(out: &mut String, job: &Job) {

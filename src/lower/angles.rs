@@ -12,7 +12,7 @@ use crate::job::model::{
 };
 use crate::part::{Blade, FaceSurface};
 use crate::sections::angles::{
-    AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MadeFault, Meridian,
+    AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MadeFault, MeridianByLength,
     MeridionalPatch, STEEPEST, SectionFault, SurfaceResidual, Thickness, made,
 };
 use crate::sections::loft::{LoftFault, LoftedBlade};
@@ -57,7 +57,7 @@ impl AngleBladeGiven<'_> {
     /// blade.
     pub(super) fn camber(&self, ends: [&NurbsCurve; 2], sink: &mut Sink) -> Option<CamberSurface> {
         let CamberSpec::Own { angles, lean, edges } = &self.spec.camber else { return None };
-        let [hub, shroud] = ends.map(Meridian::new);
+        let [hub, shroud] = ends.map(MeridianByLength::new);
         let ends = [hub?, shroud?];
         let [leading, trailing] = [0, 1].map(|edge: usize| self.edge(&edges[edge], &ends, sink));
         let edges = [leading?, trailing?];
@@ -88,7 +88,7 @@ impl AngleBladeGiven<'_> {
         }
     }
 
-    fn edge(&self, place: &EdgePlace, ends: &[Meridian; 2], sink: &mut Sink) -> Option<EdgeLine> {
+    fn edge(&self, place: &EdgePlace, ends: &[MeridianByLength; 2], sink: &mut Sink) -> Option<EdgeLine> {
         match place {
             EdgePlace::Places(places, span) => {
                 let lengths = [0, 1].map(|k: usize| match places[k] {
@@ -110,7 +110,7 @@ impl AngleBladeGiven<'_> {
             }
             EdgePlace::Curve(spec) => {
                 let curve = curves::meridian(spec, "meridional edge", sink)?;
-                let (line, off) = EdgeLine::curved(Meridian::new(&curve)?, [&ends[0], &ends[1]]);
+                let (line, off) = EdgeLine::curved(MeridianByLength::new(&curve)?, [&ends[0], &ends[1]]);
                 let worst = [("hub", "begins", off[0]), ("shroud", "ends", off[1])];
                 let worst = worst.into_iter().find(|(_, _, off)| *off > OFF_ENDS);
                 if let Some((surface, verb, off)) = worst {

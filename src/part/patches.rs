@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 
 /// A direction of patches. All patches that meet in a border have the same steps along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Direction {
+pub(super) enum PatchDirection {
     /// Along a blade.
     Along,
     /// From the hub up a fillet.
@@ -26,13 +26,13 @@ pub(super) enum Direction {
     Blade,
 }
 
-/// Numbers of steps in each [`Direction`].
+/// Numbers of steps in each [`PatchDirection`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Steps(pub [usize; 5]);
 
 impl Steps {
     /// Number of steps in a direction.
-    pub(super) fn of(&self, direction: Direction) -> usize {
+    pub(super) fn of(&self, direction: PatchDirection) -> usize {
         self.0[direction as usize]
     }
 
@@ -82,11 +82,11 @@ impl Spacing {
 
 /// A surface over the unit square by points at equal steps.
 #[derive(Clone, Debug)]
-pub(super) struct Patch {
+pub(super) struct SheetPatch {
     /// Kind of the surface.
     pub kind: SurfaceKind,
     /// Directions of its columns and of its rows.
-    pub directions: [Direction; 2],
+    pub directions: [PatchDirection; 2],
     /// Rows of points.
     pub rows: Vec<Vec<Point3<f64>>>,
     /// True when columns and rows run clockwise as seen from outside.
@@ -119,8 +119,8 @@ impl<'a> Patches<'a> {
         }
         let faces = part.first_passage().walls;
         let charts = charts(part);
-        let up = [steps.of(Direction::Fillet), steps.of(Direction::Face)];
-        let along = spacing.shares(steps.of(Direction::Along));
+        let up = [steps.of(PatchDirection::Fillet), steps.of(PatchDirection::Face)];
+        let along = spacing.shares(steps.of(PatchDirection::Along));
         let [ahead, behind] = [Sheet::new(part, &charts, faces[0])?, Sheet::new(part, &charts, faces[1])?];
         let foot = if ahead.has_fillet() { up[0] } else { 0 };
         let mut sheets = [ahead.grid(&along, up)?, behind.grid(&along, up)?];
@@ -149,21 +149,21 @@ impl<'a> Patches<'a> {
     /// The hub of the channel behind the blade of a sector: a row for each step along the blade.
     fn hub(&self, sector: u32) -> Grid {
         let [from, to] = [self.sheet(0, sector), self.sheet(1, sector + 1)];
-        let across = (self.steps.of(Direction::Channel), self.part.pitch());
+        let across = (self.steps.of(PatchDirection::Channel), self.part.pitch());
         from[0].iter().zip(&to[0]).map(|(p, q)| bridge(p, q, across, Some(&self.part.hub))).collect()
     }
 
     /// Patches of a sector, and for each end of the hub the points on its circle, without the last.
-    pub(super) fn of_sector(&self, sector: u32) -> (Vec<Patch>, [Vec<Point3<f64>>; 2]) {
+    pub(super) fn of_sector(&self, sector: u32) -> (Vec<SheetPatch>, [Vec<Point3<f64>>; 2]) {
         let [ahead, behind] = [0, 1].map(|side| self.sheet(side, sector));
         let hub = self.hub(sector);
         let (top, foot) = (ahead.len() - 1, self.foot);
-        let thick = (self.steps.of(Direction::Blade), 0.0);
+        let thick = (self.steps.of(PatchDirection::Blade), 0.0);
         let tip: Grid =
             behind[top].iter().zip(&ahead[top]).map(|(p, q)| bridge(p, q, thick, Some(&self.part.shroud))).collect();
         let mut patches = Vec::new();
         let mut add = |kind, directions, rows: &[Vec<Point3<f64>>], turned: bool| {
-            patches.push(Patch { kind, directions, rows: rows.to_vec(), turned: turned != self.turned });
+            patches.push(SheetPatch { kind, directions, rows: rows.to_vec(), turned: turned != self.turned });
         };
         let mut rings = [Vec::new(), Vec::new()];
         let blade = BladeId::MAIN;
@@ -174,22 +174,27 @@ impl<'a> Patches<'a> {
         for (side, sheet) in [&ahead, &behind].into_iter().enumerate() {
             let face = self.faces[side];
             if foot > 0 {
-                let up = [Direction::Along, Direction::Fillet];
+                let up = [PatchDirection::Along, PatchDirection::Fillet];
                 add(SurfaceKind::Fillet(face), up, &sheet[..=foot], side == 1);
             }
-            add(SurfaceKind::Face(face), [Direction::Along, Direction::Face], &sheet[foot..], side == 1);
+            add(SurfaceKind::Face(face), [PatchDirection::Along, PatchDirection::Face], &sheet[foot..], side == 1);
         }
-        add(SurfaceKind::Hub(self.part.first_passage().id), [Direction::Channel, Direction::Along], &hub, false);
-        add(SurfaceKind::Tip(blade), [Direction::Blade, Direction::Along], &tip, false);
+        add(
+            SurfaceKind::Hub(self.part.first_passage().id),
+            [PatchDirection::Channel, PatchDirection::Along],
+            &hub,
+            false,
+        );
+        add(SurfaceKind::Tip(blade), [PatchDirection::Blade, PatchDirection::Along], &tip, false);
         for (end, [at, ring]) in [(0, [0, 0]), (1, [hub.len() - 1, 1])] {
             let mut edge: Grid = (0..top).map(|j| bridge(&behind[j][at], &ahead[j][at], thick, None)).collect();
             edge.push(tip[at].clone());
             rings[ring].extend_from_slice(&edge[0][..thick.0]);
             rings[ring].extend_from_slice(&hub[at][..hub[at].len() - 1]);
             if foot > 0 {
-                add(kinds[end][0], [Direction::Blade, Direction::Fillet], &edge[..=foot], end != 0);
+                add(kinds[end][0], [PatchDirection::Blade, PatchDirection::Fillet], &edge[..=foot], end != 0);
             }
-            add(kinds[end][1], [Direction::Blade, Direction::Face], &edge[foot..], end != 0);
+            add(kinds[end][1], [PatchDirection::Blade, PatchDirection::Face], &edge[foot..], end != 0);
         }
         (patches, rings)
     }

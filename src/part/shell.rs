@@ -4,7 +4,7 @@
 //! surfaces, which two neighbours have in common, so that no edge needs a tolerance. Steps are halved until the surfaces are
 //! near enough to the patches. Planes and cylinders of the blank close the shell: nose, bore, back face, rim.
 
-use super::patches::{Direction, Patch, Patches, Spacing, Steps};
+use super::patches::{PatchDirection, Patches, SheetPatch, Spacing, Steps};
 use super::{Part, Stock, SurfaceId, SurfaceKind};
 use crate::geom::{NurbsCurve, NurbsSurface, interpolate_grid};
 use nalgebra::Point3;
@@ -47,7 +47,7 @@ pub enum EdgeCurve {
 
 /// An edge of two faces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Edge {
+pub struct ShellEdge {
     /// Its curve.
     pub curve: EdgeCurve,
     /// Indices of its first and last vertex.
@@ -99,7 +99,7 @@ pub struct Shell {
     /// Vertices, mm.
     pub vertices: Vec<Point3<f64>>,
     /// Edges; each is in the borders of two faces, once along and once against it.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<ShellEdge>,
     /// Faces.
     pub faces: Vec<ShellFace>,
     /// Largest distance of a spline surface to the design surface that was found, mm.
@@ -125,7 +125,7 @@ pub enum ShellFault {
 /// [`ShellFault`].
 pub fn shell(part: &Part, stock: &Stock) -> Result<Shell, ShellFault> {
     let (fitted, error) = fit(part)?;
-    let mut builder = Builder {
+    let mut builder = ShellBuilder {
         shell: Shell { vertices: Vec::new(), edges: Vec::new(), faces: Vec::new(), error },
         uses: Vec::new(),
     };
@@ -140,7 +140,7 @@ pub fn shell(part: &Part, stock: &Stock) -> Result<Shell, ShellFault> {
 }
 
 /// A patch with its spline surface.
-type Fitted = (Patch, NurbsSurface);
+type Fitted = (SheetPatch, NurbsSurface);
 
 /// Spline surfaces of the patches of sector 0, and their largest distance to the patches.
 fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
@@ -155,7 +155,7 @@ fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
         for (patch, _, errors) in &fitted {
             for (direction, error) in patch.directions.into_iter().zip(*errors) {
                 let near = match direction {
-                    Direction::Channel | Direction::Blade => NEAR_CIRCLES,
+                    PatchDirection::Channel | PatchDirection::Blade => NEAR_CIRCLES,
                     _ if fillet && !matches!(patch.kind, SurfaceKind::Face(_) | SurfaceKind::Tip(_)) => NEAR_FILLET,
                     _ => NEAR,
                 };
@@ -178,7 +178,7 @@ fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
 
 /// The surface through every second point of a patch, with its largest distances to the points between them along the
 /// columns, along the rows, and along both.
-fn fit_patch(patch: Patch) -> Option<(Patch, NurbsSurface, [f64; 3])> {
+fn fit_patch(patch: SheetPatch) -> Option<(SheetPatch, NurbsSurface, [f64; 3])> {
     let coarse: Vec<Vec<Point3<f64>>> =
         patch.rows.iter().step_by(2).map(|row| row.iter().step_by(2).copied().collect()).collect();
     let surface = interpolate_grid(&coarse).ok()?;
@@ -200,13 +200,13 @@ fn fit_patch(patch: Patch) -> Option<(Patch, NurbsSurface, [f64; 3])> {
 }
 
 /// Joins faces to a shell.
-struct Builder {
+struct ShellBuilder {
     shell: Shell,
     /// Of each edge, the kind of its first face and whether the border of that face runs along it; `None` once it has two.
     uses: Vec<Option<(SurfaceKind, bool)>>,
 }
 
-impl Builder {
+impl ShellBuilder {
     fn vertex(&mut self, p: Point3<f64>) -> usize {
         let found = self.shell.vertices.iter().position(|q| (q - p).norm() < SAME);
         found.unwrap_or_else(|| {
@@ -216,7 +216,7 @@ impl Builder {
     }
 
     fn edge(&mut self, curve: EdgeCurve, ends: [usize; 2]) -> usize {
-        self.shell.edges.push(Edge { curve, ends });
+        self.shell.edges.push(ShellEdge { curve, ends });
         self.uses.push(None);
         self.shell.edges.len() - 1
     }

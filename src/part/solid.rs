@@ -1,7 +1,7 @@
 //! The finished part as a closed triangle mesh, from the design surfaces only, and its volume: patches of all sectors, and
 //! front, bore, back and outside of the blank.
 
-use super::patches::{Direction, Patches, Spacing, Steps};
+use super::patches::{PatchDirection, Patches, Spacing, Steps};
 use super::{Part, Stock};
 use crate::geom::angle::nearest_turn;
 use crate::stock::Mesh;
@@ -80,7 +80,9 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Option<ChordMesh> 
         let circle = around * (1.0 - libm::cos(0.5 * widest.fold(0.0, f64::max)));
         worst = worst.max(circle);
         if circle > chord {
-            [Direction::Channel, Direction::Blade].iter().for_each(|d| more.0[*d as usize] = 2 * steps.of(*d));
+            [PatchDirection::Channel, PatchDirection::Blade]
+                .iter()
+                .for_each(|d| more.0[*d as usize] = 2 * steps.of(*d));
         }
         if more == steps {
             let patches = Patches::new(part, steps, Spacing::FineEnds)?;

@@ -18,7 +18,7 @@ use crate::analysis::cost;
 use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
 use crate::method::{Milling, Slots};
-use crate::passes::context::{PassContext, in_passage, limits::check_points, maximal_ranges};
+use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
 use crate::progress::Work;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -32,16 +32,11 @@ pub(crate) fn plan(
     roughings: &Roughings<'_>,
     (id, operation): (OperationId, &Operation),
 ) -> Result<CcOperation, Aborted> {
-    let (mut passes, mut notes) = (Vec::new(), Vec::new());
-    for roughing in super::roughing(cx, roughings, id)? {
-        let (found, said) = plan_passage(cx, roughing, operation)?;
-        passes.extend(found);
-        notes.extend(said.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
-    }
-    if passes.is_empty() {
+    let planned = super::each_passage(cx, roughings, id, |cx, roughing| plan_passage(cx, roughing, operation))?;
+    if planned.passes.is_empty() {
         return Err(fits_nowhere(cx, operation));
     }
-    Ok(CcOperation { operation: id, passes, notes })
+    Ok(planned)
 }
 
 fn plan_passage(

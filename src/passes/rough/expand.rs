@@ -9,7 +9,7 @@ use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Level, Roughing};
 use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
-use crate::passes::context::{PassContext, in_passage, limits::check_points};
+use crate::passes::context::{PassContext, limits::check_points};
 use crate::passes::lines::scallop;
 
 /// Plans an expand operation from the levels of earlier expanding in each passage; sets the levels that it reaches.
@@ -22,13 +22,11 @@ pub(crate) fn plan(
     (id, operation): (OperationId, &Operation),
     levels: &mut [f64],
 ) -> Result<CcOperation, Aborted> {
-    let (mut all, mut notes) = (Vec::new(), Vec::new());
-    for (roughing, level) in super::roughing(cx, roughings, id)?.iter().zip(levels) {
-        let (passes, found) = plan_passage(cx, roughing, operation, level)?;
-        all.extend(passes);
-        notes.extend(found.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
-    }
-    Ok(CcOperation { operation: id, passes: all, notes })
+    let mut levels = levels.iter_mut();
+    super::each_passage(cx, roughings, id, |cx, roughing| {
+        let level = levels.next().ok_or(Aborted)?;
+        plan_passage(cx, roughing, operation, level)
+    })
 }
 
 fn plan_passage(

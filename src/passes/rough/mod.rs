@@ -16,8 +16,8 @@ mod wall_tilt;
 
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::entity::PrimaryMap;
-use crate::ir::{CcPass, CcPoint, ClPoint, Operation, OperationId};
-use crate::passes::context::PassContext;
+use crate::ir::{CcOperation, CcPass, CcPoint, ClPoint, Operation, OperationId};
+use crate::passes::context::{PassContext, in_passage};
 use layers::Roughing;
 
 /// Data of the roughing operations of a program, made once for all passes, for each passage; none for finishing.
@@ -57,6 +57,25 @@ pub(crate) fn roughing<'r, 'a>(
     // A layer takes some ten thousand distance queries, which costs as much time as that many points.
     check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER * roughings[id].len() as f64)?;
     Ok(&roughings[id])
+}
+
+/// The plan of an operation from the passes and notes of each passage.
+///
+/// # Errors
+/// Those of `plan`; layers so thin that planning would not end.
+fn each_passage<'a>(
+    cx: &mut PassContext<'_>,
+    roughings: &Roughings<'a>,
+    id: OperationId,
+    mut plan: impl FnMut(&mut PassContext<'_>, &Roughing<'a>) -> Result<(Vec<CcPass>, Vec<String>), Aborted>,
+) -> Result<CcOperation, Aborted> {
+    let mut all = CcOperation { operation: id, passes: Vec::new(), notes: Vec::new() };
+    for roughing in roughing(cx, roughings, id)? {
+        let (passes, notes) = plan(cx, roughing)?;
+        all.passes.extend(passes);
+        all.notes.extend(notes.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
+    }
+    Ok(all)
 }
 
 /// Refuses an operation whose tool has room nowhere in the channel.

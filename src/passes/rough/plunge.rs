@@ -62,6 +62,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         let strokes = ChannelStrokes {
             program: &program,
             roughing: &roughing,
+            ends: roughing.ends(0.0),
             step: stepover.get(),
             lead: operation.lead_in.get(),
         };
@@ -125,6 +126,8 @@ type NamedLine = (String, Vec<CcPoint>);
 struct ChannelStrokes<'a> {
     program: &'a Program,
     roughing: &'a Roughing<'a>,
+    /// u at which the channel comes into the blank and leaves it.
+    ends: [f64; 2],
     /// Largest distance of neighbouring strokes, mm.
     step: f64,
     lead: f64,
@@ -160,7 +163,7 @@ impl ChannelStrokes<'_> {
         let chart = &self.roughing.chart;
         // A tool outside of the stock has its whole end there, also where the channel ends at a slant of 60 deg.
         let lead = 2.0 * self.roughing.radius() + self.step;
-        let ends = self.roughing.ends(0.0);
+        let ends = self.ends;
         let [from, to] = [ends[0] - chart.lead(0.0, 0.0, lead), ends[1] + chart.lead(1.0, 0.0, lead)];
         let length =
             [0.0, 1.0].map(|v| length_of(|u| chart.point(u, v, 0.5), from, to)).into_iter().fold(0.0, f64::max);
@@ -170,8 +173,8 @@ impl ChannelStrokes<'_> {
 
     /// The lowest level on which the tool fits at a place; `None` where it fits on none.
     fn stand(&self, u: f64) -> Option<Stand> {
-        let (roughing, ends) = (self.roughing, self.roughing.ends(0.0));
-        let inside = (ends[0]..=ends[1]).contains(&u);
+        let roughing = self.roughing;
+        let inside = (self.ends[0]..=self.ends[1]).contains(&u);
         let lowest = roughing.hub_allowance();
         for k in 0.. {
             let level = Level::OverHub(lowest + k as f64 * roughing.depth);

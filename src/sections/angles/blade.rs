@@ -364,7 +364,7 @@ impl SectionLine<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::camber::{CamberAngles, CamberRow};
-    use super::super::meridional::{EdgeLine, Meridian, MeridionalPatch};
+    use super::super::meridional::{EdgeLine, MeridianByLength, MeridionalPatch};
     use super::*;
     use crate::geom::interpolate;
 
@@ -372,7 +372,7 @@ mod tests {
     fn cone(beta: f64) -> CamberSurface {
         let meridian = |r: f64| {
             let points = [Point3::new(r, 0.0, 0.0), Point3::new(r + 24.0, 0.0, -32.0)];
-            Meridian::new(&interpolate(&points, 1).unwrap()).unwrap()
+            MeridianByLength::new(&interpolate(&points, 1).unwrap()).unwrap()
         };
         let ends = [5.0, 15.0].map(meridian);
         let edges = [EdgeLine::straight([0.0; 2]), EdgeLine::straight([40.0; 2])];
@@ -480,7 +480,7 @@ mod tests {
         let straight = [EdgeLine::straight([0.0; 2]), EdgeLine::straight([40.0; 2])];
         let meridian = |r: f64| {
             let points = [Point3::new(r, 0.0, 0.0), Point3::new(r + 24.0, 0.0, -32.0)];
-            Meridian::new(&interpolate(&points, 1).unwrap()).unwrap()
+            MeridianByLength::new(&interpolate(&points, 1).unwrap()).unwrap()
         };
         let patch = MeridionalPatch::new([5.0, 15.0].map(meridian), straight);
         let bent = CamberSurface::new(patch, &[row], Distribution::constant(0.0)).unwrap();

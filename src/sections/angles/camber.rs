@@ -253,19 +253,19 @@ impl CamberLine<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::meridional::{EdgeLine, Meridian};
+    use super::super::meridional::{EdgeLine, MeridianByLength};
     use super::*;
     use crate::geom::interpolate;
     use nalgebra::Point3;
 
-    fn meridian(ends: [[f64; 2]; 2]) -> Meridian {
+    fn meridian(ends: [[f64; 2]; 2]) -> MeridianByLength {
         let points = ends.map(|[r, z]| Point3::new(r, 0.0, z));
-        Meridian::new(&interpolate(&points, 1).unwrap()).unwrap()
+        MeridianByLength::new(&interpolate(&points, 1).unwrap()).unwrap()
     }
 
     fn between(hub: [[f64; 2]; 2], shroud: [[f64; 2]; 2]) -> MeridionalPatch {
         let ends = [hub, shroud].map(meridian);
-        let edges = [EdgeLine::straight([0.0; 2]), EdgeLine::straight(ends.each_ref().map(Meridian::length))];
+        let edges = [EdgeLine::straight([0.0; 2]), EdgeLine::straight(ends.each_ref().map(MeridianByLength::length))];
         MeridionalPatch::new(ends, edges)
     }
 

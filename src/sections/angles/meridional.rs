@@ -13,11 +13,11 @@ const ROUNDS: usize = 60;
 
 /// A meridian (r, z) by its length from the first point, mm.
 #[derive(Clone, Debug)]
-pub struct Meridian {
+pub struct MeridianByLength {
     table: HermiteTable<2>,
 }
 
-impl Meridian {
+impl MeridianByLength {
     /// The meridian of a curve: its azimuth does not count. `None` for a curve without length.
     pub fn new(curve: &NurbsCurve) -> Option<Self> {
         let at = |u: f64| {
@@ -106,7 +106,7 @@ impl Meridian {
 pub struct EdgeLine {
     /// Lengths on hub and shroud at which it begins and ends, mm.
     places: [f64; 2],
-    curve: Option<Meridian>,
+    curve: Option<MeridianByLength>,
 }
 
 impl EdgeLine {
@@ -117,7 +117,7 @@ impl EdgeLine {
 
     /// A curve from hub to shroud, and how far its ends are from them, mm. Its shape holds between the places nearest to its
     /// ends.
-    pub fn curved(curve: Meridian, [hub, shroud]: [&Meridian; 2]) -> (Self, [f64; 2]) {
+    pub fn curved(curve: MeridianByLength, [hub, shroud]: [&MeridianByLength; 2]) -> (Self, [f64; 2]) {
         let [first, last] = [0.0, curve.length()].map(|length| curve.at(length).0);
         let [(from, off), (to, off_shroud)] = [hub.nearest(first), shroud.nearest(last)];
         (Self { places: [from, to], curve: Some(curve) }, [off, off_shroud])
@@ -140,13 +140,13 @@ impl EdgeLine {
 /// are straight lines between equal shares of the lengths of hub and shroud.
 #[derive(Clone, Debug)]
 pub struct MeridionalPatch {
-    ends: [Meridian; 2],
+    ends: [MeridianByLength; 2],
     edges: [EdgeLine; 2],
 }
 
 impl MeridionalPatch {
     /// The patch between hub and shroud, and between the leading and the trailing edge.
-    pub fn new(ends: [Meridian; 2], edges: [EdgeLine; 2]) -> Self {
+    pub fn new(ends: [MeridianByLength; 2], edges: [EdgeLine; 2]) -> Self {
         Self { ends, edges }
     }
 
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_meridian_is_taken_by_its_length() {
-        let meridian = Meridian::new(&quarter()).unwrap();
+        let meridian = MeridianByLength::new(&quarter()).unwrap();
         let arc = 20.0 * std::f64::consts::FRAC_PI_2;
         assert!((meridian.length() - arc).abs() < 1e-5);
         for k in 0..=33 {
@@ -210,10 +210,10 @@ mod tests {
 
     #[test]
     fn edges_are_the_stated_lines() {
-        let hub = Meridian::new(&quarter()).unwrap();
-        let shroud = Meridian::new(&line(&[[20.0, 0.0], [30.0, -10.0]])).unwrap();
+        let hub = MeridianByLength::new(&quarter()).unwrap();
+        let shroud = MeridianByLength::new(&line(&[[20.0, 0.0], [30.0, -10.0]])).unwrap();
         let curve = [[10.0, 0.0], [14.0, -3.0], [16.0, -2.0], [20.0, 0.0]];
-        let edge = Meridian::new(&line(&curve)).unwrap();
+        let edge = MeridianByLength::new(&line(&curve)).unwrap();
         let (leading, off) = EdgeLine::curved(edge.clone(), [&hub, &shroud]);
         assert!(off.iter().all(|d| *d < 1e-6));
         let trailing = EdgeLine::straight([hub.length(), shroud.length()]);

@@ -19,4 +19,4 @@ pub use blade::{AngleBlade, EdgeShape, FaultKind, SectionFault, Thickness};
 pub use camber::{CamberAngles, CamberRow, CamberSurface, STEEPEST};
 pub use distribution::Distribution;
 pub use made::{MadeFault, SurfaceResidual, made};
-pub use meridional::{EdgeLine, Meridian, MeridionalPatch};
+pub use meridional::{EdgeLine, MeridianByLength, MeridionalPatch};
