@@ -196,6 +196,7 @@ fn kind(kind: &OperationKind) -> String {
 /// The blades of surfaces, where these are others than the main blade.
 fn of_blades(blades: impl Iterator<Item = BladeId>) -> String {
     let mut blades: Vec<BladeId> = blades.collect();
+    blades.sort_unstable();
     blades.dedup();
     if blades == [BladeId::MAIN] {
         return String::new();
